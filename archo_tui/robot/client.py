@@ -34,7 +34,7 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
-from archo_tui.robot.mailbox import Mailbox, Receiver
+from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
@@ -43,6 +43,7 @@ from archo_tui.robot.resources import SEND
 from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
+from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
     Event,
     Goal,
@@ -66,8 +67,6 @@ from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChan
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file import mismatch, model
 
-FLUSH_PERIOD = 0.2  # s between two snapshots while much happens: 5 a second
-STREAM_PERIOD = 0.4  # s between them while only numbers go on and nodes log: nobody reads faster
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _EARLY = 0.05  # s that the timer of a look may be early, and the look still be taken
@@ -106,10 +105,7 @@ class Robot:
         # full names of the nodes that this process hosts: what becomes of them its host tells
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
-        self._mailbox = Mailbox()
         self._log = EventLog()
-        self._dirty = self._streams = False  # whether a snapshot is to go up, soon or later
-        self._unseen = False  # something was heard that differs in its time only
         self._still_running: tuple[str, ...] = ()  # Names of goals, after an answered STOP.
         self._faults: dict[str, str] = {}
         self._mismatches: frozenset[str] = frozenset()  # that were said
@@ -121,6 +117,9 @@ class Robot:
             own_name(), heard, masks, context=context, start_parameter_services=False
         )
         self._name = author(node.get_name())
+        # The robot's time may stand still, or jump.
+        steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        self._snapshots = SnapshotSender(node, steady, self._build_snapshot)
         self._record_publisher = node.create_publisher(String, audit_records.TOPIC, _MAX_RECORDS)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._warn)
@@ -131,7 +130,7 @@ class Robot:
             node,
             clock,
             self._services,
-            self._mark,
+            self._snapshots.send_soon,
             self._measure_anew,
             self._on_change,
             self._secrets,
@@ -152,17 +151,11 @@ class Robot:
             self._services,
             self._graph,
             self._interface_checks,
-            self._flush,
+            self._snapshots.send,
             self._tell_of_stop,
         )
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
         node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, _MAX_RECORDS)
-        # whatever the robot's time does
-        steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
-        self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
-        self._flusher.cancel()
-        self._streamer = node.create_timer(STREAM_PERIOD, self._flush, clock=steady)
-        self._streamer.cancel()
         node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
@@ -171,7 +164,7 @@ class Robot:
         self._thread = RosThread(node, context, clock, self._on_error)
         for said in self._interface_checks.unfit.values():
             self._warn(said)
-        self._flush()  # what the robot's file says is known before anything is heard
+        self._snapshots.send()  # what the robot's file says is known before anything is heard
 
     # life
 
@@ -182,19 +175,19 @@ class Robot:
 
     def subscribe(self, receiver: Receiver) -> None:
         """Have `receiver(snapshot)` called on this loop, first with what is known already."""
-        self._mailbox.open(receiver)
-        receiver(self._mailbox.latest)
+        self._snapshots.mailbox.open(receiver)
+        receiver(self._snapshots.mailbox.latest)
 
     def stop(self) -> None:
         """Stop delivering and leave the graph."""
-        self._mailbox.close()
+        self._snapshots.mailbox.close()
         if self._thread.stop():
             self._goals.close()
 
     @property
     def snapshot(self) -> Snapshot:
         """The newest snapshot."""
-        return self._mailbox.latest
+        return self._snapshots.mailbox.latest
 
     # verbs
 
@@ -541,7 +534,7 @@ class Robot:
         """Return when all that was noted before is in the snapshot."""
 
         async def there() -> None:
-            self._flush()
+            self._snapshots.send()
 
         with contextlib.suppress(TimeoutError):  # it is busy: then without
             await self._thread.run(there, services.DEADLINE)
@@ -632,7 +625,7 @@ class Robot:
             self._tell(
                 f"{title}: {outcome.text}", AuditRecord(verb, arguments, outcome.code), command, who
             )
-            self._flush()
+            self._snapshots.send()
             return outcome if answer is None else Answer.of(outcome, answer)
 
         async def there() -> Outcome:
@@ -721,9 +714,9 @@ class Robot:
             if kind.action in self._graph.several:
                 said = mismatch.duplicate_servers(kind.action, self._graph.several[kind.action])
                 faults[kind.action] = said
-        if changed or faults != self._faults or self._unseen:
+        if changed or faults != self._faults or self._snapshots.is_stale:
             self._faults = faults
-            self._mark()
+            self._snapshots.send_soon()
         mismatches = [said for found in self._graph.resources for said in found.mismatches]
         for said in mismatches:
             if said not in self._mismatches:
@@ -741,7 +734,7 @@ class Robot:
             self._watcher.cancel()
             if self._still_running:
                 self._still_running = ()
-                self._mark()
+                self._snapshots.send_soon()
             return
         now = self._clock.monotonic()
         self._goals.update_lengths(self._way)
@@ -751,7 +744,7 @@ class Robot:
             before = self._still_running
             self._still_running = self._goals.cancel_older(stopped)
             if self._still_running != before:
-                self._mark()
+                self._snapshots.send_soon()
 
     def _measure_anew(self, node: str, old: object, new: object) -> None:
         """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
@@ -763,9 +756,9 @@ class Robot:
         if self._watcher.is_canceled():
             self._watcher.reset()
         if turned:
-            self._flush()
+            self._snapshots.send()
         else:  # feedback: the motion that is reported beside it goes up with it
-            self._mark()
+            self._snapshots.send_soon()
 
     def _on_telemetry(self, topic: str, news: News) -> None:
         self._graph.heard_topic(topic, self._clock.monotonic())
@@ -779,16 +772,16 @@ class Robot:
                     before = self._stopping.latch.is_not_obeyed
                     self._stopping.on_motion(self._telemetry.motion)
                     if self._stopping.latch.is_not_obeyed != before:
-                        self._mark()
+                        self._snapshots.send_soon()
                 now = self._clock.monotonic()
                 self._unexplained_changes.on_motion(
                     self._telemetry.motion, now, self._motion_restarted
                 )
-        self._unseen = True
+        self._snapshots.is_stale = True
         if news is News.WORDS:
-            self._mark()
+            self._snapshots.send_soon()
         elif news is News.NUMBERS:
-            self._mark_stream()
+            self._snapshots.send_later()
 
     def _tell_of_consoles(self) -> None:
         """Coming and going; those that are there at the start are in the header."""
@@ -825,9 +818,9 @@ class Robot:
         event = self._log.add(Event(self._clock.now(), level, message.name, message.msg))
         self._happened(event)
         if level in ROUTINE or event.count > 1:
-            self._mark_stream()
+            self._snapshots.send_later()
         else:
-            self._mark()
+            self._snapshots.send_soon()
 
     def _on_audit_record(self, message: String) -> None:
         """Take in a record that another console reports; this console's own are left out."""
@@ -883,60 +876,43 @@ class Robot:
 
     def _add_event(self, event: Event) -> None:
         self._happened(self._log.add(event))
-        self._mark()
+        self._snapshots.send_soon()
 
-    def _mark(self) -> None:
-        """Something changed: a snapshot goes up within FLUSH_PERIOD."""
-        if not self._dirty:
-            self._dirty = True
-            self._flusher.reset()
-
-    def _mark_stream(self) -> None:
-        """Have a snapshot go up within STREAM_PERIOD: only steady streams have changed."""
-        if not (self._dirty or self._streams):
-            self._streams = True
-            self._streamer.reset()
-
-    def _flush(self) -> None:
-        """Send a snapshot up now."""
-        self._dirty = self._streams = self._unseen = False
-        self._flusher.cancel()
-        self._streamer.cancel()
-        self._mailbox.put(
-            Snapshot(
-                file=self.file,
-                battery=self._telemetry.battery,
-                motion=self._telemetry.motion,
-                gauges=self._telemetry.gauges,
-                goal=self._goals.goal,
-                running=self._goals.running,
-                history=tuple(self._goals.history),
-                parameters=self._parameters.all(),
-                nodes=self._graph.states(),
-                offered=self._graph.offered,
-                events=self._log.all(),
-                charge=self._telemetry.charge,
-                open_stop=self._stopping.open,
-                latch=self._stopping.latch.state,
-                latch_lost=self._stopping.latch.doubt,
-                latch_time=self._stopping.latch.time,
-                released=self._stopping.latch.released,
-                moves_on=self._stopping.latch.is_not_obeyed,
-                still_running_after_stop=self._still_running,
-                namespace=self._graph.namespace,
-                faults=self._faults,
-                publishers=self._graph.publishers,
-                twice=self._graph.twice,
-                several=self._graph.several,
-                has_clock=self._graph.has_clock,
-                elsewhere=self._graph.elsewhere,
-                consoles=self._graph.consoles,
-                forms=self._interface_checks.forms,
-                actions=self._graph.actions,
-                services=self._graph.served,
-                resources=self._graph.resources,
-                message_rates=self._graph.message_rates(),
-            )
+    def _build_snapshot(self) -> Snapshot:
+        """Return a snapshot of all that is known now."""
+        return Snapshot(
+            file=self.file,
+            battery=self._telemetry.battery,
+            motion=self._telemetry.motion,
+            gauges=self._telemetry.gauges,
+            goal=self._goals.goal,
+            running=self._goals.running,
+            history=tuple(self._goals.history),
+            parameters=self._parameters.all(),
+            nodes=self._graph.states(),
+            offered=self._graph.offered,
+            events=self._log.all(),
+            charge=self._telemetry.charge,
+            open_stop=self._stopping.open,
+            latch=self._stopping.latch.state,
+            latch_lost=self._stopping.latch.doubt,
+            latch_time=self._stopping.latch.time,
+            released=self._stopping.latch.released,
+            moves_on=self._stopping.latch.is_not_obeyed,
+            still_running_after_stop=self._still_running,
+            namespace=self._graph.namespace,
+            faults=self._faults,
+            publishers=self._graph.publishers,
+            twice=self._graph.twice,
+            several=self._graph.several,
+            has_clock=self._graph.has_clock,
+            elsewhere=self._graph.elsewhere,
+            consoles=self._graph.consoles,
+            forms=self._interface_checks.forms,
+            actions=self._graph.actions,
+            services=self._graph.served,
+            resources=self._graph.resources,
+            message_rates=self._graph.message_rates(),
         )
 
 

@@ -1,0 +1,61 @@
+"""The sending of snapshots to the front end: a few each second, however much happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.clock import Clock as RosClock
+from rclpy.node import Node
+
+from archo_tui.robot.mailbox import Mailbox
+from archo_tui.robot.state import Snapshot
+
+FLUSH_PERIOD = 0.2  # Seconds between two snapshots while much happens: 5 a second.
+# Seconds between two while only numbers change and nodes log: nobody reads faster.
+STREAM_PERIOD = 0.4
+
+
+class SnapshotSender:
+    """Has snapshots built and puts them into the mailbox. ROS thread only.
+
+    Attributes:
+        mailbox: The way to the front end.
+        is_stale: True if a message came since the last snapshot, even if no reading changed.
+    """
+
+    def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:
+        """Send nothing yet.
+
+        Args:
+            node: The console's node.
+            clock: The clock of the timers, which goes on whatever the robot's time does.
+            build: Returns a snapshot of the present state.
+        """
+        self._build = build
+        self.mailbox = Mailbox()
+        self.is_stale = False
+        # True while a snapshot is due within FLUSH_PERIOD, and within STREAM_PERIOD.
+        self._is_due_soon = self._is_due_later = False
+        self._flusher = node.create_timer(FLUSH_PERIOD, self.send, clock=clock)
+        self._flusher.cancel()
+        self._streamer = node.create_timer(STREAM_PERIOD, self.send, clock=clock)
+        self._streamer.cancel()
+
+    def send_soon(self) -> None:
+        """Send a snapshot within FLUSH_PERIOD: something changed."""
+        if not self._is_due_soon:
+            self._is_due_soon = True
+            self._flusher.reset()
+
+    def send_later(self) -> None:
+        """Send a snapshot within STREAM_PERIOD: only numbers changed that always do."""
+        if not (self._is_due_soon or self._is_due_later):
+            self._is_due_later = True
+            self._streamer.reset()
+
+    def send(self) -> None:
+        """Send a snapshot now."""
+        self._is_due_soon = self._is_due_later = self.is_stale = False
+        self._flusher.cancel()
+        self._streamer.cancel()
+        self.mailbox.put(self._build())
