@@ -27,7 +27,7 @@ from archo_tui.robot import audit_records, message_classes, messages, ros2_comma
 from archo_tui.robot.arrivals import Arrivals
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import author, own_name
-from archo_tui.robot.events import ROUTINE, EventLog
+from archo_tui.robot.events import ROUTINE
 from archo_tui.robot.fields import filled
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
@@ -38,7 +38,8 @@ from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
-from archo_tui.robot.requester import YOU, Requester, current_requester
+from archo_tui.robot.reporter import MAX_UNREAD, Reporter
+from archo_tui.robot.requester import YOU, current_requester
 from archo_tui.robot.resources import SEND
 from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
@@ -73,7 +74,6 @@ _EARLY = 0.05  # s that the timer of a look may be early, and the look still be 
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
 _RESTART = 3.0  # s after its restart in which what a node says differs because of that
-_MAX_RECORDS = 100  # of other consoles, kept while the thread is busy
 
 
 class Robot:
@@ -98,14 +98,13 @@ class Robot:
         self.watching = watching
         self.file = file
         self._secrets = secrets or SecretNames()
-        self._clock, self._happened = clock, happened
+        self._clock = clock
         self._begun = clock.monotonic()
         self._next_look = float("-inf")  # monotonic s
         self._arrivals = Arrivals(self._begun)
         # full names of the nodes that this process hosts: what becomes of them its host tells
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
-        self._log = EventLog()
         self._still_running: tuple[str, ...] = ()  # Names of goals, after an answered STOP.
         self._faults: dict[str, str] = {}
         self._mismatches: frozenset[str] = frozenset()  # that were said
@@ -116,15 +115,25 @@ class Robot:
         node = self._node = Listener(
             own_name(), heard, masks, context=context, start_parameter_services=False
         )
-        self._name = author(node.get_name())
         # The robot's time may stand still, or jump.
         steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
         self._snapshots = SnapshotSender(node, steady, self._build_snapshot)
-        self._record_publisher = node.create_publisher(String, audit_records.TOPIC, _MAX_RECORDS)
         self._services = Services(node, clock)
-        self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._warn)
+        self._graph = Graph(node, file)
+        self._interface_checks = checks = InterfaceChecks(node, file, self._graph)
+        self._unexplained_changes = UnexplainedChanges.of_robot(file, checks.full)
+        self._reporter = Reporter(
+            node, clock, self._unexplained_changes, happened, self._snapshots.send_soon
+        )
+        self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._reporter.warn)
         self._goals = Goals(
-            node, clock, self._services, self._goal_changed, self._say, self._goal_ended, watching
+            node,
+            clock,
+            self._services,
+            self._goal_changed,
+            self._reporter.note,
+            self._goal_ended,
+            watching,
         )
         self._parameters = Parameters(
             node,
@@ -135,15 +144,11 @@ class Robot:
             self._on_change,
             self._secrets,
         )
-        self._graph = Graph(node, file)
-        self._interface_checks = InterfaceChecks(node, file, self._graph)
         self._limits = Limits(file)
         self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
         if file.stop is not None:
-            stops.set_service(file.stop, self._interface_checks.full(file.stop.service))
-        commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
-        self._unexplained_changes = UnexplainedChanges(commands, self._verbs_by_service())
+            stops.set_service(file.stop, checks.full(file.stop.service))
         self._stopping = Stopping(
             node,
             file.stop,
@@ -152,18 +157,18 @@ class Robot:
             self._graph,
             self._interface_checks,
             self._snapshots.send,
-            self._tell_of_stop,
+            self._reporter.stop_result,
         )
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
-        node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, _MAX_RECORDS)
+        node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, MAX_UNREAD)
         node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
         for kind in file.goals:
             self._goals.open(kind)
-        self._thread = RosThread(node, context, clock, self._on_error)
+        self._thread = RosThread(node, context, clock, self._reporter.error)
         for said in self._interface_checks.unfit.values():
-            self._warn(said)
+            self._reporter.warn(said)
         self._snapshots.send()  # what the robot's file says is known before anything is heard
 
     # life
@@ -335,7 +340,7 @@ class Robot:
             def tell_running() -> None:
                 slow.cancel()  # Once.
                 text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
-                self._add_event(Event(self._clock.now(), who.level, who.source, text))
+                self._reporter.add(Event(self._clock.now(), who.level, who.source, text))
 
             slow = self._node.create_timer(SLOW_CALL, tell_running, clock=self._steady)
             try:
@@ -363,7 +368,9 @@ class Robot:
 
         def tell(outcome: Outcome) -> None:
             record = AuditRecord(verb, arguments or {}, outcome.code)
-            self._tell(f"{title}, answered late: {harmless(outcome.text)}", record, who=who)
+            self._reporter.did(
+                f"{title}, answered late: {harmless(outcome.text)}", record, requester=who
+            )
 
         return tell
 
@@ -528,7 +535,7 @@ class Robot:
         if (level, source) == (YOU.level, YOU.source):
             level, source = current_requester().level, current_requester().source
         event = Event(self._clock.now(), level, source, text, command, audit_record=audit_record)
-        self._thread.submit(lambda: self._add_event(event))
+        self._thread.submit(lambda: self._reporter.add(event))
 
     async def catch_up(self) -> None:
         """Return when all that was noted before is in the snapshot."""
@@ -551,17 +558,6 @@ class Robot:
                 "values": values,
             }
         return "go" if kind == self.file.goals[0] else kind.id, values
-
-    def _verbs_by_service(self) -> dict[str, list[str]]:
-        """Return the verbs that call a service of the robot file, by its full name."""
-        called = [(command.service, command.id) for command in self.file.commands]
-        if self.file.stop is not None:
-            called += [(self.file.stop.service, "stop"), (self.file.stop.release, "release")]
-        found: dict[str, list[str]] = {}
-        for service, verb in called:
-            if service:
-                found.setdefault(self._interface_checks.full(service), []).append(verb)
-        return found
 
     def _way(self, kind: model.GoalKind) -> float | None:
         """Return the length of the whole way to a goal; None: it is not known."""
@@ -622,7 +618,7 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
-            self._tell(
+            self._reporter.did(
                 f"{title}: {outcome.text}", AuditRecord(verb, arguments, outcome.code), command, who
             )
             self._snapshots.send()
@@ -672,7 +668,7 @@ class Robot:
         """Something that was sent before a STOP was answered behind it, a release perhaps."""
         outcome = await self._stopping.send()
         said = f"STOP, sent again behind an earlier command: {outcome.text}"
-        self._tell_of_stop(said, outcome.code)
+        self._reporter.stop_result(said, outcome.code)
 
     @property
     def _heard(self) -> Snapshot:
@@ -708,7 +704,7 @@ class Robot:
         self._tell_of_nodes()
         self._telemetry.resubscribe()
         for said in self._unexplained_changes.take_due(self._clock.monotonic()):
-            self._say("PEER", said)
+            self._reporter.note("PEER", said)
         faults = {**self._telemetry.faults, **self._interface_checks.misfits()}
         for kind in self.file.goals:
             if kind.action in self._graph.several:
@@ -720,14 +716,14 @@ class Robot:
         mismatches = [said for found in self._graph.resources for said in found.mismatches]
         for said in mismatches:
             if said not in self._mismatches:
-                self._warn(said)
+                self._reporter.warn(said)
         self._mismatches = frozenset(mismatches)
         self._parameters.poll(self._graph.count, self._graph.services)
         graph, now = self._graph, self._clock.monotonic()
         for level, said in self._limits.unknown(
             now, graph.offered, graph.namespace, graph.names, self._parameters.all()
         ):
-            self._say(level, said)
+            self._reporter.note(level, said)
 
     def _watch(self) -> None:
         if not self._goals.running:
@@ -788,22 +784,22 @@ class Robot:
         now = set(self._graph.consoles)
         if self._consoles is not None:
             for name in sorted(now - self._consoles):
-                self._say("PEER", f"console {name} came")
+                self._reporter.note("PEER", f"console {name} came")
             for name in sorted(self._consoles - now):
-                self._say("PEER", f"console {name} left")
+                self._reporter.note("PEER", f"console {name} left")
         self._consoles = now
 
     def _tell_of_nodes(self) -> None:
         """Coming and going of nodes that this process does not host."""
         own, now = self.own_nodes(), self._clock.monotonic()
         for said in self._arrivals.compare(self._graph.names, own, now):
-            self._warn(said)
+            self._reporter.warn(said)
 
     def _on_log(self, message: Log) -> None:
         who = author(logger_node(message.name))
         if who:
             if who in self._graph.mute:  # of the others the same line comes with what they did
-                self._add_event(Event(self._clock.now(), "PEER", who, message.msg))
+                self._reporter.add(Event(self._clock.now(), "PEER", who, message.msg))
             return
         level = level_word(message.level)
         node = logger_node(message.name)
@@ -815,8 +811,9 @@ class Robot:
                 self._goals.on_refusal_log(message.msg.removeprefix(kind.refusals))
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
-        event = self._log.add(Event(self._clock.now(), level, message.name, message.msg))
-        self._happened(event)
+        event = self._reporter.add_log_line(
+            Event(self._clock.now(), level, message.name, message.msg)
+        )
         if level in ROUTINE or event.count > 1:
             self._snapshots.send_later()
         else:
@@ -835,48 +832,20 @@ class Robot:
         elif told.record.code is Code.DONE and told.record.verb == "release":
             self._stopping.latch.released_elsewhere(told.console)
         now = self._clock.now()
-        self._add_event(Event(now, "PEER", told.console, told.text, audit_record=told.record))
+        self._reporter.add(Event(now, "PEER", told.console, told.text, audit_record=told.record))
 
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
         if self._secrets.fit(name):
             old = new = MASK
         self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 
-    def _warn(self, text: str) -> None:
-        self._say("WARN", text)
-
-    def _on_error(self, error: Exception) -> None:
-        self._say("ERROR", in_one_line(error))
-
-    def _tell(
-        self, text: str, record: AuditRecord, command: str = "", who: Requester = YOU
-    ) -> None:
-        """Report what this console did: to its events, to other consoles and to the ROS log."""
-        text = harmless(text)
-        self._node.get_logger().info(text)
-        self._record_publisher.publish(String(data=audit_records.write(self._name, record, text)))
-        self._unexplained_changes.on_audit_record(record, self._clock.monotonic())
-        now = self._clock.now()
-        self._add_event(Event(now, who.level, who.source, text, command, audit_record=record))
-
-    def _tell_of_stop(self, text: str, code: Code) -> None:
-        """Report an outcome of a STOP that nobody waits for."""
-        self._tell(text, AuditRecord("stop", {"later": True}, code))
-
     def _goal_ended(self, goal: Goal, text: str) -> None:
         """Report how a goal ended; the values of another client's goal are not on the graph."""
         assert goal.code is not None  # it has ended
         record = AuditRecord(*self._as_verb(goal.kind, goal.fields), goal.code)
-        self._add_event(
+        self._reporter.add(
             Event(self._clock.now(), "GOAL", goal.kind.action, text, audit_record=record)
         )
-
-    def _say(self, level: str, text: str) -> None:
-        self._add_event(Event(self._clock.now(), level, "console", text))
-
-    def _add_event(self, event: Event) -> None:
-        self._happened(self._log.add(event))
-        self._snapshots.send_soon()
 
     def _build_snapshot(self) -> Snapshot:
         """Return a snapshot of all that is known now."""
@@ -891,7 +860,7 @@ class Robot:
             parameters=self._parameters.all(),
             nodes=self._graph.states(),
             offered=self._graph.offered,
-            events=self._log.all(),
+            events=self._reporter.log.all(),
             charge=self._telemetry.charge,
             open_stop=self._stopping.open,
             latch=self._stopping.latch.state,

@@ -10,6 +10,7 @@ from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion
 from archo_tui.robot.values import text_of
+from archo_tui.robot_file.model import RobotFile
 
 CLIENT, CONSOLE = "another client", "another console"
 # Seconds between a change and the report of the console that made it, before or after; a STOP
@@ -68,6 +69,26 @@ class UnexplainedChanges:
         self._changes: list[_Change] = []
         self._motion = Motion()
         self.author = CLIENT
+
+    @classmethod
+    def of_robot(cls, file: RobotFile, full_name: Callable[[str], str]) -> UnexplainedChanges:
+        """Create it for the commands and services of a robot file.
+
+        Args:
+            file: The robot file.
+            full_name: Returns the full name of a service in the file.
+        """
+        commands = {
+            word for command in file.commands for word in (command.id, command.off_word) if word
+        }
+        called = [(command.service, command.id) for command in file.commands]
+        if file.stop is not None:
+            called += [(file.stop.service, "stop"), (file.stop.release, "release")]
+        services: dict[str, list[str]] = {}
+        for service, verb in called:
+            if service:
+                services.setdefault(full_name(service), []).append(verb)
+        return cls(commands, services)
 
     def on_audit_record(self, record: AuditRecord, now: float) -> None:
         """Record what a console reports.

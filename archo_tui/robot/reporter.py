@@ -1,0 +1,100 @@
+"""The reports of what happens: events, the console's ROS log, and audit records for others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from archo_tui.clock import Clock
+from archo_tui.errors import in_one_line
+from archo_tui.robot import audit_records
+from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.consoles import author
+from archo_tui.robot.events import EventLog
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.requester import YOU, Requester
+from archo_tui.robot.state import Event
+from archo_tui.robot.text import harmless
+from archo_tui.robot.unexplained_changes import UnexplainedChanges
+
+MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thread is busy.
+
+
+class Reporter:
+    """Adds events to the log of this console, and tells other consoles what this one did.
+
+    ROS thread only.
+
+    Attributes:
+        log: The events so far.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        clock: Clock,
+        changes: UnexplainedChanges,
+        on_event: Callable[[Event], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        """Report nothing yet.
+
+        Args:
+            node: The console's node.
+            clock: The clock of the events.
+            changes: Told what this console did, which explains changes of the robot.
+            on_event: Called with each event, also with one that repeats an earlier one.
+            on_change: Called after each event but a log line.
+        """
+        self._node, self._clock, self._changes = node, clock, changes
+        self._on_event, self._on_change = on_event, on_change
+        self._console = author(node.get_name())
+        self._publisher = node.create_publisher(String, audit_records.TOPIC, MAX_UNREAD)
+        self.log = EventLog()
+
+    def add(self, event: Event) -> None:
+        """Add an event, and have it shown."""
+        self.add_log_line(event)
+        self._on_change()
+
+    def add_log_line(self, event: Event) -> Event:
+        """Add an event without having it shown; return it with the number of its repeats."""
+        added = self.log.add(event)
+        self._on_event(added)
+        return added
+
+    def note(self, level: str, text: str) -> None:
+        """Add an event of the console, of that level."""
+        self.add(Event(self._clock.now(), level, "console", text))
+
+    def warn(self, text: str) -> None:
+        """Add a warning of the console."""
+        self.note("WARN", text)
+
+    def error(self, error: Exception) -> None:
+        """Add an error of the console."""
+        self.note("ERROR", in_one_line(error))
+
+    def did(
+        self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
+    ) -> None:
+        """Report what this console did: here, to other consoles, and in the ROS log.
+
+        Args:
+            text: The line for people; it may hold any characters.
+            record: The audit record.
+            command: The `ros2` command line that does the same; "" if there is none.
+            requester: Who requested it.
+        """
+        text = harmless(text)
+        self._node.get_logger().info(text)
+        self._publisher.publish(String(data=audit_records.write(self._console, record, text)))
+        self._changes.on_audit_record(record, self._clock.monotonic())
+        now = self._clock.now()
+        self.add(Event(now, requester.level, requester.source, text, command, audit_record=record))
+
+    def stop_result(self, text: str, code: Code) -> None:
+        """Report an outcome of a STOP that no verb waits for any more."""
+        self.did(text, AuditRecord("stop", {"later": True}, code))
