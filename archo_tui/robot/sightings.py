@@ -39,36 +39,32 @@ def _sightings(
 
 def _sighting(found: Resource, sample: Sample | None) -> Sighting:
     kind: Any = found.kind
-    if kind == TOPIC:
-        message = None if sample is None else sample.message
-        values = (
-            {}
-            if message is None
-            else {leaf.path: leaf.default for leaf in messages.leaves(message)}
+    if kind != TOPIC:
+        goal, feedback, result = _field_types(found.types[0])
+        return Sighting(
+            *(kind, found.name, found.types, found.nodes),
+            goal=goal,
+            feedback=feedback,
+            result=result,
         )
-        rate = None if sample is None else sample.rate
-        return Sighting(kind, found.name, found.types, found.nodes, rate, values)
-    fields = _fields(found.types[0])
-    return Sighting(
-        kind,
-        found.name,
-        found.types,
-        found.nodes,
-        goal=fields[0],
-        feedback=fields[1] or {},
-        result=fields[2] or {},
-    )
+    if sample is None or sample.message is None:
+        return Sighting(kind, found.name, found.types, found.nodes)
+    values = {field.path: field.default for field in messages.flat_fields(sample.message)}
+    return Sighting(kind, found.name, found.types, found.nodes, sample.rate, values)
 
 
-def _fields(type_name: str) -> tuple[Mapping[str, str] | None, ...]:
-    """Return the types of the fields of a goal or request, a feedback and a result, by path.
+_Types = Mapping[str, str]  # By dotted path.
 
-    The first is None if the type is not installed; a service has no others.
+
+def _field_types(type_name: str) -> tuple[_Types | None, _Types, _Types]:
+    """Return the types of the fields of a goal or request, a feedback and a result.
+
+    The first is None if the type is not installed; of a service the others are empty.
     """
     interface = message_classes.load(type_name)
     if interface is None:
-        return None, None, None
+        return None, {}, {}
     if hasattr(interface, "Request"):
-        return messages.types(interface.Request()), None, None
-    parts = interface.Goal(), interface.Feedback(), interface.Result()
-    return tuple(messages.types(part) for part in parts)
+        return messages.types(interface.Request()), {}, {}
+    goal, feedback, result = interface.Goal(), interface.Feedback(), interface.Result()
+    return messages.types(goal), messages.types(feedback), messages.types(result)
