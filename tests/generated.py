@@ -42,6 +42,8 @@ _PLACES: dict[Any, str] = {
     model.BatteryFields: "Each type of `battery`",
     model.MotionTopic: "`motion`",
     model.MotionFields: "Each type of `motion`",
+    model.PoseTopic: "`pose`",
+    model.PoseFields: "Each type of `pose`",
     model.GoalKind: "Each of `goals`",
     model.FormField: "Each field of a `form`",
     model.RemainingField: "`remaining` of a goal",

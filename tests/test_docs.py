@@ -242,7 +242,9 @@ def test_every_key_that_is_named_is_one(page: Path) -> None:
             assert code in known, code
     if page.stem != "first_drive":  # what it presses is pressed
         for code in read(page).code:
-            if re.fullmatch(r"(ctrl|shift|alt)\+\w+|f\d+|[A-Za-z?+/]", code):
+            if code not in ("x", "y") and re.fullmatch(
+                r"(ctrl|shift|alt)\+\w+|f\d+|[A-Za-z?+/]", code
+            ):
                 assert code in known, code
 
 

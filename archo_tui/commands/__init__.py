@@ -61,6 +61,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.DescribeRobot(),
         console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),
+        console.ListDiagnostics(),
         *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),
         parameters.Edit(),
         parameters.EditWithInitial(),

@@ -19,6 +19,7 @@ from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
+from archo_tui.verbs.diagnostics import ShowDiagnostics
 from archo_tui.words.goal import activity
 
 if TYPE_CHECKING:
@@ -50,6 +51,16 @@ class ShowAlarms(Command):
         console.open(
             AlarmList(console.view, station.acknowledge, station.shelve, console.update_screen)
         )
+
+
+class ListDiagnostics(Command):
+    id, verbs = "diagnostics", ("diagnostics",)
+    help = ShowDiagnostics.help
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.diagnostics import DiagnosticList
+
+        console.open(DiagnosticList(console.view))
 
 
 def _answer(console: Console, number: int, allowed: bool) -> None:

@@ -30,6 +30,7 @@ _SEARCH_WORDS = {
     "keep_robot": "export write yaml",
     "describe_robot": "robot file new discover yaml",
     "ack": "confirm seen",
+    "diagnostics": "parts health hardware",
     "alarms": "warnings errors problems",
     "edit": "set change value parameter",
     "restore": "default reset",

@@ -15,7 +15,7 @@ _HARMLESS = frozenset(
     (
         *("only_changed", "ros_own", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
-        *("longer", "resource", "help", "help_everywhere", "palette", "suspend"),
+        *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
         *(f"panel_{number}" for number in range(1, 9)),
     )
 )

@@ -270,6 +270,8 @@ class ReplayState:
             file=self._file,
             battery=telemetry.battery,
             motion=telemetry.motion,
+            pose=telemetry.pose,
+            diagnostics=telemetry.diagnostics.all,
             gauges=telemetry.gauges,
             goal=self.goal,
             running=state.running,

@@ -38,6 +38,7 @@ from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
+from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requester import YOU, current_requester
 from archo_tui.robot.resources import SEND
@@ -126,6 +127,7 @@ class Robot:
             node, clock, self._unexplained_changes, happened, self._snapshots.send_soon
         )
         self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._reporter.warn)
+        self._recorded_topics = RecordedTopics(node, file.record, self._reporter.warn)
         self._goals = Goals(
             node,
             clock,
@@ -703,6 +705,7 @@ class Robot:
         self._tell_of_consoles()
         self._tell_of_nodes()
         self._telemetry.resubscribe()
+        self._recorded_topics.subscribe()
         for said in self._unexplained_changes.take_due(self._clock.monotonic()):
             self._reporter.note("PEER", said)
         faults = {**self._telemetry.faults, **self._interface_checks.misfits()}
@@ -853,6 +856,8 @@ class Robot:
             file=self.file,
             battery=self._telemetry.battery,
             motion=self._telemetry.motion,
+            pose=self._telemetry.pose,
+            diagnostics=self._telemetry.diagnostics.all,
             gauges=self._telemetry.gauges,
             goal=self._goals.goal,
             running=self._goals.running,

@@ -65,3 +65,16 @@ def flag(value: Any) -> bool | None:
 def as_received(value: Any) -> str:
     """Return the first characters of a value that is no reading, to be shown."""
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]
+
+
+def yaw(quaternion: Any) -> float | None:
+    """Return the yaw of a quaternion in degrees, -180 to 180; None for anything else.
+
+    As tf2's getYaw, for a quaternion of any length; one of length zero has no yaw.
+    """
+    parts = [number(getattr(quaternion, name, None), -_INT64, _INT64) for name in "xyzw"]
+    if None in parts or not any(parts):
+        return None
+    x, y, z, w = (part or 0.0 for part in parts)
+    sine, cosine = 2.0 * (w * z + x * y), w * w + x * x - y * y - z * z
+    return math.degrees(math.atan2(sine, cosine))

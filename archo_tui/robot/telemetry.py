@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
-from archo_tui.robot import message_classes, messages
+from archo_tui.robot import diagnostics, message_classes, messages
+from archo_tui.robot.diagnostics import Diagnostics
 from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, Period
-from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read
-from archo_tui.robot.state import Battery, Motion, Reading, in_namespace
+from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read, yaw
+from archo_tui.robot.state import Battery, Motion, Pose, Reading, in_namespace
 from archo_tui.robot.text import harmless
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
@@ -26,6 +27,7 @@ _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
 _SAMPLES = 300
 _JUMP = 0.5  # Percent in the wrong direction that are more than noise.
 _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V and m/s; a larger value is no reading.
+_FARTHEST = 1e7  # m; more than around a quarter of the earth is no position.
 _MOST = 1e15  # Of a gauge without a range: a double has so many digits.
 
 _BATTERY = (
@@ -33,6 +35,7 @@ _BATTERY = (
     attrgetter("percentage", "voltage"),
 )
 _MOTION = attrgetter("moving", "stopped", "period"), attrgetter("count", "speed")
+_POSE = attrgetter("frame", "period"), attrgetter("x", "y", "yaw")
 _GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
@@ -78,13 +81,16 @@ class _Subscription(NamedTuple):
     subscription: Any = None
 
 
-Kept = tuple[
-    Battery,
-    Motion,
-    tuple[Reading, ...],
-    tuple[tuple[float, float], ...],
-    Mapping[object, Period],
-]
+class Kept(NamedTuple):
+    """All readings at one moment, to return to."""
+
+    battery: Battery
+    motion: Motion
+    pose: Pose
+    gauges: tuple[Reading, ...]
+    diagnostics: Diagnostics
+    charge: tuple[tuple[float, float], ...]
+    periods: Mapping[object, Period]
 
 
 class Telemetry:
@@ -94,6 +100,8 @@ class Telemetry:
         faults: Why a topic or one of its publishers is not read, by topic.
         battery: The last reading of the battery.
         motion: The last reading of the motion.
+        pose: The last reading of the pose.
+        diagnostics: The last diagnostic status of each part.
         gauges: The last readings of the gauges, in the order of the robot file.
         charge: Samples of the charge: monotonic seconds and percent, at most `_SAMPLES`.
     """
@@ -128,6 +136,8 @@ class Telemetry:
         self.faults: dict[str, str] = {}
         self.battery = Battery()
         self.motion = Motion()
+        self.pose = Pose()
+        self.diagnostics = Diagnostics()
         self.gauges = tuple(Reading(gauge) for gauge in robot.gauges)
         self.charge: tuple[tuple[float, float], ...] = ()
 
@@ -150,6 +160,7 @@ class Telemetry:
             self._subscribe(key, readers, published[key[0]])
         self.battery = self.battery._replace(grace=self._grace("battery"))
         self.motion = replace(self.motion, grace=self._grace("motion"))
+        self.pose = self.pose._replace(grace=self._grace("pose"))
         self.gauges = tuple(
             reading._replace(grace=self._grace(place)) for place, reading in enumerate(self.gauges)
         )
@@ -166,6 +177,11 @@ class Telemetry:
         if motion is not None:
             types = {kind: _given(fields) for kind, fields in motion.types.items()}
             yield _Reader("motion", motion.topic, types, self._on_motion)
+        if (pose := self._robot.pose) is not None:
+            types = {kind: _given(fields) for kind, fields in pose.types.items()}
+            yield _Reader("pose", pose.topic, types, self._on_pose)
+        if topic := self._robot.diagnostics:
+            yield _Reader("diagnostics", topic, {diagnostics.TYPE: {}}, self._on_diagnostics)
         for place, gauge in enumerate(self._robot.gauges):
             types = {gauge.type: {"value": gauge.field}}
             yield _Reader(place, gauge.topic, types, partial(self._on_gauge, place))
@@ -187,18 +203,29 @@ class Telemetry:
         fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
         self.battery = self.battery._replace(period=fixed[0] or known.get("battery"))
         self.motion = replace(self.motion, period=fixed[1] or known.get("motion"))
+        of_pose = self._fixed(self._robot.pose) or known.get("pose")
+        self.pose = self.pose._replace(period=of_pose)
         self.gauges = tuple(
             reading._replace(period=known.get(place)) for place, reading in enumerate(self.gauges)
         )
 
     def kept(self) -> Kept:
         """Return all readings, for `put_back`."""
-        return self.battery, self.motion, self.gauges, self.charge, dict(self._periods)
+        return Kept(
+            self.battery,
+            self.motion,
+            self.pose,
+            self.gauges,
+            self.diagnostics.copy(),
+            self.charge,
+            dict(self._periods),
+        )
 
     def put_back(self, kept: Kept) -> None:
         """Restore readings that `kept` returned."""
-        self.battery, self.motion, self.gauges, self.charge, periods = kept
-        self._periods = dict(periods)
+        self.battery, self.motion, self.pose, self.gauges = kept[:4]
+        self.diagnostics, self.charge = kept.diagnostics.copy(), kept.charge
+        self._periods = dict(kept.periods)
 
     def _usable(
         self, reader: _Reader, publishers: Sequence[Any], faults: dict[str, str]
@@ -302,6 +329,24 @@ class Telemetry:
             grace=self._grace("motion"),
         )
         return _news(last, self.motion, *_MOTION)
+
+    def _on_pose(self, message: Any, fields: Mapping[str, Fields]) -> News:
+        found = {name: read(field, message) for name, field in fields.items()}
+        now, last = self._clock.monotonic(), self.pose
+        self.pose = Pose(
+            x=number(found.get("x"), -_FARTHEST, _FARTHEST),
+            y=number(found.get("y"), -_FARTHEST, _FARTHEST),
+            yaw=yaw(found.get("orientation")),
+            frame=harmless(str(found.get("frame") or "")),
+            received=now,
+            period=self._fixed(self._robot.pose) or self._measured("pose", now),
+            grace=self._grace("pose"),
+        )
+        return _news(last, self.pose, *_POSE)
+
+    def _on_diagnostics(self, message: Any, _fields: Mapping[str, Fields]) -> News:
+        has_changed = self.diagnostics.take(message, self._clock.monotonic())
+        return News.WORDS if has_changed else News.NUMBERS
 
     def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> News:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()

@@ -26,15 +26,17 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
         robot: The robot file; it is not changed.
         names: The topics, services and actions that are not there, as the file names them.
     """
-    battery, motion, stop = robot.battery, robot.motion, robot.stop
+    battery, motion, pose, stop = robot.battery, robot.motion, robot.pose, robot.stop
     kept = replace(
         robot,
         battery=None if battery is None or battery.topic in names else battery,
         motion=None if motion is None or motion.topic in names else motion,
+        pose=None if pose is None or pose.topic in names else pose,
         goals=tuple(kind for kind in robot.goals if kind.action not in names),
         stop=None if stop is None or stop.service in names else stop,
         commands=tuple(one for one in robot.commands if one.service not in names),
         gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
+        diagnostics="" if robot.diagnostics in names else robot.diagnostics,
     )
     return kept if kept == robot else replace(kept, name=RobotFile.name)
 

@@ -16,6 +16,7 @@ from archo_tui.robot_file.model import (
     GoalKind,
     MessageField,
     MotionFields,
+    PoseFields,
     RemainingField,
     StopServices,
 )
@@ -69,7 +70,24 @@ MOTIONS: Mapping[str, MotionFields] = {
     ),
 }
 
-READ = frozenset({*BATTERIES, *NAMED_BATTERIES, *MOTIONS})  # Message types that are read.
+# The pose of localization is in the frame of the map; odometry drifts.
+POSES: Mapping[str, PoseFields] = {
+    "geometry_msgs/msg/PoseWithCovarianceStamped": PoseFields(
+        x=MessageField("pose.pose.position.x"),
+        y=MessageField("pose.pose.position.y"),
+        orientation=MessageField("pose.pose.orientation"),
+        frame=MessageField("header.frame_id"),
+    ),
+    "nav_msgs/msg/Odometry": PoseFields(
+        x=MessageField("pose.pose.position.x"),
+        y=MessageField("pose.pose.position.y"),
+        orientation=MessageField("pose.pose.orientation"),
+        frame=MessageField("header.frame_id"),
+    ),
+}
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+
+READ = frozenset({*BATTERIES, *NAMED_BATTERIES, *MOTIONS, *POSES})  # Message types that are read.
 
 # The first one that is found has its form on the screen.
 GOALS: Mapping[str, GoalKind] = {
@@ -105,7 +123,7 @@ GOALS: Mapping[str, GoalKind] = {
 }
 
 # Messages within a goal that are typed as fewer fields: labels by path, the yaw's last.
-POSES: Mapping[str, tuple[str, str]] = {  # The path of the pose and of the frame, "" for none.
+GOAL_POSES: Mapping[str, tuple[str, str]] = {  # The path of the pose and of the frame, "" for none.
     "geometry_msgs/PoseStamped": ("pose.", "header.frame_id"),
     "geometry_msgs/Pose": ("", ""),
 }

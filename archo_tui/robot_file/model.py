@@ -129,6 +129,31 @@ class MotionTopic:
 
 
 @dataclass(frozen=True)
+class PoseFields:
+    """The fields of one message type about where the robot is."""
+
+    x: Annotated[MessageField, "m"]
+    y: Annotated[MessageField, "m"]
+    orientation: Annotated[MessageField | None, "the quaternion; its yaw is shown, in degrees"] = (
+        None
+    )
+    frame: Annotated[MessageField | None, "the name of the frame that the pose is in"] = None
+
+
+@dataclass(frozen=True)
+class PoseTopic:
+    """The topic that reports where the robot is."""
+
+    topic: Annotated[str, "the topic's name"]
+    types: Annotated[
+        Mapping[str, PoseFields],
+        "the fields, by message type; a topic of another type is not used",
+    ]
+    period: Annotated[float | None, "s between two messages; measured when left out"] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
 class FormField:
     """A field of a goal's form."""
 
@@ -268,6 +293,7 @@ class RobotFile:
     name: Annotated[str, "what the robot is called"] = "robot"
     battery: Annotated[BatteryTopic | None, "the topic that tells the charge"] = None
     motion: Annotated[MotionTopic | None, "the topic that tells how the robot moves"] = None
+    pose: Annotated[PoseTopic | None, "the topic that tells where the robot is"] = None
     goals: Annotated[
         tuple[GoalKind, ...], "the actions; the first one has its form on the screen"
     ] = ()
@@ -278,13 +304,17 @@ class RobotFile:
         tuple[CommandService, ...], "services with a key and a word of their own"
     ] = ()
     gauges: Annotated[tuple[Gauge, ...], "further numbers, with alarms"] = ()
+    diagnostics: Annotated[
+        str, "the topic of diagnostic_msgs/msg/DiagnosticArray: what is not OK is an alarm"
+    ] = ""
+    record: Annotated[tuple[str, ...], "further topics for the black box, which are not shown"] = ()
 
     @property
     def topics(self) -> tuple[str, ...]:
         """Return the name of every topic that the console subscribes to."""
-        heard = (self.battery, self.motion)
-        named = [topic.topic for topic in heard if topic] + [gauge.topic for gauge in self.gauges]
-        return tuple(dict.fromkeys(named))
+        topics = (self.battery, self.motion, self.pose)
+        named = [topic.topic for topic in topics if topic] + [gauge.topic for gauge in self.gauges]
+        return tuple(dict.fromkeys([*named, *filter(None, [self.diagnostics])]))
 
     @property
     def services(self) -> tuple[str, ...]:

@@ -13,12 +13,13 @@ from archo_tui.robot_file.model import (
     BatteryTopic,
     CommandService,
     MotionTopic,
+    PoseTopic,
     StopServices,
 )
 from archo_tui.robot_file.proposed_goals import propose_goal, title_of, word_of
 from archo_tui.robot_file.reserved import unused_word
 
-Part = Literal["battery", "motion", "goals", "stop", "commands"]
+Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics"]
 
 
 @dataclass(frozen=True)
@@ -107,10 +108,11 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     if len(robots) > 1:
         raise SeveralRobots(robots)
     found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
-    chosen = [*_topics(found, "battery"), *_topics(found, "motion"), *_goals(found)]
+    chosen = [pair for part in _TOPICS for pair in _topics(found, part)] + _goals(found)
     stops = [sighting for sighting in ordered if _is_stop(sighting)]
     chosen += [*_stop(stops), *(pair for pair in found if pair[0].part == "commands")]
     where = _common_namespace(chosen, namespace)
+    chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
     used: set[str] = set()
     entries = tuple(_named(entry, where, used) for entry, _ in chosen)
     told = {sighting.name for _, sighting in chosen} | {sighting.name for sighting in stops}
@@ -138,6 +140,13 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
     if sighting.kind == "topic":
         yield from _battery(sighting)
         yield from _motion(sighting)
+        yield from _pose(sighting)
+        if known_types.DIAGNOSTICS in sighting.types:
+            yield Entry(
+                "diagnostics",
+                sighting.name,
+                f"{sighting.name} is a {known_types.DIAGNOSTICS}, published by {_nodes(sighting)}",
+            )
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
@@ -177,6 +186,14 @@ def _motion(sighting: Sighting) -> Iterator[Entry]:
             return
 
 
+def _pose(sighting: Sighting) -> Iterator[Entry]:
+    for kind in sighting.types:
+        if kind in known_types.POSES:
+            topic = PoseTopic(sighting.name, {kind: known_types.POSES[kind]})
+            yield Entry("pose", topic, _topic_reason(sighting, kind))
+            return
+
+
 def _command(sighting: Sighting) -> Iterator[Entry]:
     """Yield the command for a service; whether it moves the robot is not known, so it asks."""
     name = sighting.name
@@ -189,15 +206,21 @@ def _command(sighting: Sighting) -> Iterator[Entry]:
         yield Entry("commands", made, _served_reason(sighting))
 
 
+_TOPICS: tuple[Literal["battery", "motion", "pose"], ...] = ("battery", "motion", "pose")
+_KNOWN: Mapping[str, Iterable[str]] = {
+    "battery": (*known_types.BATTERIES, *known_types.NAMED_BATTERIES),
+    "motion": known_types.MOTIONS,
+    "pose": known_types.POSES,
+}
 Found = tuple[Entry, Sighting]
 
 
-def _topics(found: Iterable[Found], part: Part) -> list[Found]:
+def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) -> list[Found]:
     """Return the topic that was found for a part, and the others as comments.
 
     The first is one that somebody publishes, of the type that the table names first.
     """
-    known = [*known_types.BATTERIES, *known_types.NAMED_BATTERIES, *known_types.MOTIONS]
+    known = list(_KNOWN[part])
 
     def rank(pair: Found) -> tuple[bool, int]:
         entry, sighting = pair
@@ -258,6 +281,8 @@ def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
 def _named(entry: Entry, namespace: str, used: set[str]) -> Entry:
     """Return an entry with names as in the robot file, and with an id that no other one has."""
     value = entry.value
+    if entry.part == "diagnostics":
+        return entry._replace(value=_relative(value, namespace))
     for attribute in ("topic", "action", "service", "release"):
         if name := getattr(value, attribute, ""):
             value = replace(value, **{attribute: _relative(name, namespace)})

@@ -63,8 +63,8 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
     for path, kind in goal.items():
         if any(path.startswith(f"{message}.") for message in done):
             continue
-        if kind in known_types.POSES:
-            pose, frame = known_types.POSES[kind]
+        if kind in known_types.GOAL_POSES:
+            pose, frame = known_types.GOAL_POSES[kind]
             before = f"{path}.{pose}"
             fields[f"{before}position.x"] = FormField(_label("x", path, goal), unit="m")
             fields[f"{before}position.y"] = FormField(_label("y", path, goal), unit="m")
@@ -84,7 +84,7 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
 
 def _label(word: str, path: str, goal: Mapping[str, str]) -> str:
     """Return the label of a pose's field, with the pose's path where there are several."""
-    poses = [other for other, kind in goal.items() if kind in known_types.POSES]
+    poses = [other for other, kind in goal.items() if kind in known_types.GOAL_POSES]
     outer = [other for other in poses if not any(other.startswith(f"{p}.") for p in poses)]
     return word if len(outer) == 1 else f"{path} {word}"
 

@@ -7,11 +7,14 @@ from collections.abc import Iterator
 
 from archo_tui.robot_file import reserved
 from archo_tui.robot_file.model import (
+    BatteryTopic,
     CommandService,
     GoalKind,
     Limit,
     MessageField,
+    MotionTopic,
     ParameterRef,
+    PoseTopic,
     RobotFile,
     StopServices,
     fields_of,
@@ -41,9 +44,13 @@ def find_faults(robot: RobotFile) -> Faults:
         yield from _toggle_faults(command)
 
 
+def _subscribed(robot: RobotFile) -> list[BatteryTopic | MotionTopic | PoseTopic]:
+    return [topic for topic in (robot.battery, robot.motion, robot.pose) if topic is not None]
+
+
 def _name_faults(robot: RobotFile) -> Faults:
-    subscribed = [topic for topic in (robot.battery, robot.motion) if topic is not None]
-    names = [(topic.where, topic.topic) for topic in (*subscribed, *robot.gauges)]
+    names = [(topic.where, topic.topic) for topic in (*_subscribed(robot), *robot.gauges)]
+    names += [("", name) for name in (robot.diagnostics, *robot.record) if name]
     names += [(goal.where, goal.action) for goal in robot.goals]
     names += [(command.where, command.service) for command in robot.commands]
     if robot.stop is not None:
@@ -56,8 +63,7 @@ def _name_faults(robot: RobotFile) -> Faults:
 
 
 def _type_faults(robot: RobotFile) -> Faults:
-    subscribed = [topic for topic in (robot.battery, robot.motion) if topic is not None]
-    types = [(topic.where, kind, "msg") for topic in subscribed for kind in topic.types]
+    types = [(topic.where, kind, "msg") for topic in _subscribed(robot) for kind in topic.types]
     types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
     types += [(goal.where, goal.type, "action") for goal in robot.goals]
     for where, kind, of in types:
@@ -93,9 +99,7 @@ def _word_faults(robot: RobotFile) -> Faults:
 
 
 def _reading_faults(robot: RobotFile) -> Faults:
-    for topic in (robot.battery, robot.motion):
-        if topic is None:
-            continue
+    for topic in _subscribed(robot):
         if not topic.types:
             yield topic.where, f"types is empty: name the type of {topic.topic}"
         if topic.period is not None and topic.period <= 0:

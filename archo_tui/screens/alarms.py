@@ -9,9 +9,10 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
+from archo_tui.screens.diagnostics import DiagnosticList
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
-from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority, is_diagnostic
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.alarm import no_alarms_text, timeline
@@ -35,6 +36,7 @@ class AlarmList(Dialog[None]):
         Binding("a", "acknowledge", "Acknowledge", priority=True),
         Binding("A", "acknowledge_all", "Acknowledge all", priority=True),
         Binding("s", "shelve", "Shelve", priority=True),
+        Binding("enter", "open_diagnostics", "Diagnostics"),
         Binding("escape,q", "close", "Close"),
     ]
 
@@ -94,6 +96,12 @@ class AlarmList(Dialog[None]):
         """Acknowledge all alarms that are shown."""
         self._acknowledge(self._view.alarms)
         self._on_change()
+
+    def action_open_diagnostics(self) -> None:
+        """List all parts of the robot, if the alarm under the cursor is about one of them."""
+        alarm = self._rows.item
+        if alarm is not None and is_diagnostic(alarm):
+            self.app.push_screen(DiagnosticList(self._view))
 
     def action_shelve(self) -> None:
         """Shelve the alarm under the cursor, or unshelve it; ask why if its priority is high."""

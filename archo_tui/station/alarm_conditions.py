@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import (
+    Diagnostic,
+    DiagnosticLevel,
     Hosted,
     Latch,
     Life,
@@ -19,6 +21,8 @@ from archo_tui.station.alarms import (
     BATTERY_EMPTY,
     BATTERY_HEALTH,
     CONTACT_LOST,
+    DIAGNOSTIC_ERROR,
+    DIAGNOSTIC_WARNING,
     DUPLICATE_NAME,
     EARLIER_STOP,
     GAUGE_WARNING,
@@ -84,6 +88,7 @@ def conditions(
         **dict(_battery_conditions(snapshot, now)),
         **dict(_motion_conditions(snapshot, now)),
         **dict(_gauge_conditions(snapshot, now)),
+        **dict(_diagnostic_conditions(snapshot, now)),
     }
 
 
@@ -233,6 +238,47 @@ def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
             title, unit = reading.gauge.title, reading.gauge.unit
             value = f"{title.upper()} {reading.value:g} {unit}".rstrip()
             yield f"{GAUGE_WARNING} {title}", f"{value}: {reading.warns}"
+
+
+_MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all other alarms.
+
+
+def worst_diagnostics(snapshot: Snapshot, now: float) -> list[Diagnostic]:
+    """Return the last status of each part with its level now, the worst first."""
+    found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
+    return sorted(found, key=lambda status: (_GRAVITY.index(status.level), status.name))
+
+
+_GRAVITY = (
+    *(DiagnosticLevel.ERROR, DiagnosticLevel.WARN, DiagnosticLevel.STALE),
+    DiagnosticLevel.OK,
+)
+
+
+def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
+    """Yield an alarm for each part that is not OK; one for all if nothing is heard any more."""
+    bad = [s for s in worst_diagnostics(snapshot, now) if s.level is not DiagnosticLevel.OK]
+    is_silent = all(
+        status.level_at(now) is DiagnosticLevel.STALE for status in snapshot.diagnostics
+    )
+    if len(bad) > 1 and is_silent:
+        last = max(status.received for status in bad)
+        topic = snapshot.file.diagnostics
+        text = f"DIAGNOSTICS STALE: nothing on {topic} for {now - last:.0f} s"
+        yield f"{DIAGNOSTIC_WARNING} {topic}", text
+        return
+    for status in bad[:_MOST_DIAGNOSTICS]:
+        is_error = status.level is DiagnosticLevel.ERROR
+        part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
+        silent = f"no status for {now - status.received:.0f} s"
+        text = silent if status.level is DiagnosticLevel.STALE else status.message
+        yield (
+            f"{DIAGNOSTIC_ERROR if is_error else DIAGNOSTIC_WARNING} {status.name}",
+            f"{status.level.value} {part}: {text or 'no message'}",
+        )
+    if len(bad) > _MOST_DIAGNOSTICS:
+        more = len(bad) - _MOST_DIAGNOSTICS
+        yield f"{DIAGNOSTIC_WARNING} others", f"{more} MORE PARTS ARE NOT OK: see diagnostics"
 
 
 def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:

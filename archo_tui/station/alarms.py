@@ -87,6 +87,8 @@ STOPPED = "stopped"
 LOW_BATTERY = "low battery"
 BATTERY_HEALTH = "battery health"
 GAUGE_WARNING = "gauge"
+DIAGNOSTIC_ERROR = "diagnostics error"
+DIAGNOSTIC_WARNING = "diagnostics"
 SEVERAL_PUBLISHERS = "several publishers"
 DUPLICATE_NAME = "name twice"
 NO_NODES = "no nodes"
@@ -106,10 +108,12 @@ _PRIORITIES = {
     MOTOR_SILENT: Priority.HIGH,
     GOAL_SILENT: Priority.HIGH,
     NODE_CRASHED: Priority.HIGH,
+    DIAGNOSTIC_ERROR: Priority.HIGH,
     STOPPED: Priority.MED,
     LOW_BATTERY: Priority.MED,
     BATTERY_HEALTH: Priority.MED,
     GAUGE_WARNING: Priority.MED,
+    DIAGNOSTIC_WARNING: Priority.MED,
     SEVERAL_PUBLISHERS: Priority.MED,
     DUPLICATE_NAME: Priority.MED,
     NO_NODES: Priority.MED,
@@ -123,7 +127,7 @@ _ORDER = list(_PRIORITIES)
 # The alarms that follow from what the robot reports. While contact is lost they stay as they were.
 _REPORTED = (
     *(BATTERY_EMPTY, STOPPED, LOW_BATTERY, BATTERY_HEALTH),
-    *(MOTOR_SILENT, GOAL_SILENT, GAUGE_WARNING),
+    *(MOTOR_SILENT, GOAL_SILENT, GAUGE_WARNING, DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING),
 )
 _LAST_KNOWN = " (last known)"
 
@@ -141,6 +145,8 @@ ON_DELAY = {
     BATTERY_EMPTY: 2.0,
     BATTERY_HEALTH: 2.0,
     GAUGE_WARNING: 2.0,
+    DIAGNOSTIC_ERROR: 2.0,
+    DIAGNOSTIC_WARNING: 2.0,
     STOP_UNCONFIRMED: 1.0,
     STOP_UNCERTAIN: 1.0,
     SEVERAL_STOP_SERVERS: 2.0,
@@ -239,11 +245,30 @@ def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str
     return {command: hint for command, hint in hints.items() if hint}
 
 
+# Behind their names stands the title of a gauge, or the name of a part: any text.
+_WITH_TEXT = (GAUGE_WARNING, DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
+
+
 def _kind(name: str) -> str:
-    """Return the name of an alarm without the node, topic or gauge that it is about."""
-    if name.startswith(f"{GAUGE_WARNING} "):  # The title of a gauge has no slash in front.
-        return GAUGE_WARNING
+    """Return the name of an alarm without the node, topic, gauge or part that it is about."""
+    for kind in _WITH_TEXT:
+        if name.startswith(f"{kind} "):
+            return kind
     return name.partition(" /")[0]
+
+
+def is_diagnostic(alarm: Alarm) -> bool:
+    """Return whether an alarm is about a part that the robot reports by diagnostics."""
+    return _kind(alarm.name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
+
+
+def _graver_name(name: str) -> str:
+    """Return the name of the alarm that is graver and has the same cause; "" if there is none."""
+    if name == LOW_BATTERY:
+        return BATTERY_EMPTY
+    if _kind(name) == DIAGNOSTIC_WARNING:
+        return DIAGNOSTIC_ERROR + name.removeprefix(DIAGNOSTIC_WARNING)
+    return ""
 
 
 class AlarmBoard:
@@ -302,17 +327,18 @@ class AlarmBoard:
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, AlarmState.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
-        low = self._alarms.get(LOW_BATTERY)
-        is_delayed = BATTERY_EMPTY in found and not self._is_active(BATTERY_EMPTY)
-        if low is not None and low.is_over and is_delayed:
-            # The battery is at least low until BATTERY_EMPTY has held for its on-delay.
-            changed += self._change(low, Change.RAISED, now)
         for alarm in list(self._alarms.values()):
+            graver = _graver_name(alarm.name)
+            if alarm.is_over and graver in found and not self._is_active(graver):
+                # The battery is at least low until BATTERY_EMPTY has held for its on-delay.
+                changed += self._change(alarm, Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            graver = _graver_name(alarm.name)
             if alarm.name in found or alarm.is_over:
                 continue
-            if alarm.name == LOW_BATTERY and BATTERY_EMPTY in found:
+            if graver in found:
                 # One cause has one alarm at a time, and no moment without an alarm.
-                if self._is_active(BATTERY_EMPTY):
+                if self._is_active(graver):
                     changed += self._change(alarm, Change.REPLACED, now)
                 continue
             is_reported = _kind(alarm.name) in _REPORTED and alarm.name not in known_over

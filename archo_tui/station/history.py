@@ -15,7 +15,8 @@ from archo_tui.robot.state import Goal, Snapshot
 
 # charge: in %. speed: in the unit of the robot's own messages, m/s in ROS. left: what remains of
 # the running goal, in the unit of its feedback.
-Quantity = Literal["charge", "speed", "left"]
+# x, y: where the robot is, in m.
+Quantity = Literal["charge", "speed", "left", "x", "y"]
 SPANS = (60.0, 600.0, 3600.0)  # Seconds that a plot may show.
 _KEPT = 3600  # Samples, and ended goals.
 # Seconds that a sample fills where a column is shorter than a second, so that a tick that comes
@@ -31,10 +32,13 @@ def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | Non
         now: Monotonic time in seconds.
     """
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
+    pose = snapshot.pose._replace(x=None, y=None) if snapshot.pose.is_old(now) else snapshot.pose
     return {
         "charge": None if battery.is_old(now) else battery.percentage,
         "speed": None if motion.is_old(now) else motion.speed,
         "left": None if goal is None else goal.remaining,
+        "x": pose.x,
+        "y": pose.y,
     }
 
 

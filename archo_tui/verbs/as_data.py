@@ -39,6 +39,7 @@ def state(station: Station) -> dict[str, Any]:
             "age": _age(motion.received, now),
             "source": "measured",
         },
+        "pose": _pose(snapshot, now),
         "goal": None if snapshot.goal is None else goal(snapshot.goal, now),
         "queue": {
             "waiting": [wanted.text for wanted in station.queue.waiting],
@@ -62,6 +63,21 @@ def state(station: Station) -> dict[str, Any]:
 def _stopped(snapshot: Snapshot) -> bool | None:
     """Return True if the robot reports that it is stopped, or a confirmed STOP implies it."""
     return True if snapshot.stop_holds else snapshot.motion.stopped
+
+
+def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
+    """Return the pose; None for a robot whose file names none."""
+    pose = snapshot.pose
+    if snapshot.file.pose is None:
+        return None
+    return {
+        "x": pose.x,  # In m.
+        "y": pose.y,
+        "yaw": pose.yaw,  # In degrees.
+        "frame": pose.frame,
+        "age": _age(pose.received, now),
+        "source": "measured",
+    }
 
 
 def _stop(snapshot: Snapshot) -> str:

@@ -26,7 +26,7 @@ from archo_tui.words.line_by_line import (
     queue_text,
     spans_to_text,
 )
-from archo_tui.words.state import elsewhere_text, gauge_line, motion_unit, no_data_text
+from archo_tui.words.state import elsewhere_text, gauge_line, motion_unit, no_data_text, pose_line
 
 _EVENTS = 20
 
@@ -73,6 +73,7 @@ class Status(Verb):
             *([elsewhere] if elsewhere else []),
             f"battery {battery_text(snapshot, now)}",
             f"{title} {motion_text(snapshot, now)}",
+            *filter(None, [spans_to_text(pose_line(snapshot, now))]),
             *(spans_to_text(gauge_line(reading, now)) for reading in snapshot.gauges),
             f"goal {goal_text(snapshot, now, self.ask)}",
             *([f"queue {waiting}"] if waiting else []),
@@ -128,7 +129,13 @@ class Past(Verb):
         return {**hour, "goals": goals}
 
 
-_NAMES: dict[Quantity, str] = {"charge": "charge", "speed": "speed", "left": "way left"}
+_NAMES: dict[Quantity, str] = {
+    "charge": "charge",
+    "speed": "speed",
+    "left": "way left",
+    "x": "x",
+    "y": "y",
+}
 _PARTS = 60  # Parts of a span, of which the oldest is told.
 
 
@@ -162,5 +169,7 @@ def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
         return "%"
     if quantity == "speed":
         return motion_unit(snapshot, "speed") or ""
+    if quantity in ("x", "y"):
+        return "m"
     units = {kind.remaining.unit for kind in snapshot.file.goals if kind.remaining}
     return units.pop() if len(units) == 1 else ""

@@ -27,6 +27,7 @@ from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans,
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
 _MIN_ROWS = 3  # Of a plot.
+_MOST_NEEDED = 3  # Plots that are shown or, for want of room, none.
 _GLYPHS = {Phase.ARRIVED: "✓", Phase.DISPUTED: "?"}
 
 
@@ -60,6 +61,8 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
         found.append(Plot("speed", "m/s", 2, "speed", 0.5))
     if remaining is not None:
         found.append(Plot("remaining", remaining.unit, 1, "left", 1.0))
+    if robot.pose is not None:
+        found += [Plot("x", "m", 1, "x", 1.0), Plot("y", "m", 1, "y", 1.0)]
     return tuple(found)
 
 
@@ -77,6 +80,8 @@ def history_lines(
         more: How to get more room, said if there is too little.
     """
     cells = width - _LABEL_WIDTH - 2
+    while len(shown) > _MOST_NEEDED and (height - 2) // len(shown) - 1 < _MIN_ROWS:
+        shown = shown[:-1]  # Where the robot is stands in Motion, too.
     rows = (height - 2) // max(len(shown), 1) - 1
     if rows < _MIN_ROWS or cells < 10:
         return [((f"too small for the plots{more}", OLD),)]

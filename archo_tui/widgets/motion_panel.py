@@ -12,7 +12,7 @@ from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import aligned, content
-from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word
+from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
 
 
 class MotionPanel(Panel, can_focus=True):
@@ -30,7 +30,9 @@ class MotionPanel(Panel, can_focus=True):
         if robot.stop is not None:
             stops = [("stop", "stop"), *[("release", "release")][: bool(robot.stop.release)]]
         self.keys = (*words[:1], *stops, *words[1:])
+        self._has_pose = robot.pose is not None
         self._line, self._word = Line(id="motion-line"), Line(id="motion-word")
+        self._pose = Line(classes="gauge")
         self._gauges = [Line(classes="gauge") for _ in robot.gauges]
         stop, label = ("", "Cancel all") if robot.stop is None else (robot.stop.service, "STOP")
         self._services = [(stop, Button(label, "stop", id="stop"))]
@@ -43,6 +45,8 @@ class MotionPanel(Panel, can_focus=True):
         yield self._word
         with Horizontal(classes="buttons"):
             yield from (button for _, button in self._services)
+        if self._has_pose:
+            yield self._pose
         yield from self._gauges  # Below STOP, which a small terminal must not cut off.
 
     def show(self, view: ScreenState) -> None:
@@ -60,6 +64,8 @@ class MotionPanel(Panel, can_focus=True):
             self._word.show(Content.assemble(content(state), Content.from_markup(release)))
         else:
             self._word.show_spans(state)
+        if self._has_pose:
+            self._pose.show_spans(pose_line(view.snapshot, view.now))
         for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):
             shown.show_spans(aligned(gauge_line(reading, view.now), width))
         self.dim_unavailable(view, self._services)

@@ -222,6 +222,22 @@ def gauge_line(reading: Reading, now: float) -> Spans:
     return (name, PLAIN), (text, PLAIN)
 
 
+def pose_line(snapshot: Snapshot, now: float) -> Spans:
+    """Return where the robot is as `x 1.2  y 0.4  90°  map`; empty for a robot without a pose."""
+    pose = snapshot.pose
+    if snapshot.file.pose is None:
+        return ()
+    if pose.received is None:
+        return (("pose", OLD), (" --", OLD))
+    parts = [f"x {fixed_width(pose.x, '.1f')}", f"y {fixed_width(pose.y, '.1f')}"]
+    if pose.yaw is not None:
+        parts.append(f"{pose.yaw:.0f}°")
+    text = "  ".join([*parts, *filter(None, [pose.frame])])
+    if pose.is_old(now):
+        return ((f"{text} (old, {age_text(now - pose.received)})", OLD),)
+    return ((text, PLAIN),)
+
+
 def no_reading_reason(snapshot: Snapshot) -> str:
     """Return why no reading of the battery was received; call it only while that is so."""
     described = snapshot.file.battery

@@ -60,7 +60,9 @@ KEYS = {
     },
     "AlarmList": {
         "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
+        "enter": "open_diagnostics",
     },
+    "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
         "pageup": "scroll(-1)", "pagedown": "scroll(1)",

@@ -23,7 +23,18 @@ BEGIN = 1_700_000_000.0
 # what a console does and a replay does not; what is new has to find its room here, or there
 ACTS = {
     *("go", "cancel", "cancel_all", "continue", "skip", "give_up_stop", "release", "send_goal"),
-    *("call", "keep_robot", "ack", "edit", "restore", "switch", "undo", "load", "start_stop"),
+    *(
+        "call",
+        "keep_robot",
+        "describe_robot",
+        "ack",
+        "edit",
+        "restore",
+        "switch",
+        "undo",
+        "load",
+        "start_stop",
+    ),
     *("copy", "keep", "recordings", "quiet_alarms", "charge", "reset"),
 }
 

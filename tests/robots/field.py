@@ -1,7 +1,4 @@
-"""A robot in the field, in ROS's own message types: BatteryState, Odometry, Trigger, SetBool, ...
-
-Real ROS 2 only: the embedded engine has no sensor_msgs.
-"""
+"""A robot in the field, in ROS's own message types; on the embedded engine those of tests/share."""
 
 from __future__ import annotations
 
@@ -9,16 +6,21 @@ import contextlib
 from typing import Any
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import Empty, SetBool, Trigger
 
 
 class Base(Node):
-    """The base: its battery in 0 to 1, its motion, a STOP, and three commands."""
+    """The base: battery in 0 to 1, motion, pose, diagnostics, a STOP, and two commands.
+
+    `parts` holds level and message of each part; a part that is taken out is silent.
+    """
 
     def __init__(self, **options: Any) -> None:
         super().__init__("base", **options)
@@ -27,6 +29,12 @@ class Base(Node):
             BatteryState, "battery_state", qos_profile_sensor_data
         )
         self._odometry = self.create_publisher(Odometry, "odom", 10)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._pose = self.create_publisher(PoseWithCovarianceStamped, "amcl_pose", latched)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self.parts = {"base: left motor": (DiagnosticStatus.OK, "fine")}
+        self.create_timer(0.5, self._publish_diagnostics)
+        self._publish_pose()
         self.create_timer(0.5, self._publish_battery)
         self.create_timer(0.1, self._publish_odometry)
         self.create_service(Trigger, "emergency_stop", self._on_stop)
@@ -39,6 +47,21 @@ class Base(Node):
         self._battery.publish(
             BatteryState(percentage=0.75, voltage=24.5, power_supply_status=status)
         )
+
+    def _publish_pose(self) -> None:
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = "map"
+        message.pose.pose.position.x, message.pose.pose.position.y = 1.2, 0.4
+        message.pose.pose.orientation.z = message.pose.pose.orientation.w = 0.5**0.5
+        self._pose.publish(message)
+
+    def _publish_diagnostics(self) -> None:
+        message = DiagnosticArray()
+        message.status = [
+            DiagnosticStatus(name=name, level=level, message=text, hardware_id="sn 12")
+            for name, (level, text) in self.parts.items()
+        ]
+        self._diagnostics.publish(message)
 
     def _publish_odometry(self) -> None:
         self._odometry.publish(Odometry())

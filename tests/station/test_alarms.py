@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Hosted, Latch, Life, OpenStop, Parameter, Phase, Snapshot
+from archo_tui.robot.state import (
+    Diagnostic,
+    DiagnosticLevel,
+    Hosted,
+    Latch,
+    Life,
+    OpenStop,
+    Parameter,
+    Phase,
+    Snapshot,
+)
 from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import (
@@ -30,6 +41,7 @@ from archo_tui.station.alarms import (
     AlarmBoard,
     AlarmState,
     Change,
+    Priority,
     remedy_hints,
 )
 from archo_tui.station.history import History
@@ -476,3 +488,44 @@ def test_a_stop_from_before_the_start_is_told_until_something_is_known(
     found = conditions(snapshot, NOW, earlier_stop=1_700_000_000.0)
     assert (EARLIER_STOP in found) is is_told
     assert not snapshot.is_stopped or not is_told
+
+
+def part(name: str, level: DiagnosticLevel, **more: Any) -> Diagnostic:
+    return Diagnostic(name, "", level, "words", **{"received": NOW, **more})
+
+
+def test_each_part_that_is_not_ok_has_an_alarm_up_to_twenty() -> None:
+    parts = (part("fan", DiagnosticLevel.OK), part("motor", DiagnosticLevel.ERROR))
+    found = conditions(NORMAL._replace(diagnostics=parts), NOW)
+    assert found == {"diagnostics error motor": "ERROR motor: words"}
+    many = tuple(part(f"part {n:02}", DiagnosticLevel.WARN) for n in range(25))
+    found = conditions(NORMAL._replace(diagnostics=many), NOW)
+    assert len(found) == 21
+    assert found["diagnostics others"] == "5 MORE PARTS ARE NOT OK: see diagnostics"
+
+
+def test_parts_that_all_fall_silent_are_one_alarm() -> None:
+    parts = tuple(part(f"part {n}", DiagnosticLevel.OK, received=NOW - 9) for n in range(5))
+    silent = NORMAL._replace(diagnostics=parts)
+    silent = silent._replace(file=replace(silent.file, diagnostics="/diagnostics"))
+    text = "DIAGNOSTICS STALE: nothing on /diagnostics for 9 s"
+    assert conditions(silent, NOW) == {"diagnostics /diagnostics": text}
+
+
+def test_a_part_that_flaps_within_the_delay_raises_nothing() -> None:
+    board = AlarmBoard()
+    bad = {"diagnostics motor": "WARN motor: words"}
+    for second in range(20):
+        assert not board.update(bad if second % 2 else {}, second, second)
+
+
+def test_an_error_takes_the_place_of_the_warning_of_its_part() -> None:
+    board = AlarmBoard()
+    warning, error = {"diagnostics motor": "WARN"}, {"diagnostics error motor": "ERROR"}
+    for second in range(4):
+        board.update(warning, second, second)
+    board.update(error, 4, 4)
+    assert [alarm.name for alarm in board.all()] == ["diagnostics motor"]
+    board.update(error, 7, 7)
+    (alarm,) = board.all()
+    assert (alarm.name, alarm.priority) == ("diagnostics error motor", Priority.HIGH)

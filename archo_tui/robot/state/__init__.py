@@ -7,6 +7,7 @@ report it.
 Most are NamedTuples, which are made and copied in a fraction of a dataclass's time.
 """
 
+from archo_tui.robot.state.diagnostic import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.event import OWN_LEVELS, Event
 from archo_tui.robot.state.goal import Goal, Phase, values_text
 from archo_tui.robot.state.hosted import Hosted, Life
@@ -16,7 +17,7 @@ from archo_tui.robot.state.parameter import Parameter, linked_number
 from archo_tui.robot.state.resource import ACTION, SERVICE, TOPIC, Resource
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
-from archo_tui.robot.state.telemetry import Battery, Motion, Reading
+from archo_tui.robot.state.telemetry import Battery, Motion, Pose, Reading
 from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
@@ -26,6 +27,8 @@ __all__ = [
     "SERVICE",
     "TOPIC",
     "Battery",
+    "Diagnostic",
+    "DiagnosticLevel",
     "Event",
     "Goal",
     "Hosted",
@@ -39,6 +42,7 @@ __all__ = [
     "OpenStop",
     "Parameter",
     "Phase",
+    "Pose",
     "Reading",
     "Resource",
     "Snapshot",

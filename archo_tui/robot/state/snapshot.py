@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.state.diagnostic import Diagnostic
 from archo_tui.robot.state.event import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.names import in_namespace, not_offered
@@ -15,7 +16,7 @@ from archo_tui.robot.state.node import NodeState
 from archo_tui.robot.state.parameter import Parameter, linked_number
 from archo_tui.robot.state.resource import Resource
 from archo_tui.robot.state.stop import Latch, OpenStop
-from archo_tui.robot.state.telemetry import Battery, Motion, Reading
+from archo_tui.robot.state.telemetry import Battery, Motion, Pose, Reading
 from archo_tui.robot.state.typed_field import TypedField
 from archo_tui.robot_file.model import FormField, GoalKind, Limit, ParameterRef, RobotFile
 
@@ -29,6 +30,8 @@ class Snapshot(NamedTuple):
         file: The robot file.
         battery: The last reading of the battery.
         motion: The last reading of the motion.
+        pose: The last reading of the pose.
+        diagnostics: The last diagnostic status of each part, by name.
         gauges: The last readings of the gauges, in the order of the robot file.
         goal: The goal to show: that of this console, else another, else the last that ended.
         running: The number of goals that run.
@@ -63,6 +66,8 @@ class Snapshot(NamedTuple):
     file: RobotFile = RobotFile()
     battery: Battery = Battery()
     motion: Motion = Motion()
+    pose: Pose = Pose()
+    diagnostics: tuple[Diagnostic, ...] = ()
     gauges: tuple[Reading, ...] = ()
     goal: Goal | None = None
     running: int = 0

@@ -66,6 +66,32 @@ class Motion:
         return is_silent(self.received, self.period, now, self.grace)
 
 
+class Pose(NamedTuple):
+    """The pose that the robot has reported last.
+
+    Attributes:
+        x: In m.
+        y: In m.
+        yaw: The direction in degrees, counter-clockwise from the x axis, -180 to 180.
+        frame: The name of the frame that the pose is in; "" if it is not reported.
+        received: When the last message came.
+        period: The typical interval of its messages in seconds; None before two messages.
+        grace: The silence in seconds that is allowed while there is no period; None for any.
+    """
+
+    x: float | None = None
+    y: float | None = None
+    yaw: float | None = None
+    frame: str = ""
+    received: float | None = None
+    period: float | None = None
+    grace: float | None = UNMEASURED
+
+    def is_old(self, now: float) -> bool:
+        """Return True if nothing was received for three of its periods."""
+        return is_silent(self.received, self.period, now, self.grace)
+
+
 class Reading(NamedTuple):
     """The last number of one of the robot's gauges.
 

@@ -1,0 +1,66 @@
+"""The table of diagnostic statuses by name. No input or output."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from archo_tui.robot.period import Period
+from archo_tui.robot.state import Diagnostic, DiagnosticLevel
+from archo_tui.robot.text import harmless
+
+TYPE = "diagnostic_msgs/msg/DiagnosticArray"
+_MOST = 1000  # Names that are kept; a publisher of ever new names must not fill the memory.
+# The constants of diagnostic_msgs/msg/DiagnosticStatus.
+_LEVELS = dict(enumerate(DiagnosticLevel))
+
+
+class Diagnostics:
+    """The last status of each name.
+
+    Attributes:
+        all: The statuses, by name.
+    """
+
+    def __init__(self) -> None:
+        """Begin without a status."""
+        self.all: tuple[Diagnostic, ...] = ()
+        self._by_name: Mapping[str, Diagnostic] = {}
+        self._periods: dict[str, Period] = {}
+
+    def copy(self) -> Diagnostics:
+        """Return a table with the same statuses, which changes independently."""
+        copied = Diagnostics()
+        copied.all, copied._by_name, copied._periods = self.all, self._by_name, dict(self._periods)
+        return copied
+
+    def take(self, message: Any, now: float) -> bool:
+        """Take in a DiagnosticArray that came at `now`, in monotonic seconds.
+
+        Returns:
+            True if a level differs from the one before, or a name is new.
+        """
+        found = dict(self._by_name)
+        for status in message.status:
+            name = harmless(status.name) or "(without a name)"
+            if name not in found and len(found) >= _MOST:
+                continue
+            period = self._periods[name] = self._periods.get(name, Period()).with_message_at(now)
+            found[name] = Diagnostic(
+                name,
+                harmless(status.hardware_id),
+                _LEVELS.get(_number(status.level), DiagnosticLevel.ERROR),
+                harmless(status.message),
+                now,
+                period.typical,
+            )
+        levels = {name: status.level for name, status in found.items()}
+        changed = levels != {name: status.level for name, status in self._by_name.items()}
+        self._by_name = found
+        self.all = tuple(found[name] for name in sorted(found))
+        return changed
+
+
+def _number(level: Any) -> int:
+    """Return a level as a number: rosidl's Python has a `byte` as one byte."""
+    return level[0] if isinstance(level, bytes) else int(level)

@@ -1,0 +1,50 @@
+"""Subscriptions to topics that are recorded and not shown, as the robot file lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from archo_tui.robot import message_classes
+from archo_tui.robot.endpoints import fitting_qos
+from archo_tui.robot.listener import Listener
+from archo_tui.robot_file import mismatch
+
+
+class RecordedTopics:
+    """Keeps a subscription to each topic that somebody publishes. ROS thread only.
+
+    The messages go to the black box, as those of every subscription of the node do.
+    """
+
+    def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
+        """Subscribe to nothing yet.
+
+        Args:
+            node: The console's node.
+            topics: The topics, as the robot file names them.
+            warn: Called once with a line about each topic that cannot be recorded.
+        """
+        self._node, self._warn = node, warn
+        self._missing = [node.resolve_topic_name(topic) for topic in topics]
+        self._subscriptions: list[Any] = []
+        self._warned: set[str] = set()
+
+    def subscribe(self) -> None:
+        """Subscribe to the topics that have come since the last call."""
+        for topic in list(self._missing):
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            kind = publishers[0].topic_type
+            message_class = message_classes.load(kind)
+            if message_class is None:
+                if topic not in self._warned:
+                    self._warned.add(topic)
+                    self._warn(f"not recorded: {mismatch.not_installed(topic, kind)}")
+                continue
+            subscription = self._node.listen_quietly(
+                message_class, topic, lambda _: None, fitting_qos(publishers)
+            )
+            self._subscriptions.append(subscription)
+            self._missing.remove(topic)

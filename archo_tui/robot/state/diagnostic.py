@@ -1,0 +1,44 @@
+"""The status of a part of the robot, as it reports it by diagnostic_msgs."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+# Seconds after which a status is stale, at least. diagnostic_updater publishes each second, and
+# diagnostic_aggregator calls a status stale after 5 s.
+LEAST_STALE = 5.0
+
+
+class DiagnosticLevel(Enum):
+    """The levels of diagnostic_msgs/msg/DiagnosticStatus, by their words."""
+
+    OK = "OK"
+    WARN = "WARN"
+    ERROR = "ERROR"
+    STALE = "STALE"
+
+
+class Diagnostic(NamedTuple):
+    """The last status of one part.
+
+    Attributes:
+        name: The name of the part, as diagnostics have it: `base: left motor`.
+        hardware_id: The part's serial number or the like; may be "".
+        level: The level that it reported.
+        message: What it said.
+        received: When the last status came, in monotonic seconds.
+        period: The typical interval of its statuses in seconds; None before two of them.
+    """
+
+    name: str
+    hardware_id: str
+    level: DiagnosticLevel
+    message: str
+    received: float
+    period: float | None = None
+
+    def level_at(self, now: float) -> DiagnosticLevel:
+        """Return the level, which is STALE after three periods of silence, at least 5 s."""
+        allowed = max(3 * (self.period or 0.0), LEAST_STALE)
+        return DiagnosticLevel.STALE if now - self.received > allowed else self.level

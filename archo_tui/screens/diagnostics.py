@@ -1,0 +1,58 @@
+"""The dialog that lists what the robot reports of its parts, the worst first."""
+
+from __future__ import annotations
+
+import textwrap
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Vertical
+
+from archo_tui.robot.state import Diagnostic, DiagnosticLevel
+from archo_tui.screens.dialog import Dialog
+from archo_tui.station.alarm_conditions import worst_diagnostics
+from archo_tui.station.station import View
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
+from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
+
+
+class DiagnosticList(Dialog[None]):
+    """A list of the parts with their levels and messages, which follows the robot."""
+
+    BINDINGS = [Binding("escape,enter,q", "close", "Close")]
+
+    def __init__(self, view: View) -> None:
+        """Create the dialog.
+
+        Args:
+            view: What is shown at first.
+        """
+        super().__init__()
+        self._view = view
+        self._box = Vertical(classes="dialog reading")
+        self._rows: Rows[Diagnostic] = Rows(
+            self._lines, lambda status: status.name, id="diagnostics", empty="", wraps=True
+        )
+
+    def body(self) -> ComposeResult:
+        with self._box:
+            self._box.border_title = "Diagnostics"
+            self._box.border_subtitle = "esc close"
+            yield self._rows
+
+    def on_mount(self) -> None:
+        self.set_focus(self._rows)
+        self.show_view(self._view)
+
+    def show_view(self, view: View) -> None:
+        """Show the present statuses."""
+        self._view = view
+        self._rows.empty = no_diagnostics_text(view.snapshot)
+        self._rows.show(worst_diagnostics(view.snapshot, view.now))
+        self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
+
+    def _lines(self, status: Diagnostic, width: int, _columns: Columns) -> list[Text]:
+        style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(status.level, "")
+        text = diagnostic_line(status, self._view.now)
+        wrapped = textwrap.wrap(text, max(width, 20), subsequent_indent=" " * 8)
+        return [(line, style) for line in wrapped]

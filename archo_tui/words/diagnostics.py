@@ -1,0 +1,37 @@
+"""The texts of what the robot reports of its parts. Pure functions."""
+
+from __future__ import annotations
+
+from archo_tui.robot.state import Diagnostic, DiagnosticLevel, Snapshot
+from archo_tui.words.state import age_text
+
+GLYPHS = {
+    DiagnosticLevel.OK: "●",
+    DiagnosticLevel.WARN: "▲",
+    DiagnosticLevel.ERROR: "✗",
+    DiagnosticLevel.STALE: "?",
+}
+
+
+def diagnostic_line(status: Diagnostic, now: float) -> str:
+    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a stale status.
+
+    Args:
+        status: The status, with its level now.
+        now: Monotonic time in seconds.
+    """
+    part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
+    head = f"{GLYPHS[status.level]} {status.level.value:<5} {part}"
+    if status.level is DiagnosticLevel.STALE:
+        return f"{head}: {status.message} (old, {age_text(now - status.received)})"
+    return f"{head}: {status.message}" if status.message else head
+
+
+def no_diagnostics_text(snapshot: Snapshot) -> str:
+    """Return why there is no status to show."""
+    topic = snapshot.file.diagnostics
+    if not topic:
+        return "the robot file names no diagnostics"
+    if topic in snapshot.faults:
+        return snapshot.faults[topic]
+    return f"waiting for {topic}" if topic in snapshot.offered else f"no node publishes {topic}"

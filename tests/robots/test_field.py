@@ -1,0 +1,84 @@
+"""A robot in the field: where it is, and what it reports of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("diagnostic_msgs")
+pytest.importorskip("sensor_msgs")
+pytest.importorskip("nav_msgs")
+
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from tests.robots.field import Base
+from tests.support.console import Console, console
+from tests.support.plain import plain
+
+FILE = Path(__file__).with_name("field.yaml")
+MOTOR = "base: left motor"
+
+
+@asynccontextmanager
+async def field(**options: Any) -> AsyncIterator[tuple[Console, Base]]:
+    """The console, and the robot's node."""
+    made: list[Base] = []
+
+    def make(**given: Any) -> Base:
+        made.append(Base(**given))
+        return made[-1]
+
+    async with console(robot=FILE, node_makers=[make], wait=False, **options) as op:
+        await op.until(lambda: "/diagnostics" in op.app.view.snapshot.offered)
+        await op.until(lambda: op.app.view.snapshot.diagnostics)
+        yield op, made[0]
+
+
+async def test_where_it_is_stands_below_its_motion() -> None:
+    async with field() as (op, _):
+        await op.until("75.0 %  24.5 V")
+        await op.until("x 1.2  y 0.4  90°  map")
+        await op.until("● IDLE")
+
+
+async def test_a_part_that_fails_is_an_alarm_with_what_it_said() -> None:
+    async with field() as (op, node):
+        node.parts[MOTOR] = (DiagnosticStatus.ERROR, "too hot")
+        await op.until("ERROR base: left motor (sn 12): too hot")
+        assert op.line("ERROR base").strip().startswith("✗ ERROR base")
+        node.parts[MOTOR] = (DiagnosticStatus.OK, "fine")
+        await op.until("over")
+        await op.press("a")
+        await op.until(lambda: "ERROR base" not in op.text)
+
+
+async def test_enter_on_its_alarm_lists_all_parts() -> None:
+    async with field() as (op, node):
+        node.parts["base: fan"] = (DiagnosticStatus.OK, "turns")
+        node.parts[MOTOR] = (DiagnosticStatus.WARN, "warm")
+        await op.until("WARN base: left motor (sn 12): warm")
+        await op.press("A", "enter")
+        await op.until("Diagnostics")
+        await op.until("▲ WARN  base: left motor (sn 12): warm")
+        await op.until("● OK    base: fan (sn 12): turns")
+        node.parts[MOTOR] = (DiagnosticStatus.ERROR, "hot")
+        await op.until("✗ ERROR base: left motor (sn 12): hot")
+        await op.press("escape")
+
+
+async def test_a_part_that_falls_silent_is_stale() -> None:
+    async with field() as (op, node):
+        node.parts["base: fan"] = (DiagnosticStatus.OK, "turns")
+        await op.until(lambda: len(op.app.view.snapshot.diagnostics) == 2)
+        del node.parts["base: fan"]
+        await op.until("STALE base: fan (sn 12): no status for")
+
+
+async def test_words_tell_pose_and_parts() -> None:
+    _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
+    assert "x 1.2, y 0.4, 90°, map" in said
+    assert "● OK    base: left motor (sn 12): fine" in said
