@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 MAX_TEXT = 200  # Characters.
 MAX_OBJECT = 4096  # Bytes as JSON.

@@ -14,7 +14,7 @@ from archo_tui.assistant.tool import Tool
 from archo_tui.assistant.tool_answer import ToolAnswer, failure
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.remote.client import Unreached
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 
 def available_tools(*, goals: bool) -> dict[str, Tool]:

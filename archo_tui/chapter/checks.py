@@ -14,7 +14,7 @@ from archo_tui.chapter.parameter_checks import parameter_checks
 from archo_tui.chapter.service_checks import service_checks
 from archo_tui.chapter.tap import Result
 from archo_tui.chapter.topic_checks import topic_checks
-from archo_tui.robot.text import safe
+from archo_tui.safe_text import safe
 from archo_tui.session import Session
 
 # STOP comes last, since it leaves the robot stopped.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from archo_tui.robot.text import safe
+from archo_tui.safe_text import safe
 
 
 class Result(NamedTuple):

@@ -9,9 +9,10 @@ from argparse import Namespace
 from io import StringIO
 
 from archo_tui import __version__
-from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.cli.output import FAILED, complain
 from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
+from archo_tui.safe_text import safe
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ def _print_version(engine: str) -> int:
     """Print what a bug report should say."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
-    print(safe_line(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
+    print(safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
     return 0
 
 

@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.cli.output import FAILED, complain, safe
 from archo_tui.errors import ArchoError
 
 if TYPE_CHECKING:
@@ -47,10 +47,10 @@ def describe_robot(options: Namespace) -> int:
     if not text:
         return FAILED
     if path is None:
-        print("\n".join(map(safe_line, text.splitlines())))
+        print("\n".join(map(safe, text.splitlines())))
     else:
         write_atomically(path, text)
-        print(safe_line(f"Written to {path}. Check every line: nothing in it was tried."))
+        print(safe(f"Written to {path}. Check every line: nothing in it was tried."))
     return 0
 
 

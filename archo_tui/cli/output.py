@@ -7,23 +7,15 @@ import os
 import sys
 from io import TextIOBase
 
+from archo_tui.safe_text import safe
+
 FAILED, MISUSED = 1, 2  # Exit codes.
 
 
 def complain(text: str) -> None:
     """Print a line on standard error, if that is open."""
     if sys.stderr is not None:
-        print(f"archo-tui: {safe_line(text)}", file=sys.stderr)
-
-
-def safe_line(text: str) -> str:
-    """Return one line on which no terminal acts."""
-    if text.isascii() and text.isprintable():
-        return text
-    # It imports Rich, which takes most of the time of a short command.
-    from archo_tui.robot.text import safe
-
-    return safe(text)
+        print(f"archo-tui: {safe(text)}", file=sys.stderr)
 
 
 class ClosedOutput(TextIOBase):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from argparse import Namespace
 
-from archo_tui.cli.output import complain, safe_line
+from archo_tui.cli.output import complain
 from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
+from archo_tui.safe_text import safe
 
 
 def replay(options: Namespace) -> int:
@@ -36,7 +37,7 @@ def replay(options: Namespace) -> int:
         from archo_tui.replay.report import report_lines
 
         for line in report_lines(bag, robot):
-            print(safe_line(line))
+            print(safe(line))
         return 0
     from archo_tui.commands import keymap, registry
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest

@@ -6,8 +6,9 @@ import signal
 import sys
 from argparse import Namespace
 
-from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
+from archo_tui.safe_text import safe
 
 
 def check(options: Namespace) -> int:
@@ -42,7 +43,7 @@ def print_keys(options: Namespace) -> int:
     robot = load.load(Path(options.robot) if options.robot else load.default_path())
     commands = registry(robot)
     keys, others = keymap.load_keymap(path, commands)
-    print(safe_line(f"# {path}"))
+    print(safe(f"# {path}"))
     for command in commands:
         key, place = keys[command.id], command.where_text
         line = f"{command.id}: {key}" if key else f"# {command.id}:"
@@ -50,7 +51,7 @@ def print_keys(options: Namespace) -> int:
             place = "in the palette only"
             taker = keymap.key_owner(command, command.key, keys, commands)
             place += f", {command.key} is the key of {taker}" if taker else ""
-        print(safe_line(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
+        print(safe(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
     if others:
         complain(others)
     return 0
@@ -84,10 +85,10 @@ def recordings(options: Namespace) -> int:
 
     if options.delete:
         for line in delete_named(options.delete):
-            print(safe_line(line))
+            print(safe(line))
         return 0
     for line in list_recordings(as_json=options.json):
-        print(safe_line(line))
+        print(safe(line))
     return 0
 
 
@@ -95,5 +96,5 @@ def print_journal_path(_options: Namespace) -> int:
     """Print where the journal is."""
     from archo_tui.paths import journal_file
 
-    print(safe_line(str(journal_file())))
+    print(safe(str(journal_file())))
     return 0

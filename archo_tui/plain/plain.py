@@ -27,7 +27,7 @@ from archo_tui.plain.stop_sender import StopSender
 from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Void
-from archo_tui.robot.text import safe
+from archo_tui.safe_text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.approvals import LIFETIME, READING_TIME

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from archo_tui.robot.audit_records import json_safe
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 _MAX_DEPTH = 4  # Of nested lists.
 

@@ -12,7 +12,7 @@ from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
-from archo_tui.robot.text import harmless, hides
+from archo_tui.safe_text import harmless, hides
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station

@@ -22,6 +22,7 @@ from archo_tui.remote.protocol import (
     is_stop,
 )
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
+from archo_tui.safe_text import safe_lines
 from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False
@@ -442,7 +443,7 @@ def _answer(question: str) -> bool:
 
 
 def _print(text: str) -> None:
-    print(_safe(text), flush=True)
+    print(safe_lines(text), flush=True)
 
 
 def _print_json(said: dict[str, Any]) -> None:
@@ -453,13 +454,4 @@ def _print_json(said: dict[str, Any]) -> None:
 def _complain(text: str, prefix: str = "archo-tui: ") -> None:
     with contextlib.suppress(OSError):  # Nobody reads it; the result is the same.
         if sys.stderr is not None:
-            print(f"{prefix}{_safe(text)}", file=sys.stderr)
-
-
-def _safe(text: str) -> str:
-    """Replace what a terminal could act on: a robot's own text may be in it."""
-    if text.isprintable():
-        return text
-    return "".join(
-        char if char.isprintable() or char == "\n" else "\N{REPLACEMENT CHARACTER}" for char in text
-    )
+            print(f"{prefix}{safe_lines(text)}", file=sys.stderr)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 _MAX_LINES = 100
 _MAX_MESSAGES = 100_000  # Counted apart; a higher count is of no use.

@@ -30,9 +30,9 @@ from archo_tui.robot.state import (
 )
 from archo_tui.robot.telemetry import Kept as Readings
 from archo_tui.robot.telemetry import News, Telemetry
-from archo_tui.robot.text import safe
 from archo_tui.robot.tracked_goal import feedback_changes
 from archo_tui.robot_file.model import GoalKind, RobotFile
+from archo_tui.safe_text import safe
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import Alarm, AlarmBoard
 

@@ -62,12 +62,12 @@ from archo_tui.robot.state import (
 from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND, Stopping
 from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
-from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.tracked_goal import FARTHEST
 from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file import mismatch, model
+from archo_tui.safe_text import harmless
 
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from operator import itemgetter
 
 from archo_tui.robot.state import OWN_LEVELS, Event
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 LIMIT = 1000  # Events that are kept.
 _OWN = 200  # Of these, the console's own, which a flood of others does not push out.

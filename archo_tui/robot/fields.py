@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from archo_tui.robot.message_classes import EMPTY, load
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
 

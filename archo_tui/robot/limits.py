@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Iterator
 from os.path import basename
 
 from archo_tui.robot.state import Parameter, in_namespace, linked_number
-from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import ParameterRef, RobotFile
+from archo_tui.safe_text import harmless
 
 # Seconds that a limit must be unknown before that is reported: nodes come one after the other.
 _SURE = 5.0

@@ -11,9 +11,9 @@ from typing import Any
 from archo_tui.robot.fields import NESTED, checked, put
 from archo_tui.robot.message_classes import EMPTY
 from archo_tui.robot.state import TypedField
-from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
+from archo_tui.safe_text import harmless
 from archo_tui.yaml_text.dump import flow
 
 _SHOWN = 20  # Elements of an array that a text shows.

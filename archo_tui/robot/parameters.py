@@ -26,8 +26,8 @@ from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.stops import Gate
-from archo_tui.robot.text import harmless
 from archo_tui.robot.values import same, text_of
+from archo_tui.safe_text import harmless
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
 _DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.

@@ -16,8 +16,8 @@ from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requester import YOU, Requester
 from archo_tui.robot.state import Event
-from archo_tui.robot.text import harmless
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
+from archo_tui.safe_text import harmless
 
 MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thread is busy.
 

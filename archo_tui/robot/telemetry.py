@@ -19,9 +19,9 @@ from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, Period
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.state import Battery, Motion, Pose, Reading, in_namespace
-from archo_tui.robot.text import harmless
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
+from archo_tui.safe_text import harmless
 
 _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
 _SAMPLES = 300

@@ -6,7 +6,7 @@ import math
 import re
 from typing import Any
 
-from archo_tui.robot.text import safe
+from archo_tui.safe_text import safe
 
 # Stricter than int() and float(), which also accept `1_2` and the digits of every script.
 _WHOLE = re.compile(r"[+-]?[0-9]+")

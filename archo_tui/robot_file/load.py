@@ -7,10 +7,10 @@ from pathlib import Path
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file import typed_yaml, validate
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.safe_text import harmless
 from archo_tui.yaml_text import bounded_yaml
 
 _PACKAGE = Path(__file__).parent.parent
-_MAX_LENGTH = 500  # characters of an error message
 
 
 def default_path() -> Path:
@@ -31,7 +31,7 @@ def load(path: Path) -> RobotFile:
         reason = f"{path}: cannot read the robot file: {error.strerror}"
     except (bounded_yaml.YamlError, ArchoError) as error:
         reason = str(error)
-    raise ArchoError(_printable(reason))
+    raise ArchoError(harmless(reason))
 
 
 def parse(text: str, path: Path) -> RobotFile:
@@ -47,18 +47,12 @@ def parse(text: str, path: Path) -> RobotFile:
     try:
         return _parse(text, path)
     except (bounded_yaml.YamlError, ArchoError) as error:
-        raise ArchoError(_printable(str(error))) from None
+        raise ArchoError(harmless(str(error))) from None
 
 
 def _load(path: Path) -> RobotFile:
     """Read and parse a robot file; an error may quote its control characters unchanged."""
     return _parse(bounded_yaml.read(path), path)
-
-
-def _printable(text: str) -> str:
-    """Return an error text that is safe to print, though it may quote the file."""
-    shown = "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)
-    return shown[:_MAX_LENGTH]
 
 
 def _parse(text: str, path: Path) -> RobotFile:

@@ -12,7 +12,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.station import form_history
 from archo_tui.terminal.app import COMMANDS, start_worker

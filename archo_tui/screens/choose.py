@@ -11,7 +11,7 @@ from textual.binding import Binding
 from textual.containers import Vertical
 from textual.content import Content
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.find import matching_rows
 from archo_tui.terminal.app import COMMANDS

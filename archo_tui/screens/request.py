@@ -13,7 +13,7 @@ from textual.events import Resize
 from textual.widget import Widget
 from textual.widgets import Static
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.station import View

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 
 _TITLE = "archo-tui"
 # The terminals that know a sequence. Inside tmux and screen none of them arrives.

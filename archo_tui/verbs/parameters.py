@@ -17,8 +17,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.requester import current_requester
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
+from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.anything import full_name, nearest_node

@@ -13,7 +13,7 @@ from textual.content import Content
 from archo_tui.clock import time_of_day
 from archo_tui.robot.requester import ASSISTANT
 from archo_tui.robot.state import Battery, Latch, Motion, Phase
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import (
     Alarm,
     AlarmState,

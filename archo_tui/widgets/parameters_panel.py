@@ -10,8 +10,8 @@ from textual.widget import Widget
 
 from archo_tui.robot.parameter_values import range_text
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.text import harmless
 from archo_tui.robot.values import same, text_of
+from archo_tui.safe_text import harmless
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad

@@ -9,7 +9,7 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widget import Widget
 
-from archo_tui.robot.text import harmless
+from archo_tui.safe_text import harmless
 from archo_tui.widgets.field import Field
 
 

@@ -9,7 +9,7 @@ from rich.cells import cell_len
 
 from archo_tui.robot.events import LEFT_OUT, EventLog
 from archo_tui.robot.state import Event
-from archo_tui.robot.text import harmless, safe, safe_in_place
+from archo_tui.safe_text import harmless, safe, safe_in_place
 
 
 def event(text: str, level: str = "WARN", source: str = "dashboard", time: float = 1.0) -> Event:

@@ -1,14 +1,12 @@
 """The removal of characters on which a terminal could act from texts of other programs.
 
 Every line for a terminal passes through here: those of the screen (terminal/app.py), of `--plain`,
-and of standard error.
+of shell verbs, and of standard error. Importing this takes little time: a prompt may run a verb.
 """
 
 from __future__ import annotations
 
 import re
-
-from rich.cells import cell_len
 
 _LONGEST = 500  # Characters of a line that are kept.
 _MARKS = 4  # Combining marks on one letter; more would reach into the lines above and below.
@@ -43,10 +41,20 @@ def safe(text: str) -> str:
     return _HEAPED.sub(r"\1", _UNSAFE.sub(HIDDEN, text))
 
 
+def safe_lines(text: str) -> str:
+    """Return a text of several lines, each of them as by `safe`."""
+    return "\n".join(map(safe, text.split("\n")))
+
+
 def safe_in_place(text: str) -> str:
     """Return the same as `safe` in as many cells, for a line that was laid out already."""
-    text = _UNSAFE.sub(lambda found: HIDDEN * cell_len(found[0]), text)
-    return _HEAPED.sub(r"\1", text)
+    return _HEAPED.sub(r"\1", _UNSAFE.sub(_hidden_in_place, text))
+
+
+def _hidden_in_place(found: re.Match[str]) -> str:
+    from rich.cells import cell_len  # Only a screen needs it, which has imported it before.
+
+    return HIDDEN * cell_len(found[0])
 
 
 def hides(text: str) -> bool:
