@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from itertools import islice
 from typing import Any
 
+from archo_tui.robot.values import fits_an_integer
 from archo_tui.safe_text import harmless
 
 MAX_ITEMS = 100  # Of a list or an object.
 _MAX_DEPTH = 8  # Levels of nesting.
-_LARGEST_INTEGER = 2**64  # ROS has none larger.
 
 
 def sanitize(told: Any, depth: int = _MAX_DEPTH) -> Any:
@@ -28,7 +28,7 @@ def sanitize(told: Any, depth: int = _MAX_DEPTH) -> Any:
     if isinstance(told, str):
         return harmless(told)
     if isinstance(told, (int, float)):
-        is_usual = math.isfinite(told) if isinstance(told, float) else abs(told) <= _LARGEST_INTEGER
+        is_usual = math.isfinite(told) if isinstance(told, float) else fits_an_integer(told)
         return told if is_usual else f"a number that is not shown: {_in_words(told)}"
     if depth == 0 or not isinstance(told, (list, tuple, Mapping)):
         return "not shown: too deep"

@@ -7,8 +7,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from archo_tui.cli.output import FAILED, complain, safe
+from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
+from archo_tui.safe_text import safe
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station

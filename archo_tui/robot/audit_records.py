@@ -21,14 +21,13 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.values import text_of
+from archo_tui.robot.values import fits_an_integer, text_of
 from archo_tui.safe_text import harmless
 
 TOPIC = "_archo_console/acts_1"  # A hidden name, as ROS tools use.
 MAX_LENGTH = 16_000  # Characters of a record; a longer one is ignored.
 _MAX_ITEMS = 100  # Items of a list that are kept.
 _MAX_DEPTH = 4  # Levels of nested values that are kept.
-_INT64 = 2**63
 
 
 class AuditRecord(NamedTuple):
@@ -111,7 +110,7 @@ def _mapping(values: Mapping[str, Any], depth: int) -> dict[str, Any]:
 def _plain(value: Any, depth: int) -> Any:
     if value is None or isinstance(value, bool):
         return value
-    if isinstance(value, int) and -_INT64 <= value < 2 * _INT64:
+    if isinstance(value, int) and fits_an_integer(value):
         return value
     if isinstance(value, float) and math.isfinite(value):
         return value

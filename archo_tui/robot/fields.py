@@ -15,6 +15,7 @@ from typing import Any
 import yaml
 
 from archo_tui.robot.message_classes import EMPTY, load
+from archo_tui.robot.values import INTEGERS
 from archo_tui.safe_text import harmless
 from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
@@ -30,12 +31,6 @@ _MARKS = ("\ufeff", "\ufffe")
 _SHOWN = 40  # Characters of a wrong value that its error quotes.
 # What rosidl's setters raise for a value that does not fit.
 _REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)
-
-INTEGERS = {
-    f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    for sign in ("", "u")
-    for bits in (8, 16, 32, 64)
-} | {"octet": (0, 255)}
 
 
 def element_of(kind: str) -> str | None:

@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from archo_tui.robot.fields import INTEGERS, checked, element_of
+from archo_tui.robot.fields import checked, element_of
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.state import TypedField
 from archo_tui.robot.values import (
+    INTEGERS,
     parse_any_number,
     parse_bool,
     parse_integer,
@@ -169,7 +170,7 @@ def _value(field: TypedField, text: str) -> Any:
     if field.type == "boolean":
         return parse_bool(stripped)
     if is_integer(field):
-        return parse_integer(stripped, -_FARTHEST, _FARTHEST)
+        return parse_integer(stripped, (-_FARTHEST, _FARTHEST))
     return parse_any_number(stripped)
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from archo_tui.robot.values import INTEGERS
 from archo_tui.robot_file.model import MessageField
-
-_INT64 = 2**63
-
 
 Fields = MessageField | tuple[MessageField, ...]  # The source of one reading.
 
@@ -54,7 +52,8 @@ def integer(value: Any) -> int | None:
     """Return a whole number that fits into 64 bits; None for anything else."""
     if isinstance(value, bool) or not isinstance(value, int):
         return None
-    return value if -_INT64 <= value < _INT64 else None
+    low, high = INTEGERS["int64"]
+    return value if low <= value <= high else None
 
 
 def flag(value: Any) -> bool | None:

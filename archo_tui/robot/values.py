@@ -12,6 +12,12 @@ from archo_tui.safe_text import safe
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _INFINITE = re.compile(r"[+-]?\.?(inf|Inf|INF)|\.?(nan|NaN|NAN)")  # YAML's dot is optional.
+# The lowest and the highest value of each integer type, by the names that rosidl writes.
+INTEGERS = {
+    f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+} | {"octet": (0, 255)}
 _DIGITS = 30  # More than any type has; further digits cannot make a number fit.
 
 
@@ -46,13 +52,17 @@ def parse_bool(text: str) -> bool:
     return words[text.lower()]
 
 
-def parse_integer(text: str, low: int = -(2**63), high: int = 2**63 - 1) -> int:
+def fits_an_integer(value: int) -> bool:
+    """Return True if an integer type of ROS can hold a number."""
+    return INTEGERS["int64"][0] <= value <= INTEGERS["uint64"][1]
+
+
+def parse_integer(text: str, limits: tuple[int, int] = INTEGERS["int64"]) -> int:
     """Return the whole number in a text.
 
     Args:
         text: The text.
-        low: The smallest number allowed; that of an int64 by default.
-        high: The largest.
+        limits: The smallest and the largest number allowed.
 
     Raises:
         ValueError: In one line what is wrong.
@@ -62,7 +72,7 @@ def parse_integer(text: str, low: int = -(2**63), high: int = 2**63 - 1) -> int:
         raise ValueError(f"not a whole number: {text}")
     value = int(stripped.lstrip("+-0")[:_DIGITS] or "0")
     value = -value if stripped.startswith("-") else value
-    if not low <= value <= high:
+    if not limits[0] <= value <= limits[1]:
         raise ValueError(f"too large for an integer: {text}")
     return value
 
