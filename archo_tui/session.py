@@ -26,6 +26,7 @@ from archo_tui.recording.box import BUDGET
 from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
 from archo_tui.robot_file import load as robot_files
+from archo_tui.ros_names import base_name
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station.journal import Journal, RepeatFilter, unreleased_stop
 from archo_tui.station.station import Station
@@ -351,7 +352,7 @@ class Session:
             self.host.add(make)
         if self.options.node_makers:
             return
-        taken = {hosted.name.rpartition("/")[2] for hosted in self.host.nodes}
+        taken = {base_name(hosted.name) for hosted in self.host.nodes}
         # rclpy's own errors: in one process DDS allows one type a topic; or the user's interfaces.
         name, expected = "the robot's own nodes", (RuntimeError, ImportError, AttributeError)
         try:

@@ -8,6 +8,7 @@ from difflib import SequenceMatcher
 
 from archo_tui.chapter.check_runner import CheckRunner
 from archo_tui.chapter.tap import Result
+from archo_tui.ros_names import base_name
 
 _MIN_SIMILARITY = 0.8  # Ratio of difflib from which a name counts as a misspelling.
 # The robot's own names; none of them is a misspelling of another.
@@ -44,7 +45,7 @@ def missing_result(
 
 def _is_meant_as(name: str, wanted: str) -> bool:
     """Return True for a misspelling, the name in a namespace, or some of its words."""
-    last = name.rpartition("/")[2]
+    last = base_name(name)
     if SequenceMatcher(None, last.lower(), wanted).ratio() >= _MIN_SIMILARITY:
         return True
     own, words = _words(last), _words(wanted)

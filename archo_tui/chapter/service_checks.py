@@ -14,6 +14,7 @@ from archo_tui.chapter.tap import Result
 from archo_tui.hosting.host import HostedNode
 from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code
+from archo_tui.ros_names import base_name
 
 _RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
 _RESET_ANSWERS = "reset_encoder answers True, 'Encoder reset to zero'"
@@ -85,7 +86,7 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
     """Call reset_encoder, and see whether its answer is right and a counter of the node is zero."""
     type_name = message_classes.name_of(client.srv_type)
-    if type_name.rpartition("/")[2] != "ResetEncoder":
+    if base_name(type_name) != "ResetEncoder":
         called = runner.find_text("reset_encoder")
         wrong = f"it is a {type_name}; the chapter's is an archo_interfaces/srv/ResetEncoder"
         return Result(_RESET, called + wrong)

@@ -14,6 +14,7 @@ from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
 from archo_tui.hosting.host import HostedNode
 from archo_tui.robot import message_classes
+from archo_tui.ros_names import base_name
 
 LEVEL = "battery_level"
 _MOTOR = "motor_controller"
@@ -149,7 +150,7 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     """
     ends = runner.query(lambda node: _by_topic(node.subscriptions))
     # The motor may subscribe as well, to stop when the battery is empty.
-    ends = {h: topics for h, topics in ends.items() if h.name.rpartition("/")[2] != _MOTOR}
+    ends = {h: topics for h, topics in ends.items() if base_name(h.name) != _MOTOR}
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
         others = {f"/{name}" for topics in ends.values() for name in topics}

@@ -17,6 +17,7 @@ from archo_tui.robot_file.mismatch import not_installed
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
 from archo_tui.robot_file.proposal import SeveralRobots
 from archo_tui.robot_file.reserved import unused_word
+from archo_tui.ros_names import base_name
 from archo_tui.verbs.anything import type_of
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.called import verbs_by_service
@@ -94,7 +95,7 @@ class AnyGoal(_AnyOf):
     async def send(
         self, console: Console, name: str, kind: str, values: Mapping[str, Any]
     ) -> Outcome:
-        short = name.rpartition("/")[2]
+        short = base_name(name)
         goal = GoalKind(id=_unused_id(console, name), title=short, action=name, type=kind)
         outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
         console.update_screen()  # The goal may wait in the queue.
@@ -142,7 +143,7 @@ class AnyService(_AnyOf):
         outcome = await self.verb.run(console.station, given)
         if outcome.ok:
             console.show_message(outcome.text, name)
-            short = name.rpartition("/")[2]
+            short = base_name(name)
             known = [old for old in console.used.commands if old.service != name]
             if not values:  # A robot file has no commands with fields.
                 used = CommandService(id=_unused_id(console, name), title=short, service=name)
@@ -157,7 +158,7 @@ def _unused_id(console: Console, name: str) -> str:
     for command in kept.commands:
         if command.service != name:
             used |= {command.id, command.off_word}
-    return unused_word(name.rpartition("/")[2].lower().strip("_") or "other", used)
+    return unused_word(base_name(name).lower().strip("_") or "other", used)
 
 
 def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from archo_tui.robot import message_classes
 from archo_tui.robot.fields import element_of
+from archo_tui.ros_names import base_name, package_of
 
 _SEPARATOR = "=" * 80
 _SEQUENCE = re.compile(r"sequence<(?P<of>.+?)(, (?P<most>\d+))?>")
@@ -58,7 +59,6 @@ def _nested_types(kind: Any) -> Iterator[tuple[str, Any]]:
 
 def _load_class(name: str) -> Any:
     """Return the class of `package/Name`; an action's parts are named `Action_Part`."""
-    package, name = name.split("/")
-    action, _, part = name.rpartition("_")
-    found = message_classes.load(f"{package}/msg/{name}")
-    return found or getattr(message_classes.load(f"{package}/action/{action}"), part)
+    found = message_classes.load_nested(name)
+    action, _, part = base_name(name).rpartition("_")
+    return found or getattr(message_classes.load(f"{package_of(name)}/action/{action}"), part)

@@ -14,10 +14,10 @@ from typing import Any
 from archo_tui.recording.definitions import definition
 from archo_tui.replay.chunks import Unreadable
 from archo_tui.robot import message_classes
+from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
 
 _MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.
 _MAX_TEXT = 16_000_000  # Bytes of all definitions of a bag.
-_TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]{0,99})")
 _FEEDBACK = "_FeedbackMessage"
 _SEPARATOR = re.compile(r"^=+[ \t]*$", re.MULTILINE)  # Between the messages of a definition.
 _FIELD = re.compile(r"([\w/]+)(?:<=\d+)?(?:(\[)(<=)?(\d*)\])?[ \t]+(\w+)\b(?![ \t]*=)")
@@ -66,24 +66,23 @@ class InstalledTypes:
 
 def _find_class(type_name: str, encoding: str, text: str) -> Any:
     """Return the class for `package/kind/Name`; raise Unreadable if it is missing or differs."""
-    found = _TYPE.fullmatch(type_name)
-    made = _load_class(*found.groups()) if found else None
-    if made is None:
+    parts = parse_type(type_name)
+    made = None if parts is None else _load_class(parts)
+    if parts is None or made is None:
         raise Unreadable(f"{type_name} is not installed here")
     if encoding != "ros2msg":  # Other encodings cannot be compared.
         return made
-    package, name = type_name.split("/")[::2]
-    root = f"{package}/{name}"
+    root = f"{parts.package}/{parts.name}"
     if not _have_same_bytes(_parse_layout(definition(made), root), _parse_layout(text, root), root):
         raise Unreadable(f"{type_name} has other fields here than in the file")
     return made
 
 
-def _load_class(package: str, kind: str, name: str) -> Any:
+def _load_class(parts: InterfaceType) -> Any:
     """Return the class of a message, an action's feedback included, or None."""
-    made = message_classes.load(f"{package}/{kind}/{name}")
-    if made is None and kind == "action" and name.endswith(_FEEDBACK):
-        action = message_classes.load(f"{package}/{kind}/{name.removesuffix(_FEEDBACK)}")
+    made = message_classes.load(str(parts))
+    if made is None and parts.kind == "action" and parts.name.endswith(_FEEDBACK):
+        action = message_classes.load(str(parts).removesuffix(_FEEDBACK))
         made = getattr(getattr(action, "Impl", None), "FeedbackMessage", None)
     return made if hasattr(made, "get_fields_and_field_types") else None
 
@@ -129,5 +128,5 @@ def _parse_fields(text: str, owner: str) -> list[_Field]:
 
 def _full_name(name: str, owner: str) -> str:
     """Return `package/Name` of a message type, which may be written as `pkg/msg/Name` or `Name`."""
-    first, *_, last = (name if "/" in name else f"{owner.split('/')[0]}/{name}").split("/")
-    return f"{first}/{last}"
+    package = package_of(name if "/" in name else owner)
+    return f"{package}/{base_name(name)}"

@@ -7,6 +7,7 @@ import os
 import re
 import socket
 
+from archo_tui.ros_names import base_name
 from archo_tui.system import user_name
 
 PREFIX = "_archo_console_"
@@ -31,5 +32,5 @@ def author(node: str) -> str:
     Args:
         node: The name of a node, with or without its namespace.
     """
-    last = node.rpartition("/")[2]
+    last = base_name(node)
     return last.removeprefix(PREFIX) if last.startswith(PREFIX) else ""

@@ -8,6 +8,7 @@ from typing import Any
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from archo_tui.robot.state import in_namespace
+from archo_tui.ros_names import package_of
 
 # A policy with the values of a subscription and of a publisher that DDS does not match.
 _UNMATCHED = (
@@ -114,7 +115,7 @@ def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] 
     if not (wanted and given) or wanted == given or publisher.topic_type != kind:
         return None
     reason = f"its {kind} is another version, hash {wanted}, published is {given}"
-    package = kind.partition("/")[0]
+    package = package_of(kind)
     return _MISREADS, reason, f"Build both with one version of {package}"
 
 

@@ -14,13 +14,13 @@ from typing import Any
 
 import yaml
 
-from archo_tui.robot.message_classes import EMPTY, load
+from archo_tui.robot.message_classes import EMPTY, load_nested
 from archo_tui.robot.values import INTEGERS
 from archo_tui.safe_text import harmless
 from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
 
-NESTED = re.compile(r"(\w+)/(\w+)")
+NESTED = re.compile(r"\w+/\w+")
 # Types as rosidl writes them: sequence<string<8>, 3> holds at most three texts of at most eight
 # characters each; `most` and `size` are such numbers.
 _ARRAY = re.compile(r"sequence<(?P<of>.+?)(?:, *(?P<most>\d+))?>|(?P<each>.+)\[(?P<size>\d+)\]")
@@ -128,7 +128,7 @@ def _list(array: re.Match[str], value: Any, where: str) -> list[Any]:
 def _message(nested: re.Match[str], value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
         raise ValueError(f"{where}: {_shown(value)} is not the fields of {nested[0]}")
-    message_class = load(f"{nested[1]}/msg/{nested[2]}")
+    message_class = load_nested(nested[0])
     if message_class is None:
         raise ValueError(f"{where}: {nested[0]} is not installed here")
     return filled(message_class(), value, where)

@@ -17,6 +17,7 @@ from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.resources import SEND, Resources, Types
 from archo_tui.robot.state import NodeState, Resource, in_namespace
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.ros_names import package_of
 
 SHARE = 0.05  # of the ROS thread's time that looks at the graph take at most
 _SLICE = 0.02  # s of CPU in which a look asks for details; STOP waits for it, and for the rest
@@ -254,7 +255,7 @@ def _heard(rates: dict[str, MessageRate], name: str, now: float) -> None:
 
 def is_of_every_node(types: Sequence[str]) -> bool:
     """Return True for a service that each node has: for its parameters, log or types."""
-    return types[0].partition("/")[0] in _OF_NODES
+    return package_of(types[0]) in _OF_NODES
 
 
 def is_hidden(name: str) -> bool:

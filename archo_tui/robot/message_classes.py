@@ -13,43 +13,49 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.ros_names import KINDS, InterfaceType, base_name, package_of, parse_type
 
-_KINDS = ("msg", "srv", "action")
 EMPTY = "structure_needs_at_least_one_member"  # The field that rosidl adds to an empty message.
 
 
 def load(type_name: str) -> Any:
     """Return the class of a type such as `std_msgs/msg/String`; None if it is not installed."""
+    parts = parse_type(type_name)
+    if parts is None:
+        return None
+    module = f"{parts.package}.{parts.kind}"
     try:
-        package, kind, name = type_name.split("/")
-        if f"{package}.{kind}" not in sys.modules and not _is_interfaces(package, kind):
+        if module not in sys.modules and not _is_interfaces(parts.package):
             return None
-        return getattr(importlib.import_module(f"{package}.{kind}"), name)
+        return getattr(importlib.import_module(module), parts.name)
     except (ImportError, AttributeError, ValueError):
         return None
 
 
-def _is_interfaces(package: str, kind: str) -> bool:
+def _is_interfaces(package: str) -> bool:
     """Return True for a package of interfaces, without importing it.
 
     Raises:
         ImportError: The package cannot be looked for.
         ValueError: The same.
     """
-    if not package.isidentifier() or kind not in _KINDS:
-        return False
     spec = importlib.util.find_spec(package)
     if spec is None or spec.submodule_search_locations is None:
         return False
     places = [*spec.submodule_search_locations, spec.origin or ""]
     # Any kind will do: a package of the user may add one kind to a built-in package.
-    return any((Path(place) / each).is_dir() for place in places for each in _KINDS)
+    return any((Path(place) / kind).is_dir() for place in places for kind in KINDS)
 
 
 def name_of(made: Any) -> str:
     """Return the type of a class, such as `std_msgs/msg/String`."""
     package, kind, *_ = made.__module__.split(".")
-    return f"{package}/{kind}/{made.__name__}"
+    return str(InterfaceType(package, kind, made.__name__))
+
+
+def load_nested(type_name: str) -> Any:
+    """Return the class of a message in a field, whose type is `std_msgs/Header`, or None."""
+    return load(f"{package_of(type_name)}/msg/{base_name(type_name)}")
 
 
 def fields(message_class: Any) -> set[str]:

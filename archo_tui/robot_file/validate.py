@@ -19,9 +19,9 @@ from archo_tui.robot_file.model import (
     StopServices,
     fields_of,
 )
+from archo_tui.ros_names import parse_type
 
 _NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # The names that rclpy accepts.
-_TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
 _ID = re.compile(r"[a-z][a-z0-9_]*")
 _READINGS = ("battery.charging", "motion.moving", "motion.stopped", "ask")
 
@@ -67,7 +67,8 @@ def _type_faults(robot: RobotFile) -> Faults:
     types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
     types += [(goal.where, goal.type, "action") for goal in robot.goals]
     for where, kind, of in types:
-        if not _TYPE.fullmatch(kind) or kind.split("/")[1] != of:
+        parts = parse_type(kind)
+        if parts is None or parts.kind != of:
             yield where, f"{kind!r} is not a type: expected package/{of}/Name"
 
 

@@ -9,6 +9,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase, Snapshot, TypedField
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
+from archo_tui.ros_names import base_name
 from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -128,7 +129,7 @@ class SendGoal(Verb):
             found = {**found, name: await station.robot.types_anywhere(name, is_action=True)}
         type_name = type_of("action", name, found)
         fields = await fields_of(station, name, type_name, values["field=value"])
-        short = name.rpartition("/")[2]
+        short = base_name(name)
         return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:

@@ -11,6 +11,7 @@ from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, Hosted
 from archo_tui.robot.stops import NOT_SENT
+from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
@@ -108,7 +109,7 @@ class StopNode(_OfNode):
         goal, hosted = station.running_goal, self.found(station, values["node"])
         if goal is None or not hosted.life.is_running:
             return None
-        grave = (_last(goal.kind.action), _stop(station))
+        grave = (base_name(goal.kind.action), _stop(station))
         needed = " and ".join(name for name in _served(hosted) if name in grave)
         if not needed:
             return None
@@ -180,14 +181,10 @@ class LogLevel(Verb):
 
 def _served(hosted: Hosted) -> list[str]:
     """Return what a node serves, without the namespace."""
-    return [_last(name) for name in hosted.serves]
-
-
-def _last(name: str) -> str:
-    return name.rpartition("/")[2]
+    return [base_name(name) for name in hosted.serves]
 
 
 def _stop(station: Station) -> str:
     """Return the service of the robot's STOP, without the namespace."""
     stop = station.robot.file.stop
-    return "" if stop is None else _last(stop.service)
+    return "" if stop is None else base_name(stop.service)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from archo_tui.robot.state import TOPIC, Resource
+from archo_tui.ros_names import base_name
 from archo_tui.station.station import View
 
 SILENT = "silent"
@@ -35,7 +36,7 @@ class ResourceRow(NamedTuple):
     @property
     def short_types(self) -> str:
         """Return its types without their packages."""
-        return ", ".join(name.rpartition("/")[2] for name in self.resource.types)
+        return ", ".join(map(base_name, self.resource.types))
 
     @property
     def as_line(self) -> str:

@@ -1,0 +1,37 @@
+"""The parts of ROS names, `/namespace/name`, and of interface types, `package/kind/Name`."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+KINDS = ("msg", "srv", "action")
+# As rosidl names packages and interfaces, of a bounded length: files and peers name any.
+_TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]{0,99})")
+
+
+class InterfaceType(NamedTuple):
+    """The parts of a type such as `std_msgs/msg/String`."""
+
+    package: str
+    kind: str  # One of KINDS.
+    name: str
+
+    def __str__(self) -> str:
+        return "/".join(self)
+
+
+def parse_type(text: str) -> InterfaceType | None:
+    """Return the parts of a type; None for a text that is no type."""
+    found = _TYPE.fullmatch(text)
+    return None if found is None else InterfaceType(*found.groups())
+
+
+def package_of(type_name: str) -> str:
+    """Return the package of a type: `std_msgs` of `std_msgs/msg/String`."""
+    return type_name.partition("/")[0]
+
+
+def base_name(name: str) -> str:
+    """Return the last part of a name or a type: `String` of `std_msgs/msg/String`."""
+    return name.rpartition("/")[2]
