@@ -94,7 +94,7 @@ class Bursting(Teller):
         (partial(Teller, 10.0), 60.0),
         (partial(Teller, 60.0), 200.0),
         (partial(Bursting, 20, 10.0), 45.0),
-        (partial(Teller, qos=LATCHED), 60.0),
+        (partial(Teller, qos=LATCHED), 120.0),
     ],
     ids=["each 10 s", "each 60 s", "bursts", "latched"],
 )
