@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.robot.fields import checked, element_of
@@ -116,7 +116,12 @@ def _known(given: Limit, otherwise: float | None) -> float | None:
 def parse_all(
     fields: Iterable[TypedField], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return the values of all fields by dotted path.
+    """Return the values of the fields that have a text, by dotted path.
+
+    Args:
+        fields: The fields.
+        form: Their labels and limits in the robot file, by dotted path.
+        texts: What was typed, by dotted path.
 
     Raises:
         ValueError: Why the first wrong text is no value.
@@ -124,13 +129,24 @@ def parse_all(
     return {
         field.path: parse(field, form.get(field.path, FormField()), texts[field.path])
         for field in fields
+        if field.path in texts
     }
 
 
-def named(
-    fields: Iterable[TypedField], form: Mapping[str, FormField], words: list[str]
+def texts_by_path(
+    fields: Iterable[TypedField],
+    form: Mapping[str, FormField],
+    words: Sequence[str],
+    *,
+    partial: bool = False,
 ) -> dict[str, str]:
-    """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by path.
+    """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by dotted path.
+
+    Args:
+        fields: The fields.
+        form: Their labels in the robot file, by dotted path.
+        words: The words: a label or a path, `=`, and the text.
+        partial: True allows to leave fields out; a text without its name is then refused.
 
     Raises:
         ValueError: In one line what was expected.
@@ -138,7 +154,7 @@ def named(
     labels = {
         (form.get(field.path, FormField()).label or field.path): field.path for field in fields
     }
-    if len(labels) == 1 and not any("=" in word for word in words):
+    if not partial and len(labels) == 1 and not any("=" in word for word in words):
         return {path: " ".join(words) for path in labels.values()}
     lower = {path.lower(): path for path in labels.values()}
     lower |= {label.lower(): path for label, path in labels.items()}
@@ -151,7 +167,7 @@ def named(
         if not equals or path is None or path in found:
             raise ValueError(f"expected {_expected(labels)}, not {word[:_SHOWN]}")
         found[path] = text
-    if set(found) != set(labels.values()):
+    if not partial and set(found) != set(labels.values()):
         raise ValueError(f"expected {_expected(labels)}" if labels else "takes no values")
     return found
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from archo_tui.robot import forms
 from archo_tui.robot.state import TypedField
-from archo_tui.robot_file.model import FormField, Scalar
+from archo_tui.robot_file.model import Scalar
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
 
@@ -41,24 +41,14 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
     Raises:
         ValueError: A field is not in the form, is given twice, or has a value of another type.
     """
-    given: dict[str, Any] = {}
+    fields = [TypedField(name, _TYPES[type(example)], None) for name, example in form.items()]
     if len(words) == 1 and words[0].startswith("{"):
-        given = mapping(words[0])
-    else:
-        for word in words:
-            name, _, text = word.partition("=")
-            if name in given:
-                raise ValueError(f"{service}: {name} is given twice")
-            given[name] = text
-    for name in given:
-        if name not in form:
-            fields = " ".join(f"{field}=..." for field in form)
-            raise ValueError(f"{service} takes {fields}, not {name}")
-    return {name: _parsed(name, form[name], value) for name, value in given.items()}
-
-
-def _parsed(name: str, example: Scalar, value: Any) -> Any:
-    return forms.parse(TypedField(name, _TYPES[type(example)], None), FormField(), str(value))
+        words = [f"{name}={value}" for name, value in mapping(words[0]).items()]
+    try:
+        texts = forms.texts_by_path(fields, {}, words, partial=True)
+    except ValueError as error:
+        raise ValueError(f"{service}: {error}") from None
+    return forms.parse_all(fields, {}, texts)
 
 
 def written(request: Request) -> str:

@@ -8,10 +8,9 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot import forms
-from archo_tui.robot.state import Snapshot, TypedField, in_namespace
+from archo_tui.robot.state import Snapshot, in_namespace
 from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import mismatch
-from archo_tui.robot_file.model import FormField
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import THERE
 
@@ -77,18 +76,4 @@ async def fields_of(
         raise ValueError(mismatch.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
-    by_path = {field.path: field for field in fields}
-    found: dict[str, Any] = {}
-    for word in words:
-        path, equals, text = word.partition("=")
-        if not equals or path not in by_path or path in found:
-            raise ValueError(f"expected {_expected(fields)}, not {word[:_SHOWN]}")
-        found[path] = forms.parse(by_path[path], FormField(), text)
-    return found
-
-
-_SHOWN = 40  # Characters of a wrong word that an error quotes.
-
-
-def _expected(fields: Sequence[TypedField]) -> str:
-    return " ".join(f"{field.path}=..." for field in fields) or "no values"
+    return forms.parse_all(fields, {}, forms.texts_by_path(fields, {}, words, partial=True))

@@ -70,7 +70,7 @@ class Go(Verb):
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
         form = self.kind.form
-        texts = [forms.named(self._fields, form, row) for row in rows]
+        texts = [forms.texts_by_path(self._fields, form, row) for row in rows]
         return {GOALS: [forms.parse_all(self._fields, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:

@@ -50,7 +50,7 @@ def chosen(line: str, namespace: str = "/", file: Any = ARCHO, **graph: Any) -> 
         ('call /set_charging {"data":true}', "charge"),
         ("call set_charging", "/set_charging needs data=true (charge) or data=false (discharge)"),
         ("call set_charging data=5", "data: not true or false: 5"),
-        ("call set_charging data=true more=1", "/set_charging takes data=..., not more"),
+        ("call set_charging data=true more=1", "/set_charging: expected data=..., not more=1"),
         ("call other x=1", "call other x=1"),
         ("call emergency_stop --help", "call emergency_stop --help"),
         (
@@ -107,8 +107,11 @@ E_STOP = StopServices("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": Fal
         ("call e_stop", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
         ("call e_stop {}", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
         ("call e_stop e_stop_on=maybe", "e_stop_on: not true or false: maybe"),
-        ("call e_stop on=true", "/e_stop takes e_stop_on=..., not on"),
-        ("call e_stop e_stop_on=false e_stop_on=true", "/e_stop: e_stop_on is given twice"),
+        ("call e_stop on=true", "/e_stop: expected e_stop_on=..., not on=true"),
+        (
+            "call e_stop e_stop_on=false e_stop_on=true",
+            "/e_stop: expected e_stop_on=..., not e_stop_on=true",
+        ),
     ],
 )
 def test_the_request_says_whether_one_service_stops_or_releases(line: str, verb: str) -> None:
