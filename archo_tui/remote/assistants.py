@@ -105,9 +105,6 @@ class Assistants:
         if refusal:
             return {"code": Code.REFUSED.value, "text": refusal}
         title = verb.title.lower()
-        if self._station.robot.snapshot.is_stopped:
-            said = "the robot is stopped: a person has to release it first"
-            return {"code": Code.REFUSED.value, "text": said}
         shown = {path: quoted(value) for path, value in values.items()}
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
         typed = [value for value in values.values() if isinstance(value, str)]

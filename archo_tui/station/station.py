@@ -400,6 +400,8 @@ class Station:
         """
         if self._frontend is None or not self._frontend.has_person:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
+        if self.robot.snapshot.is_stopped:
+            raise ValueError("the robot is stopped: a person has to release it first")
         if self._busy_reason:
             raise ValueError(f"{self._busy_reason}: wait until it has ended")
         requester, stop_count = current_requester(), self.robot.stops.count_when_typed
