@@ -8,6 +8,8 @@ from pathlib import Path
 
 import platformdirs
 
+from archo_tui.errors import ArchoError
+
 _NAME = "archo-tui"
 
 
@@ -40,6 +42,20 @@ def state_file(name: str) -> Path:
 def journal_file() -> Path:
     """Return the path of the operator's log, which station/journal.py writes."""
     return state_file("journal.jsonl")
+
+
+def typed_path(text: str) -> Path:
+    """Return the path that a person has typed, with their home folder for `~`.
+
+    Raises:
+        ArchoError: The text names no file, or a home folder that is not known.
+    """
+    if not text.strip() or "\0" in text:
+        raise ArchoError("type the name of a file")
+    try:
+        return Path(text).expanduser()
+    except RuntimeError:
+        raise ArchoError(f"no home folder is known for {text.partition('/')[0]}") from None
 
 
 def _folder(find: Callable[..., Path]) -> Path:

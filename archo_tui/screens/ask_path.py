@@ -12,6 +12,8 @@ from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.paths import typed_path
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.station import form_history
@@ -66,14 +68,10 @@ class AskPath(Form):
         self.field.fill(self._default if self._index < 0 else self._recent[self._index])
 
     def submit(self, typed: str) -> None:
-        typed = typed.strip()
-        if not typed or "\0" in typed:
-            self.show_message("type the name of a file")
-            return
         try:
-            path = Path(typed).expanduser()
-        except RuntimeError:
-            self.show_message(f"no home folder is known for {typed.partition('/')[0]}")
+            path = typed_path(typed.strip())
+        except ArchoError as error:
+            self.show_message(str(error))
             return
         if not self.is_asking:
             self.is_asking = True

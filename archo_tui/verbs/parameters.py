@@ -12,6 +12,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
+from archo_tui.paths import typed_path
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
@@ -208,13 +209,7 @@ class _File(Verb):
 
     def path(self, values: Values) -> Path:
         """Return the path; raise ArchoError for an invalid name."""
-        typed: str = values["file"]
-        if not typed.strip() or "\0" in typed:
-            raise ArchoError("type the name of a file")
-        try:
-            return Path(typed).expanduser()
-        except RuntimeError:
-            raise ArchoError(f"no home folder is known for {typed.partition('/')[0]}") from None
+        return typed_path(values["file"])
 
 
 class Save(_File):
