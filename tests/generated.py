@@ -197,7 +197,7 @@ def keys() -> str:
         key = readable_key(command.key).replace("^", "ctrl+")
         key = f"`{key}`" if key else "palette"
         rows.append(f"| {key} | {does} | {command.where_text} |")
-    leaves = "out of a field, a dialog or the full screen, to where the focus was; clears a filter"
+    leaves = "leave a field, a dialog or the full screen; clear a filter"
     return "\n".join((*rows, f"| esc | {leaves} | everywhere |", ""))
 
 

@@ -100,7 +100,7 @@ def test_version_and_help() -> None:
     assert heads == [
         *("examples:", "commands (archo-tui COMMAND --help says more):"),
         *("verbs (archo-tui VERB --help says more):", "your own nodes:"),
-        *("the robot:", "ROS 2:", "how it is operated:", "about:"),
+        *("the robot:", "ROS 2:", "the console:", "about:"),
     ]
     examples = said.partition("examples:\n")[2].partition("\n\n")[0].splitlines()
     assert [line[:11] for line in examples] == ["  archo-tui"] * 3

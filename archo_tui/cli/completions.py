@@ -19,7 +19,7 @@ def print_completions(options: Namespace) -> int:
     for name, (what, add_options) in SUBCOMMANDS.items():
         add_options(commands.add_parser(name, help=what, description=what))
     verbs = {verb.id: (verb.help, verb.options) for verb in verbs_of_file().values()}
-    verbs["wait"] = "Wait until it is so", ()
+    verbs["wait"] = "Wait until the robot is in that state", ()
     for name, (what, takes) in verbs.items():
         verb_parser = commands.add_parser(name, help=what, description=what)
         for option, _ in options_of(name, takes):

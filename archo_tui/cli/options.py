@@ -31,25 +31,26 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
     Args:
         takes_command: If True, a command and the words behind it are taken, too.
     """
-    commands = "".join(f"  {name:<10} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
+    commands = "".join(f"  {name:<12} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
     parser = OneLineErrorParser(
         "archo-tui",
         _DESCRIPTION + commands,
         usage="archo-tui [option ...]\n       archo-tui COMMAND ...\n       archo-tui VERB ...",
-        epilog="A stop from here is a software stop: it does not replace the hardware one. "
-        "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
+        epilog="STOP is a software stop: it does not replace the robot's hardware stop. "
+        "While the screen is shown, what libraries print goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
     if takes_command:
         _command_words(parser)
     parser.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
-        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own; a console must run",
+        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own. A verb is sent to the console "
+        "that is running.",
     )
     _node_options(parser.add_argument_group("your own nodes"))
     _robot_options(parser.add_argument_group("the robot"))
     _ros_options(parser.add_argument_group("ROS 2"))
-    _operation_options(parser.add_argument_group("how it is operated"))
+    _operation_options(parser.add_argument_group("the console"))
     _about_options(parser.add_argument_group("about"))
     return parser
 
@@ -74,17 +75,21 @@ def _node_options(group: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         action="append",
         default=[],
-        help="host the rclpy nodes that a Python file (or package.module) defines, in place of the "
-        "robot's own of the same name, else beside them; they are restarted whenever the file is "
-        "saved; can be given several times",
+        help="host the rclpy nodes of a Python file (or package.module), in place of the robot's "
+        "own nodes of the same names; they restart when the file is saved; can be given several "
+        "times",
     )
-    group.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
-    _interfaces_option(group, "; everything restarts when one is saved")
+    group.add_argument(
+        "--only", action="store_true", help="host only the nodes of --node, not the robot's own"
+    )
+    _interfaces_option(group, "; when one is saved, everything restarts")
 
 
 def _robot_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
-        "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
+        "--use-sim",
+        action="store_true",
+        help="also start fake_battery_drain (2 %% a second)",
     )
     group.add_argument(
         "--params-file",
@@ -101,7 +106,7 @@ def _ros_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--attach",
         action="store_true",
-        help="host no nodes: operate the robot on the ROS 2 graph",
+        help="operate the robot on the ROS 2 graph, and host no nodes",
     )
     group.add_argument(
         "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
@@ -109,7 +114,7 @@ def _ros_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--ros-args",
         metavar="...",
-        help="ROS arguments for all nodes: -r from:=to, -p [node:]name:=value, --params-file FILE",
+        help="ROS arguments for all nodes: --params-file FILE, -r from:=to, -p [node:]name:=value",
     )
 
 
@@ -117,41 +122,42 @@ def _operation_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--plain",
         action="store_true",
-        help="no screen: commands on standard input (help lists them), an event a line on standard "
-        "output; the exit code is 0 only when every goal arrived and every line succeeded",
+        help="operate without a screen: read commands from standard input (help lists them), print "
+        "one event per line; the exit code is 0 only when every goal arrived and every line "
+        "succeeded",
     )
     group.add_argument(
-        "--watch", action="store_true", help="show everything and send no command, not even STOP"
+        "--watch", action="store_true", help="show everything but send no command, not even STOP"
     )
     group.add_argument(
         "--no-remote",
         action="store_true",
-        help="no socket: no other program reaches this console (archo-tui VERB, connect())",
+        help="open no socket: other programs (archo-tui VERB, connect()) do not reach this console",
     )
     group.add_argument(
         "--record",
         metavar="PATH",
-        help="record everything that is heard, until the end, as a ROS bag there; every ten "
-        "minutes another one is begun, with a number behind its name",
+        help="record all messages as a ROS bag at PATH, until the end; every ten minutes a new bag "
+        "begins, with a number behind its name",
     )
     group.add_argument(
         "--recordings-limit",
         metavar="MB",
         type=_megabytes,
         default=1000,
-        help="what all recordings may take; then the oldest are deleted (default: 1000)",
+        help="disk space for all recordings; beyond it the oldest are deleted (default: 1000)",
     )
     group.add_argument(
         "--quiet-alarms",
         action="store_true",
-        help="no bell and no desktop notice for new alarms",
+        help="ring no bell and send no desktop notification for new alarms",
     )
     group.add_argument(
         "--on-disconnect",
         choices=("cancel", "leave"),
         default="cancel",
-        help="what happens to a running goal when the terminal is lost or a signal ends the "
-        "console: cancel it (default), or, with --attach, leave it running",
+        help="what the console does with a running goal when the terminal is lost or a signal ends "
+        "the console: cancel it (default), or, with --attach, leave it running",
     )
 
 
@@ -183,7 +189,8 @@ def _engine_option(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--engine",
         default="embedded",
-        help="what `import rclpy` means: embedded (default, no ROS needed) or ros2 (the real one)",
+        help="what `import rclpy` imports: embedded (default, needs no ROS) or ros2 (the installed "
+        "ROS 2)",
     )
 
 
@@ -199,8 +206,8 @@ def _interfaces_option(parser: argparse._ActionsContainer, then: str = "") -> No
         metavar="DIR",
         action="append",
         default=[],
-        help="an interface package, or a workspace's src/, whose files are taken before the "
-        f"built-in ones{then}; may be repeated (embedded engine only)",
+        help="use the files of an interface package, or of a workspace's src/, before the built-in "
+        f"ones{then}; can be given several times (embedded engine only)",
     )
 
 
@@ -208,7 +215,8 @@ def _robot_option(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--robot",
         metavar="FILE",
-        help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
+        help="robot file: what the robot offers and what it means (default: ARCHO's, "
+        "config/robots/archo.yaml)",
     )
 
 
@@ -217,8 +225,8 @@ def _check_options(parser: argparse._ActionsContainer) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="a Python file (or package.module) of rclpy nodes; it prints a line per check "
-        "(TAP), with a hint where one fails",
+        help="Python file (or package.module) with rclpy nodes; each check prints one line (TAP), "
+        "and a hint if it fails",
     )
     _engine_option(parser)
     _interfaces_option(parser)
@@ -242,7 +250,13 @@ def _consoles_options(parser: argparse._ActionsContainer) -> None:
 
 def _recordings_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
-    parser.add_argument("--delete", metavar="NAME", nargs="+", default=[], help="delete these")
+    parser.add_argument(
+        "--delete",
+        metavar="NAME",
+        nargs="+",
+        default=[],
+        help="delete the recordings so named",
+    )
 
 
 def _replay_options(parser: argparse._ActionsContainer) -> None:
@@ -251,7 +265,7 @@ def _replay_options(parser: argparse._ActionsContainer) -> None:
         metavar="RECORDING",
         nargs="?",
         default="",
-        help="its name, or the path of a ROS bag (MCAP); the newest recording when none is given",
+        help="name of a recording, or path of a ROS bag (MCAP); default: the newest recording",
     )
     parser.add_argument("--text", action="store_true", help="print what happened, line by line")
     _robot_option(parser)
@@ -262,14 +276,14 @@ def _mcp_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--allow",
         choices=("goals",),
-        help="also let it ask for goals, each of which a person at the console allows or denies; "
-        "else it can look and STOP, and nothing more",
+        help="the assistant may also ask for goals; a person at the console allows or denies each "
+        "one. Without this it can only read and send STOP",
     )
     parser.add_argument(
         "--to",
         metavar="CONSOLE",
         default="",
-        help="the process or the namespace of the console, where several run here",
+        help="process number or namespace of the console, where several run",
     )
 
 
@@ -288,13 +302,13 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 # The help and the options of each subcommand; dispatch.py has the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
-    "check": ("ask nodes what the textbook's chapter asks", _check_options),
-    "keys": ("print every key, in the form of keymap.yaml", _robot_option),
-    "completions": ("print the completions for a shell", _completions_options),
+    "check": ("check nodes as the textbook's chapter asks", _check_options),
+    "keys": ("print all keys, in the form of keymap.yaml", _robot_option),
+    "completions": ("print the completion script of a shell", _completions_options),
     "consoles": ("list the consoles that run here", _consoles_options),
-    "mcp": ("let an assistant ask at the console (MCP)", _mcp_options),
-    "recordings": ("list the recordings", _recordings_options),
+    "mcp": ("connect an assistant to the console (MCP)", _mcp_options),
+    "recordings": ("list or delete the recordings", _recordings_options),
     "robot": ("write a robot file for the robot that is on the ROS 2 graph", _describe_options),
     "replay": ("play a recording back on the screen", _replay_options),
-    "journal": ("print the path of the journal, in JSON lines", lambda _: None),
+    "journal": ("print the path of the journal (JSON lines)", lambda _: None),
 }

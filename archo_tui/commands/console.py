@@ -138,7 +138,7 @@ class KeepKey(VerbCommand):
 
 class ToggleQuiet(Command):
     id = "quiet_alarms"
-    help = "Silence the bell and the desktop notice of new alarms, or turn them on again"
+    help = "Turn the bell and the desktop notification of new alarms off or on"
 
     def run(self, console: Console) -> None:
         station = console.station
@@ -165,7 +165,7 @@ class Suspend(Command):
 
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
-    help = "Quit; while a goal runs asks, and cancels it first"
+    help = "Quit; if a goal runs, asks first and cancels it"
 
     def run(self, console: Console) -> Work | None:
         goal, station = console.station.running_goal, console.station

@@ -12,7 +12,7 @@ class _InEvents(Command):
 
 class NextLevel(_InEvents):
     id, key = "level", "l"
-    help = "Show events of another level and above"
+    help = "Choose the lowest level of the events that are shown"
 
     def run(self, console: Console) -> None:
         console.main.events.next_level()
@@ -20,7 +20,7 @@ class NextLevel(_InEvents):
 
 class SearchEvents(_InEvents):
     id, key = "search", "slash"
-    help = "Show only events whose source or text contains what you type"
+    help = "Filter the events: shows those whose source or text contains your text"
 
     def run(self, console: Console) -> None:
         console.main.events.search.open()
@@ -28,7 +28,7 @@ class SearchEvents(_InEvents):
 
 class CopyCommand(_InEvents):
     id, key = "copy_command", "y"
-    help = "Copy the ros2 command of the selected event, or its text if it has none"
+    help = "Copy the ros2 command of the selected event; or its text if it has none"
 
     def disabled_reason(self, console: Console) -> str:
         return "" if console.main.events.selected else "no event is selected"
@@ -43,7 +43,7 @@ class CopyCommand(_InEvents):
 
 class ToggleFullScreen(_InEvents):
     id, key = "full_screen", "e"
-    help = "Show the events on the full screen, and back"
+    help = "Show the events on the full screen, or leave it"
 
     def run(self, console: Console) -> None:
         console.main.toggle_full(console.main.events)

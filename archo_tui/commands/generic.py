@@ -174,7 +174,7 @@ class WriteRobotFile(Command):
     """The command that writes a robot file with the goals and services used so far."""
 
     id = "keep_robot"
-    help = "Keep as robot file: the robot's own, and the goals and services used without it"
+    help = "Save a robot file: this one, with the other goals and services that you used"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_path import AskPath
@@ -182,8 +182,8 @@ class WriteRobotFile(Command):
         used, station = console.used, console.station
         if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
             used = without(used, station.robot.snapshot.absent)
-        write = write_file(console, dump(used), "keep as robot file")
-        console.open(AskPath("Keep as robot file", "Robot file", "robot.yaml", write))
+        write = write_file(console, dump(used), "save a robot file")
+        console.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
 
 
 class DescribeRobot(Command):

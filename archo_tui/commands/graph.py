@@ -7,7 +7,7 @@ from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 
 class ShowResource(Command):
     id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
-    help = "Show the type of the selected topic, service or action in full, and all its nodes"
+    help = "Show the selected topic, service or action: its full type and all its nodes"
 
     def disabled_reason(self, console: Console) -> str:
         return "" if console.main.graph.selected else "nothing is selected"

@@ -7,7 +7,7 @@ from archo_tui.commands.base import Command, Console
 
 class ShowHistory(Command):
     id, key, verbs = "history", "h", ("history",)
-    help = "Show the history on the full screen, and back"
+    help = "Show the history on the full screen, or leave it"
 
     def run(self, console: Console) -> None:
         console.main.toggle_full(console.main.history)

@@ -50,7 +50,7 @@ class StartStop(_InNodes):
 
 class CopyNode(_InNodes):
     id, key, verbs = "copy", "plus", ("copy",)
-    help = "Run another copy of the selected node"
+    help = "Start another copy of the selected node"
 
     def run(self, console: Console) -> Work | None:
         return self.speak(console, "copy", self._selected(console))

@@ -60,7 +60,7 @@ class Edit(_Sets):
 
 class EditWithInitial(Edit):
     id, key = "restore", "backspace"
-    help = "Edit the selected parameter, with the value that it had at the start"
+    help = "Restore the selected parameter: opens its dialog with the value at the start"
 
     def offered(self, parameter: Parameter) -> Any:
         return parameter.initial
@@ -68,7 +68,7 @@ class EditWithInitial(Edit):
 
 class SwitchBoolean(_Sets):
     id, key = "switch", "space"
-    help = "Switch the selected boolean parameter"
+    help = "Toggle the selected boolean parameter"
     waits_for_answer = True
 
     def disabled_reason(self, console: Console) -> str:
@@ -92,7 +92,7 @@ class SwitchBoolean(_Sets):
 
 class ToggleOnlyChanged(_InParameters):
     id, key = "only_changed", "d"
-    help = "Show only parameters that differ from the start, with both values; or all again"
+    help = "Show only changed parameters: those that differ from the start; or all again"
 
     def run(self, console: Console) -> None:
         console.main.parameters.toggle_changed()
@@ -100,7 +100,7 @@ class ToggleOnlyChanged(_InParameters):
 
 class ToggleStandard(_InParameters):
     id, key = "ros_own", "full_stop"
-    help = "Show the parameters that every ROS node has, too; or hide them again"
+    help = "Show or hide the parameters that every ROS node has"
     gives_way = True
 
     def run(self, console: Console) -> None:
@@ -110,7 +110,7 @@ class ToggleStandard(_InParameters):
 
 class FilterParameters(_InParameters):
     id, key = "filter", "slash"
-    help = "Show only parameters whose node, name or value contains what you type"
+    help = "Filter the parameters: shows those whose node, name or value contains your text"
 
     def run(self, console: Console) -> None:
         console.main.parameters.search.open()

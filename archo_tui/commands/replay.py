@@ -143,7 +143,7 @@ class RefuseStop(Command):
     """The command of the STOP key in a replay, which says that nothing was stopped."""
 
     id, key, where = "stop", "ctrl+x", EVERYWHERE
-    help = "Says that nothing is stopped: this is a recording"
+    help = "Stops nothing: this is a recording"
 
     def run(self, console: Console) -> None:
         console.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
@@ -160,7 +160,7 @@ class CopySelection(Command):
 
 class ShowRecordedAlarms(Command):
     id, key = "alarms", "A"
-    help = "List the alarms that there were"
+    help = "List the alarms of this moment"
 
     def __init__(self, player: Player) -> None:
         self._player = player

@@ -111,7 +111,7 @@ class CancelAllKey(VerbCommand):
     def __init__(self, verb: Verb) -> None:
         super().__init__(verb)
         self.id = "cancel_all"
-        self.help = "Cancel every goal of the robot's actions, whoever sent it (asks first)"
+        self.help = "Cancel every goal, whoever sent it (asks first)"
 
     def run(self, console: Console) -> Work | None:
         return console.run_verb(self.verb, {"--all": True})

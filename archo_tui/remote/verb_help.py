@@ -11,22 +11,22 @@ if TYPE_CHECKING:
 # Verbs whose line of help this program has itself: STOP takes no words, and `wait` is no verb of
 # the console's own operator.
 _LINES = {
-    "stop": "stop: STOP: software stop, at once and latched; does not replace the hardware one",
-    "wait": "wait idle|arrived|ready|stopped|battery N: Wait until it is so",
+    "stop": "stop: STOP: software stop, holds until released; does not replace the hardware stop",
+    "wait": "wait idle|arrived|ready|stopped|battery N: Wait until the robot is in that state",
 }
-_JSON = "--json", "one JSON object a line, the last one is the result"
-_TO = "--to CONSOLE", "where several consoles run: its process number or namespace"
-_TIMEOUT = "--timeout S", "end with 4 after S seconds; what was sent is cancelled"
-_WAITED = "--timeout S", "end with 4 when it is not so within S seconds"
+_JSON = "--json", "print one JSON object per line; the last one is the result"
+_TO = "--to CONSOLE", "process number or namespace of the console, where several run"
+_TIMEOUT = "--timeout S", "give up after S seconds with exit code 4; what was sent is cancelled"
+_WAITED = "--timeout S", "give up after S seconds with exit code 4"
 _OF_ONE = {
-    "status": (("--line", "in one line, for a prompt"),),
-    "events": (("--follow", "those that come from now on, too"),),
+    "status": (("--line", "print one line, for a prompt"),),
+    "events": (("--follow", "also print new events as they come"),),
 }
 _OF_GOALS = (
-    ("--wait", "end when all goals have ended"),
-    ("--leave", "with --wait: goals run on when this is interrupted, or its time is over"),
+    ("--wait", "wait until all goals have ended"),
+    ("--leave", "with --wait: let goals run on when this is interrupted or times out"),
 )
-_ASKS = (("--yes", "where it asks: the answer is yes"),)
+_ASKS = (("--yes", "answer yes to the question"),)
 
 
 def own(verb: str) -> str:

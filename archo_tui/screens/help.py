@@ -18,7 +18,7 @@ from archo_tui.widgets.field import Field
 
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
-    "tab moves on, enter presses or edits, esc leads out; while you type, letters are text."
+    "tab moves the focus, enter presses or edits, esc leaves; while you type, letters are text."
 )
 _MIN_COLUMN = 52  # Cells; where two columns would have fewer, there is one.
 _GAP = 3  # Cells between two columns.

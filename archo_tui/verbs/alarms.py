@@ -66,7 +66,7 @@ class Acknowledge(_OfAlarm):
     """The verb `ack`: without a name it means the first alarm of the list, not all."""
 
     id, title, tells = "ack", "Acknowledge", True
-    help = "Acknowledge the alarm that comes first, another by its name, or all"
+    help = "Acknowledge the first alarm, the named one, or all"
     arguments = (Argument("alarm", rest=True, optional=True),)
 
     def disabled_reason(self, station: Station) -> str:
@@ -87,7 +87,7 @@ class Shelve(_OfAlarm):
     """The verb `shelve`: a second time for the same alarm, it takes it off the shelf."""
 
     id, title, tells = "shelve", "Shelve", True
-    help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min and say why; of a shelved one: end that"
+    help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min, with a reason; or end that early"
     arguments = (Argument("alarm"), Argument("reason", rest=True, optional=True))
 
     def disabled_reason(self, station: Station) -> str:

@@ -144,7 +144,7 @@ def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
 
 class Cancel(Verb):
     id, title = "cancel", "Cancel"
-    help = "Cancel the running goal, or every one; what waits behind it is held"
+    help = "Cancel the running goal, or every goal; the queue behind it is held"
     arguments = (Argument("--all", "boolean", optional=True),)
     acts = may_ask = survives_stop = True
 
@@ -178,7 +178,7 @@ class Cancel(Verb):
 
 class ContinueQueue(Verb):
     id, title = "continue", "Continue the queue"
-    help = "Continue the queue of goals that is held"
+    help = "Continue the held queue of goals"
     acts = moves = True
 
     def disabled_reason(self, station: Station) -> str:
@@ -200,7 +200,7 @@ class ContinueQueue(Verb):
 
 class SkipGoal(Verb):
     id, title = "skip", "Skip a goal"
-    help = "Leave out the next goal of the queue"
+    help = "Skip the next goal of the queue"
     acts = survives_stop = True
 
     def disabled_reason(self, station: Station) -> str:

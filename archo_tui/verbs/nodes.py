@@ -21,7 +21,7 @@ from archo_tui.words.nodes import node_rows
 
 class Nodes(Verb):
     id, title, tells = "nodes", "Nodes", True
-    help = "List the nodes: how each is doing, and whether it was started here"
+    help = "List the nodes: the state of each, and which were started here"
 
     def is_ready(self, station: Station, values: Values) -> bool:
         return bool(station.robot.snapshot.nodes)
@@ -90,7 +90,7 @@ class _OfNode(Verb):
 
 class StartNode(_OfNode):
     id, title = "start", "Start"
-    help = "Start again a node that was started here, and was stopped or has crashed"
+    help = "Restart a node that was started here and has stopped or crashed"
     starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
@@ -99,7 +99,7 @@ class StartNode(_OfNode):
 
 class StopNode(_OfNode):
     id, title = "halt", "Stop"
-    help = "Stop a node that was started here; asks first when the robot needs it now"
+    help = "Stop a node that was started here; asks first if the robot needs it now"
     may_ask = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
@@ -119,7 +119,7 @@ class StopNode(_OfNode):
 
 class DuplicateNode(_OfNode):
     id, title = "copy", "Copy"
-    help = "Run another copy of a node that was started here"
+    help = "Start another copy of a node that was started here"
     may_ask = starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
@@ -140,7 +140,7 @@ class DuplicateNode(_OfNode):
 
 class LogLevel(Verb):
     id, title, tells = "log_level", "Log level", True
-    help = f"Show what a node logs, or set it: {', '.join(LEVELS).lower()}"
+    help = f"Show or set the log level of a node: {', '.join(LEVELS).lower()}"
     arguments = (Argument("node"), Argument("level", optional=True))
     acts = True
 

@@ -246,7 +246,7 @@ class Save(_File):
 
 class Load(_File):
     id, title = "load", "Load parameters"
-    help = "Load a ROS parameter file; first shows what would change"
+    help = "Load a ROS parameter file; shows the changes first"
     acts = tells = True
 
     async def prepare(self, station: Station, values: Values) -> Values:

@@ -13,7 +13,7 @@ class StopNow(Verb):
     """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none."""
 
     id, title = "stop", "STOP"
-    help = "STOP: software stop, at once and latched; does not replace the hardware one"
+    help = "STOP: software stop, holds until released; does not replace the hardware stop"
     acts = urgent = True
 
     def __init__(self, stop: model.StopServices | None) -> None:
@@ -30,7 +30,7 @@ class ReleaseStop(Verb):
     """The verb `release`: call the service that allows moves again after a STOP."""
 
     id, title = "release", "Release"
-    help = "Release the stop (asks first); nothing resumes by itself"
+    help = "Release the stop (asks first); no goal resumes by itself"
     acts = moves = may_ask = True
 
     def __init__(self, stop: model.StopServices | None) -> None:
@@ -62,7 +62,7 @@ class ReleaseStop(Verb):
 
 class GiveUpStop(Verb):
     id, title = "give_up_stop", "Give up STOP"
-    help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
+    help = "Give up a STOP that the robot does not confirm, and send it no more (asks first)"
     acts = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:

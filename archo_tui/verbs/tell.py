@@ -87,7 +87,7 @@ class Status(Verb):
 
 class Events(Verb):
     id, title, tells = "events", "Events", True
-    help = f"Show the last {_EVENTS} events, or as many as are asked for"
+    help = f"Show the last {_EVENTS} events, or the last N"
     arguments = (Argument("n", "int32", optional=True, low=1),)
 
     async def run(self, station: Station, values: Values) -> Outcome:
@@ -107,7 +107,7 @@ class Past(Verb):
     """The verb for the last hour: the plots of the screen, as numbers."""
 
     id, title, tells = "history", "History", True
-    help = "Show the numbers of the last hour, and how the last goals ended"
+    help = "Show the measured values of the last hour, and the results of the last goals"
 
     async def run(self, station: Station, values: Values) -> Outcome:
         lines = [_hour(station, quantity) for quantity in _NAMES]

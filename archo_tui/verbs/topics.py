@@ -14,7 +14,7 @@ class Topics(Verb):
     """The verb that lists the rows of the Graph panel."""
 
     id, title, tells = "topics", "Topics", True
-    help = "List topics, services and actions: type, nodes, rate, and who hears nothing"
+    help = "List topics, services and actions: type, nodes, rate, and who receives nothing"
 
     def is_ready(self, station: Station, values: Values) -> bool:
         return bool(station.robot.snapshot.resources)

@@ -72,7 +72,7 @@ class GoalPanel(Panel):
             field.next_field = following
         for field in self.fields:
             does = "Next field" if field.next_field else "Go"
-            field.keys = ("enter", does), ("↑ ↓", "Former goals"), ("esc", "Leave")
+            field.keys = ("enter", does), ("↑ ↓", "Recent goals"), ("esc", "Leave")
         units = [(given.label or path, given.unit) for path, given in form.items()]
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", self.submit, id="go")

@@ -232,7 +232,7 @@ async def test_the_footer_shows_the_keys_of_the_field_that_has_the_focus() -> No
         await op.until("g Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels")
         await op.press("g")
         assert op.text.splitlines()[-1].startswith(
-            " enter Go  ↑ ↓ Former goals  esc Leave  ^c Cancel  ^x STOP  "
+            " enter Go  ↑ ↓ Recent goals  esc Leave  ^c Cancel  ^x STOP  "
         )
         await op.press("escape", "4", "slash")
         await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
@@ -249,12 +249,12 @@ COMMANDS = [
 @pytest.mark.parametrize(
     ("width", "shown"),
     [
-        (60, " enter Go  ↑ ↓ Former goals  esc Leave  ^x STOP "),
-        (47, " enter Go  ↑ ↓ Former goals  ^x STOP "),
+        (60, " enter Go  ↑ ↓ Recent goals  esc Leave  ^x STOP "),
+        (47, " enter Go  ↑ ↓ Recent goals  ^x STOP "),
         (20, " enter Go  ^x STOP "),
         (10, " ^x STOP "),
     ],
 )
 def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str) -> None:
-    keys = ("enter", "Go"), ("↑ ↓", "Former goals"), ("esc", "Leave")
+    keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
     assert footer(COMMANDS, width, "^p", keys).plain.partition("  ^p")[0].rstrip() == shown.rstrip()
