@@ -308,7 +308,7 @@ SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
     "consoles": ("list the consoles that run here", _consoles_options),
     "mcp": ("connect an assistant to the console (MCP)", _mcp_options),
     "recordings": ("list or delete the recordings", _recordings_options),
-    "robot": ("write a robot file for the robot that is on the ROS 2 graph", _describe_options),
+    "robot": ("write a robot file for what is on the graph", _describe_options),
     "replay": ("play a recording back on the screen", _replay_options),
     "journal": ("print the path of the journal (JSON lines)", lambda _: None),
 }
