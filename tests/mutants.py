@@ -247,7 +247,7 @@ FAULTS = [
     Fault("station/queue.py", "if self.hold_reason or self._ledger.running_goal(snapshot) is not None:", "if self.hold_reason or snapshot.running_goal is not None:", "tests/widgets/test_queue.py"),
     Fault("robot/goals.py", "if tracked is None or tracked.goal.mine == another:", "if tracked is None:", CONSOLE + "/test_others_goals.py"),
     Fault("shutdown.py", "goal is not None and goal.mine else None", "goal is not None else None", "tests/station/test_shutdown.py"),
-    Fault("robot/client.py", "        if self.watching:\n            return Outcome(Code.WATCHING, WATCHING)\n", "", ROBOT + "/test_robot.py"),
+    Fault("robot/verb_runner.py", "        if self._watching:\n            return Outcome(Code.WATCHING, WATCHING)\n", "", ROBOT + "/test_robot.py"),
     Fault("screens/main.py", '        panel.add_class("-broken")', "        pass", CONSOLE + "/test_operating.py"),
     Fault(E + "timer.py", "        if self._now_ns() < self._last_ns:\n", "        if False:\n", CONTRACT),
     Fault("embedded/cdr.py", "    data += bytes(-len(data) % size)\n", "", CONTRACT),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 # ruff: noqa: E402
 import contextlib
-from collections.abc import Callable, Collection, Coroutine, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -36,7 +36,7 @@ from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
-from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, WATCHING, Answer, Code, Outcome, answer_of
+from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
@@ -44,6 +44,7 @@ from archo_tui.robot.requester import YOU, current_requester
 from archo_tui.robot.resources import SEND
 from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
+from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.services import Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
@@ -56,16 +57,16 @@ from archo_tui.robot.state import (
     level_word,
     linked_number,
     logger_node,
-    not_offered,
     values_text,
 )
-from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND, Stopping
+from archo_tui.robot.stopping import FIRST_FOUND, Stopping
 from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.tracked_goal import FARTHEST
 from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.values import text_of
+from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch, model
 from archo_tui.safe_text import harmless
 
@@ -117,7 +118,7 @@ class Robot:
             own_name(), heard, masks, context=context, start_parameter_services=False
         )
         # The robot's time may stand still, or jump.
-        steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
         self._snapshots = SnapshotSender(node, steady, self._build_snapshot)
         self._services = Services(node, clock)
         self._graph = Graph(node, file)
@@ -148,6 +149,7 @@ class Robot:
         )
         self._limits = Limits(file)
         self._nodes = Nodes(node, self._services)
+        self._caller = ServiceCaller(node, steady, self._services, self._graph, checks)
         self._services.answered = self._on_answer
         if file.stop is not None:
             stops.set_service(file.stop, checks.full(file.stop.service))
@@ -169,6 +171,9 @@ class Robot:
         for kind in file.goals:
             self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._reporter.error)
+        self._runner = VerbRunner(
+            self._thread, clock, stops, self._reporter, self._snapshots, watching=watching
+        )
         for said in self._interface_checks.unfit.values():
             self._reporter.warn(said)
         self._snapshots.send()  # what the robot's file says is known before anything is heard
@@ -210,7 +215,9 @@ class Robot:
             if stop is None:
                 return await self._cancel_for_want_of_stop()
             command = self._interface_checks.call_command(stop.service, stop.request)
-            return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
+            return await self._runner.run(
+                "stop", {}, "STOP", command, lambda _: self._stopping.send()
+            )
         finally:
             self.stops.answered = self.stops.count
 
@@ -223,7 +230,9 @@ class Robot:
             said = f"{self.file.name} {model.NO_STOP}"
             return Outcome(Code.NOT_OFFERED, f"{said} (this is not a STOP: {outcome.text})")
 
-        return await self._do("stop", {}, "cancel every goal", self._cancel_commands(), cancel)
+        return await self._runner.run(
+            "stop", {}, "cancel every goal", self._cancel_commands(), cancel
+        )
 
     def _cancel_commands(self) -> str:
         """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
@@ -239,25 +248,28 @@ class Robot:
 
         async def call(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            outcome = await self._call(name, request, gate, late)
+            outcome = await self._caller.call_named(name, request, gate, late)
             if outcome.ok:
                 self._stopping.accepted(turn)
             return outcome
 
         ros2, late = (
             self._interface_checks.call_command(name, request),
-            self._late("release stop", "release"),
+            self._runner.late_report("release stop", "release"),
         )
-        return await self._do("release", {}, "release stop", ros2, call)
+        return await self._runner.run("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
         """Give one of the robot file's commands; `on` is what a toggle is set to."""
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
         name, fields = command.service, dict.fromkeys(command.toggle, on)
-        ros2, late = self._interface_checks.call_command(name, fields), self._late(title, verb)
-        return await self._do(
-            verb, {}, title, ros2, lambda gate: self._call(name, fields, gate, late)
+        ros2, late = (
+            self._interface_checks.call_command(name, fields),
+            self._runner.late_report(title, verb),
+        )
+        return await self._runner.run(
+            verb, {}, title, ros2, lambda gate: self._caller.call_named(name, fields, gate, late)
         )
 
     async def send(
@@ -300,7 +312,7 @@ class Robot:
             return outcome
 
         ros2 = self._interface_checks.goal_command(kind, values)
-        return await self._do(*self._as_verb(kind, values), title, ros2, go)
+        return await self._runner.run(*self._as_verb(kind, values), title, ros2, go)
 
     async def send_no_more(self) -> None:
         """Keep goals that have not left yet from leaving: the console ends."""
@@ -333,48 +345,22 @@ class Robot:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
 
-        who = current_requester()
+        requester = current_requester()
+
+        def on_slow() -> None:
+            text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
+            self._reporter.add(Event(self._clock.now(), requester.level, requester.source, text))
 
         async def work(gate: Gate) -> Outcome:
-            def on_late(answer: Any) -> None:
-                late(_answer_of_call(answer))
-
-            def tell_running() -> None:
-                slow.cancel()  # Once.
-                text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
-                self._reporter.add(Event(self._clock.now(), who.level, who.source, text))
-
-            slow = self._node.create_timer(SLOW_CALL, tell_running, clock=self._steady)
-            try:
-                answer = await self._services.call(
-                    srv_type, service, request, gate=gate, wait=wait, late=on_late
-                )
-            finally:
-                self._node.destroy_timer(slow)
-            if answer is None:
-                said = f"no answer in {wait:g} s: the robot may still do it"
-                return Outcome(Code.TIMEOUT, said)
-            return _answer_of_call(answer)
+            return await self._caller.call_any(
+                srv_type, service, request, gate, wait, on_slow, late
+            )
 
         arguments = {"service": service, "values": values}
         command = ros2_command.service_call(service, type_name, request)
         title = f"call {service.lstrip('/')}"
-        late = self._late(title, "call", arguments)
-        return await self._do("call", arguments, title, command, work, wait)
-
-    def _late(
-        self, title: str, verb: str, arguments: Mapping[str, Any] | None = None
-    ) -> Callable[[Outcome], None]:
-        """Return what tells of an answer that comes when nobody waits for it any more."""
-        who = current_requester()
-
-        def tell(outcome: Outcome) -> None:
-            record = AuditRecord(verb, arguments or {}, outcome.code)
-            self._reporter.did(
-                f"{title}, answered late: {harmless(outcome.text)}", record, requester=who
-            )
-
-        return tell
+        late = self._runner.late_report(title, "call", arguments)
+        return await self._runner.run("call", arguments, title, command, work, wait)
 
     def form(self, type_name: str) -> tuple[TypedField, ...] | None:
         """Return the fields of a goal or a request by its type; None: that is not installed."""
@@ -434,7 +420,7 @@ class Robot:
             self._stopping.close()
             return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
-        return await self._do("give_up_stop", {}, "give up STOP", "", call)
+        return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Ask to cancel the running goal; another client's only when that is meant."""
@@ -444,13 +430,13 @@ class Robot:
             if goal is None
             else ros2_command.cancel(self._interface_checks.full(goal.kind.action))
         )
-        return await self._do(
+        return await self._runner.run(
             "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
         )
 
     async def cancel_all(self) -> Outcome:
         """Ask to cancel every goal of the robot's actions, whoever sent it."""
-        return await self._do(
+        return await self._runner.run(
             "cancel",
             {"all": True},
             "cancel every goal",
@@ -464,7 +450,7 @@ class Robot:
         has_secret = any(map(self._secrets.fit, values))
         command = "" if has_secret else ros2_command.set_parameters(node, values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
-        return await self._do(
+        return await self._runner.run(
             "set",
             {"node": node, "values": shown},
             f"set {node.lstrip('/')} {texts}",
@@ -493,7 +479,7 @@ class Robot:
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
         """Have a node log this and what is graver: one of LEVELS; UNSET: as its process does."""
-        return await self._do(
+        return await self._runner.run(
             "log_level",
             {"node": node, "level": level},
             f"log level of {node.lstrip('/')} {level}",
@@ -569,82 +555,6 @@ class Robot:
                 self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST
             )
         return length
-
-    async def _call(
-        self,
-        name: str,
-        fields: Mapping[str, Any],
-        gate: Gate,
-        late: Callable[[Outcome], None],
-    ) -> Outcome:
-        """Call a service with the type that its server has, if its request is what is meant.
-
-        `late(outcome)` is called with an answer that comes when this has ended.
-        """
-        if name not in self._graph.offered:
-            return Outcome(Code.NOT_OFFERED, not_offered(self._interface_checks.full(name)))
-        srv_type, reason = self._interface_checks.fitting(name, fields)
-        if srv_type is None:
-            return Outcome(Code.REFUSED, reason)
-        try:
-            request = filled(srv_type.Request(), fields)
-        except ValueError as error:
-            return Outcome(Code.MISUSE, str(error))
-        answer = await self._services.call(
-            srv_type, name, request, gate=gate, late=lambda said: late(_answer_of_verb(said))
-        )
-        if answer is None:
-            said = f"no answer in {services.DEADLINE:g} s: the robot may still do it"
-            return Outcome(Code.TIMEOUT, said)
-        return _answer_of_verb(answer)
-
-    async def _do(
-        self,
-        verb: str,
-        arguments: Mapping[str, Any],
-        title: str,
-        command: str,
-        work: Callable[[Gate], Coroutine[Any, Any, Outcome]],
-        wait: float = 0.0,
-    ) -> Outcome:
-        """Run a verb on the ROS thread and log how it ended; the snapshot then shows it.
-
-        `title` is what people read, `command` the ros2 command line that does the same. A verb
-        that a STOP voids hands its gate on to where its request leaves. `wait` are the seconds
-        that it takes beyond what others take at most.
-        """
-        if self.watching:
-            return Outcome(Code.WATCHING, WATCHING)
-        self.stops.superseded |= verb != "stop"
-        gate, who = self.stops.gate(), current_requester()
-
-        def log(outcome: Outcome) -> Outcome:
-            answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
-            self._reporter.did(
-                f"{title}: {outcome.text}", AuditRecord(verb, arguments, outcome.code), command, who
-            )
-            self._snapshots.send()
-            return outcome if answer is None else Answer.of(outcome, answer)
-
-        async def there() -> Outcome:
-            try:
-                return log(await work(gate))
-            except Void:
-                return log(Outcome(Code.CANCELLED, NOT_SENT))
-            except Exception as error:
-                return log(Outcome(Code.REFUSED, in_one_line(error)))
-
-        # more than any verb takes that still can end: STOP waits for a server, and then for all
-        deadline = FIRST_FOUND + ALL_ANSWERS + 1.0 + wait
-        try:
-            return await self._thread.run(there, deadline)
-        except TimeoutError:
-            outcome = Outcome(
-                Code.TIMEOUT, f"no answer in {deadline:g} s from the console's own node"
-            )
-            record = AuditRecord(verb, arguments, outcome.code)
-            self.note("YOU", "console", f"{title}: {outcome.text}", command, record)
-            return outcome
 
     def _look_again(self) -> None:
         """Every second; of a very large graph less often."""
@@ -888,19 +798,3 @@ class Robot:
             resources=self._graph.resources,
             message_rates=self._graph.message_rates(),
         )
-
-
-def _answer_of_call(answer: Any) -> Answer:
-    """Return what the answer to a call of any service comes to: all its fields are told."""
-    said = message_classes.outcome_of(answer)
-    code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
-    return Answer.of(Outcome(code, messages.text(answer) or said.text), answer)
-
-
-def _answer_of_verb(answer: Any) -> Answer:
-    """Return what the answer to a verb of the robot file comes to."""
-    outcome = message_classes.outcome_of(answer)
-    more = messages.text(answer) if message_classes.says_more(answer) else ""
-    if more and outcome.code is Code.NOT_CONFIRMED:
-        more = f"{outcome.text}: {more}"
-    return Answer.of(outcome._replace(text=more or outcome.text), answer)
