@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import itertools
 import os
 import re
 import sys
@@ -13,10 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from textual.screen import Screen
 
 from archo_tui import engine
 from archo_tui.robot_file import load
-from tests.support import textual_once
+from tests.support import chosen, forks, textual_once
 
 if TYPE_CHECKING:
     from tests.support.ros import Ros
@@ -39,6 +41,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-snapshots", action="store_true", help="accept the screens as they look now"
     )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Let forks do on Linux what the workers of xdist do elsewhere."""
+    count = config.getoption("numprocesses")
+    if sys.platform == "linux" and isinstance(count, int) and not config.getoption("usepdb"):
+        config.option.numprocesses = 0
+        if count:
+            config.pluginmanager.register(forks.Forks(count))
 
 
 @pytest.fixture
@@ -93,12 +105,11 @@ def pytest_sessionfinish() -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    _set_terminal()
     os.environ["TZ"] = "UTC"  # times of day are part of pictures, and some texts are kept
     if sys.platform != "win32":
         time.tzset()
     gc.set_threshold(500_000)  # an app makes many objects, and most tests make an app
-    from tests.support import chosen
-
     chosen.ENGINE = config.getoption("--engine")
     if config.getoption("--engine") == "embedded":
         os.environ["AMENT_PREFIX_PATH"] = str(Path(__file__).parent)  # share/depot_interfaces
@@ -109,40 +120,50 @@ def pytest_configure(config: pytest.Config) -> None:
             warm.allow()
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
-        os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _checked_fields
+        os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _own_folders
         engine.activate("ros2")
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
     # the textbook's listings say `warn`, of which rclpy warns
     config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor:DeprecationWarning")
 
 
-@pytest.fixture(autouse=True)
-def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the console remembers stays in the test, and the terminal is always the same."""
-    for name in ("COLUMNS", "LINES", "NO_COLOR", "COLORTERM", "LANG", "LC_CTYPE", "SSH_CLIENT"):
-        monkeypatch.delenv(name, raising=False)
-    for name in [name for name in os.environ if name.startswith("TEXTUAL")]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("LC_ALL", "C.UTF-8")
-    monkeypatch.setenv("TERM", "xterm-256color")
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
-    # no test may reach a console that runs beside it
-    monkeypatch.setenv("ARCHO_TUI_SOCKETS", str(tmp_path / "sockets"))
+def _set_terminal() -> None:
+    """Make the terminal the same for all, whoever runs the tests."""
+    unset = {"COLUMNS", "LINES", "NO_COLOR", "COLORTERM", "LANG", "LC_CTYPE", "SSH_CLIENT"}
+    for name in list(os.environ):
+        if name in unset or name == "XDG_RUNTIME_DIR" or name.startswith("TEXTUAL"):
+            del os.environ[name]
+    os.environ |= {"LC_ALL": "C.UTF-8", "TERM": "xterm-256color"}
+
+
+_numbers = itertools.count()
+
+
+@pytest.fixture
+def tmp_path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of the test's own; pytest's fixture asks the disk five times as often for it."""
+    name = re.sub(r"\W", "_", request.node.name)[:30]
+    folder = tmp_path_factory.getbasetemp() / f"{next(_numbers)}_{name}"
+    folder.mkdir(mode=0o700)
+    return folder
 
 
 @pytest.fixture(autouse=True)
-def _checked_fields(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """rosidl checks fields where the engines are compared, and nowhere else.
+def _own_folders(
+    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the console remembers stays in the test.
 
-    The console runs as its users run it, without the variable. Each module of a message has read it
-    once and for all when it was imported; what the parameters of tests hold is made before.
+    rosidl checks fields where the engines are compared, and nowhere else: the console runs as its
+    users run it, without the variable. Each module of a message has read it once and for all when
+    it was imported; what the parameters of tests hold is made before.
     """
+    monkeypatch.setenv("XDG_CONFIG_HOME", f"{tmp_path}/config")
+    monkeypatch.setenv("XDG_STATE_HOME", f"{tmp_path}/state")
+    # no test may reach a console that runs beside it
+    monkeypatch.setenv("ARCHO_TUI_SOCKETS", f"{tmp_path}/sockets")
     checks = "1" if "contract" in request.path.parts else ""
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", checks)
-    from tests.support import chosen
-
     for module in list(sys.modules.values()) if chosen.ENGINE == "ros2" else ():
         if "ros_python_check_fields" in vars(module):
             vars(module)["ros_python_check_fields"] = checks
@@ -156,36 +177,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture(autouse=True)
-def _undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Screens are laid out, but nothing is drawn to a terminal that nobody sees."""
-
-    def draw_nothing(screen: Any) -> None:
-        screen._dirty_widgets.clear()
-        screen._compositor._dirty_regions.clear()
-        screen.draws = getattr(screen, "draws", 0) + 1  # support/console.py reads what is new only
-
-    monkeypatch.setattr("textual.screen.Screen._compositor_refresh", draw_nothing)
-
-
-@pytest.fixture(autouse=True)
-def _first_picture_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fill the first picture at once: `Console.ready` waits for the robot's nodes."""
-    from archo_tui.screens.main import MainScreen
-
-    on_mount = MainScreen.on_mount
-
-    @wraps(on_mount)
-    def on_mount_and_fill(screen: MainScreen) -> None:
-        on_mount(screen)
-        screen.call_later(screen._fill)
-
-    monkeypatch.setattr(MainScreen, "on_mount", on_mount_and_fill)
-
-
-@pytest.fixture(autouse=True)
 def _time(request: pytest.FixtureRequest) -> Iterator[None]:
     """A clock that the test moves, on the embedded engine; real time where the test says so."""
-    from tests.support import chosen, clock
+    from tests.support import clock
 
     if chosen.ENGINE != "embedded" or request.node.get_closest_marker("real_time"):
         yield
@@ -199,18 +193,36 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
     clock.current = None
 
 
-@pytest.fixture(autouse=True)
-def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a busy machine a node of real ROS 2 may take seconds to construct."""
-    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", 30.0)
-
-
 @pytest.fixture(autouse=True, scope="session")
-def _parsed_once() -> None:
-    """Parse style sheets and ARCHO's file once for all the apps of a run."""
+def _as_all_tests_want_it() -> None:
+    """Change what all tests want otherwise, once for the whole run."""
+    from archo_tui.hosting import host
+    from archo_tui.screens.main import MainScreen
+
+    # On a busy machine a node of real ROS 2 may take seconds to construct.
+    host.CONSTRUCTION_TIME = 30.0
+    # Style sheets and ARCHO's file are parsed once for all the apps.
     textual_once.share()
     loaded = lru_cache(load._load)
     load._load = lambda path: (loaded if path == load.default_path() else loaded.__wrapped__)(path)
+    # Screens are laid out, but nothing is drawn to a terminal that nobody sees.
+    Screen._compositor_refresh = draw_nothing  # type: ignore[assignment, method-assign]
+    # The first picture is filled at once: `Console.ready` waits for the robot's nodes.
+    on_mount = MainScreen.on_mount
+
+    @wraps(on_mount)
+    def on_mount_and_fill(screen: MainScreen) -> None:
+        on_mount(screen)
+        screen.call_later(screen._fill)
+
+    MainScreen.on_mount = on_mount_and_fill  # type: ignore[assignment, method-assign]
+
+
+def draw_nothing(screen: Screen[Any]) -> None:
+    """In place of what draws a screen; `support/console.py` reads it when it is new only."""
+    screen._dirty_widgets.clear()
+    screen._compositor._dirty_regions.clear()
+    vars(screen)["draws"] = vars(screen).get("draws", 0) + 1
 
 
 @pytest.fixture

@@ -96,7 +96,7 @@ def hosting(*files: Path, **options: Any) -> Iterator[Session]:
 
 
 @pytest.fixture(autouse=True)
-def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch, _patient: None) -> None:
+def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = 0.3 if chosen.ENGINE == "embedded" else 3.0
     monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", limit)
 

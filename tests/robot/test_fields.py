@@ -1,6 +1,6 @@
 """What goes into a message is what was meant, or is refused in one line that says why.
 
-rosidl does not check it: see `_checked_fields` in conftest.py.
+rosidl does not check it: see `_own_folders` in conftest.py.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ _KEYS = [*"12345678", *["tab", "shift+tab"] * 4, *["down", "up"] * 2, "end", "ho
 
 
 @pytest.fixture(autouse=True)
-def _drawn(_undrawn: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def _drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Here it counts what is drawn."""
     monkeypatch.setattr(Screen, "_compositor_refresh", _DRAW)
 

@@ -19,13 +19,14 @@ from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
+from archo_tui.robot.state import Snapshot
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
 from tests.support.stub import sized
-from tests.support.waiting import DEADLINE
+from tests.support.waiting import DEADLINE, wait_until
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
@@ -143,14 +144,16 @@ class Console:
 
     async def ready(self) -> None:
         """Wait until the robot is seen: data, parameters, services."""
-        await self.until(
-            lambda: (
-                self.app.view.snapshot.battery.received is not None
-                and self.app.view.snapshot.motion.received is not None
-                and self.app.view.snapshot.parameter("ticks_per_revolution") is not None
-                and len(self.app.view.snapshot.offered) == 7
-            )
-        )
+        await self.until(lambda: _is_seen(self.app.view.snapshot))
+
+
+def _is_seen(snapshot: Snapshot) -> bool:
+    return (
+        snapshot.battery.received is not None
+        and snapshot.motion.received is not None
+        and snapshot.parameter("ticks_per_revolution") is not None
+        and len(snapshot.offered) == 7
+    )
 
 
 _read: WeakKeyDictionary[Any, tuple[int, str]] = WeakKeyDictionary()  # by screen
@@ -218,6 +221,9 @@ async def console(
         record=record,
     )
     with Session(options, clock.current) as session:
+        if wait and clock.current is not None:
+            # The screen is laid out and drawn once, not with each thing that becomes known.
+            wait_until(lambda: _is_seen(session.robot.snapshot))
         with sized(size):
             app = ArchoApp(session.station)
         app.animation_level = "none"

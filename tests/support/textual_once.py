@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -11,21 +12,29 @@ from textual.css import stylesheet
 from textual.css.stylesheet import Stylesheet
 from textual.css.tokenize import tokenize_values
 from textual.dom import DOMNode
+from textual.message import Message
+from textual.message_pump import MessagePump
 
 _Rules = Any
+_MARK = "_shared_by_tests"  # The attribute of a style sheet with what identifies its parts.
 
 
 def share() -> None:
-    """Parse style sheets and texts with marks once, and match rules to equal widgets once."""
+    """Do once for the whole run what Textual does for each app.
+
+    Style sheets and texts with marks are parsed, rules are matched to equal widgets, and the
+    methods that handle a message are looked up in a class.
+    """
     _share_parsing()
     _share_matching()
+    _share_handlers()
 
 
 def _share_parsing() -> None:
     parse, known = Stylesheet._parse_rules, dict[object, Any]()
 
     def parse_once(self: Stylesheet, css: str, *options: Any, **named: Any) -> Any:
-        key = (css, options, *sorted(named.items()), *sorted(self._variables.items()))
+        key = (css, options, *sorted(named.items()), _number_of_variables(self))
         if key not in known:
             known[key] = parse(self, css, *options, **named)
         return known[key]
@@ -46,36 +55,113 @@ def _share_parsing() -> None:
     vars(markup)["to_content"] = mark_once
 
 
+_numbers: dict[object, int] = {}  # Of equal parts of style sheets.
+
+
+def _number_of(sheet: Stylesheet, name: str, part: Any, identify: Callable[[Any], object]) -> int:
+    """Return the same number for equal parts; the part is looked at when it is another object."""
+    marks = vars(sheet).setdefault(_MARK, {})
+    if name not in marks or marks[name][0] is not part:
+        marks[name] = part, _numbers.setdefault((name, identify(part)), len(_numbers))
+    number: int = marks[name][1]
+    return number
+
+
+def _number_of_variables(sheet: Stylesheet) -> int:
+    identify = lambda values: tuple(sorted(values.items()))  # noqa: E731
+    return _number_of(sheet, "variables", sheet._variables, identify)
+
+
+def _number_of_rules(sheet: Stylesheet) -> int:
+    # The rules are objects that all apps share: `parse_once` keeps them.
+    return _number_of(sheet, "rules", sheet.rules, lambda rules: tuple(map(id, rules)))
+
+
 class _Matched:
-    """The cache that Textual takes for one update, across updates and apps."""
+    """In place of the cache that Textual makes for one update: notes the rules of one widget."""
 
-    def __init__(self, known: dict[object, _Rules], sheet: Stylesheet) -> None:
-        self._known = known
-        self._rules = tuple(map(id, sheet.rules))  # shared by the apps: `parse_once` keeps them
+    def __init__(self) -> None:
+        self.rules: _Rules = None
 
-    def get(self, key: tuple[Any, ...]) -> _Rules | None:
-        return self._known.get(self._of_equals(key))
+    def get(self, key: object) -> None:
+        return None
 
-    def __setitem__(self, key: tuple[Any, ...], rules: _Rules) -> None:
-        self._known[self._of_equals(key)] = rules
+    def __setitem__(self, key: object, rules: _Rules) -> None:
+        self.rules = rules
 
-    def _of_equals(self, key: tuple[Any, ...]) -> object:
-        """Return the key with all that selectors look at of a parent in its place."""
-        parent, *itself = key
-        path = () if parent is None else tuple(_seen(node) for node in parent.css_path_nodes)
-        return self._rules, path, *itself
+
+_OF_RULES = ("_has_hover_style", "_has_focus_within", "_has_order_style", "_has_odd_or_even")
 
 
 def _seen(node: DOMNode) -> object:
-    return node._css_type_names, node._id, node.classes, node._pseudo_classes_cache_key
+    """Return all that selectors look at in a widget and its parents."""
+    return tuple(
+        (one._css_type_names, one._id, one.classes, one._pseudo_classes_cache_key)
+        for one in node.css_path_nodes
+    )
 
 
 def _share_matching() -> None:
-    apply, known = Stylesheet.apply, dict[object, _Rules]()
+    apply, known = Stylesheet.apply, dict[object, tuple[_Rules, tuple[bool, ...]]]()
 
     def apply_once(
         self: Stylesheet, node: DOMNode, *, animate: bool = False, cache: object = None
     ) -> None:
-        apply(self, node, animate=animate, cache=_Matched(known, self))  # type: ignore[arg-type]
+        key = _number_of_rules(self), node._css_type_name, _seen(node)
+        if key in known:
+            rules, flags = known[key]
+            vars(node).update(zip(_OF_RULES, flags, strict=True))
+            self.replace_rules(node, rules, animate=animate)
+            self._process_component_classes(node)
+            return
+        matched = _Matched()
+        apply(self, node, animate=animate, cache=matched)  # type: ignore[arg-type]
+        if matched.rules is not None:  # Else they depend on other widgets, too.
+            known[key] = matched.rules, tuple(vars(node)[name] for name in _OF_RULES)
 
     Stylesheet.apply = apply_once  # type: ignore[method-assign]
+
+
+def _share_handlers() -> None:
+    look_up = MessagePump._get_dispatch_methods
+    known = dict[object, list[_Handler] | None]()
+
+    def look_up_once(self: MessagePump, method_name: str, message: Message) -> Any:
+        kind, private = type(self), f"_{method_name}"
+        # The methods themselves are part of the key: tests put others in their place.
+        own = getattr(kind, private, None), getattr(kind, method_name, None)
+        key = kind, type(message), method_name, own
+        if key not in known or not _are_unpatched(known[key] or []):
+            known[key] = _handlers(kind, method_name)
+        found = known[key]
+        if found is None:
+            yield from look_up(self, method_name, message)
+            return
+        for kind, _, method in found:
+            if message._no_default_action:
+                return
+            yield kind, method.__get__(self, kind)
+
+    MessagePump._get_dispatch_methods = look_up_once  # type: ignore[method-assign]
+
+
+_Handler = tuple[type, str, Any]  # A class, the name of its method, and this method.
+
+
+def _handlers(kind: type, name: str) -> list[_Handler] | None:
+    """Return what handles a message, or None where that depends on the message's widgets."""
+    found: list[_Handler] = []
+    for one in kind.__mro__:
+        own = vars(one)
+        if own.get("_decorated_handlers"):
+            return None
+        used = f"_{name}" if own.get(f"_{name}") is not None else name
+        method = own.get(used)
+        if method is not None and not getattr(method, "_textual_on", None):
+            found.append((one, used, method))
+    return found
+
+
+def _are_unpatched(handlers: list[_Handler]) -> bool:
+    """Return False when a test has put another method in the place of one."""
+    return all(vars(kind).get(name) is method for kind, name, method in handlers)

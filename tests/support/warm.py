@@ -44,9 +44,7 @@ def allow() -> None:
     """Fork from now on, where tests leave what is read once as it is; called by the whole run."""
     global _base
     os.environ.setdefault("ARCHO_TESTS_RUN", str(os.getpid()))  # the workers inherit it
-    _base = {**_read_once(), "LC_ALL": "C.UTF-8"}
-    for name in ("LANG", "LC_CTYPE"):
-        _base.pop(name, None)
+    _base = _read_once()
 
 
 def _read_once() -> dict[str, str]:
