@@ -5,12 +5,12 @@ from __future__ import annotations
 import os.path
 from argparse import Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 
+TYPE_CHECKING = False  # Importing typing takes longer than a short command.
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
 

@@ -68,7 +68,6 @@ from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChan
 from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch, model
-from archo_tui.safe_text import harmless
 
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)

@@ -71,7 +71,7 @@ def yaw(quaternion: Any) -> float | None:
 
     As tf2's getYaw, for a quaternion of any length; one of length zero has no yaw.
     """
-    parts = [number(getattr(quaternion, name, None), -_INT64, _INT64) for name in "xyzw"]
+    parts = [number(getattr(quaternion, name, None), -math.inf, math.inf) for name in "xyzw"]
     if None in parts or not any(parts):
         return None
     x, y, z, w = (part or 0.0 for part in parts)

@@ -15,8 +15,8 @@ from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event
 from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
-from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
+from archo_tui.safe_text import harmless
 
 # Seconds: more than any verb takes that can still end. STOP waits for a server, and then for all.
 _DEADLINE = FIRST_FOUND + ALL_ANSWERS + 1.0
