@@ -15,7 +15,7 @@ class ShowDiagnostics(Verb):
     """The verb that lists the parts, the worst first."""
 
     id, title, tells = "diagnostics", "Diagnostics", True
-    help = "List what the robot reports of its parts, the worst first"
+    help = "List the diagnostics: what the robot reports of its parts, the worst first"
 
     def is_ready(self, station: Station, values: Values) -> bool:
         snapshot = station.robot.snapshot

@@ -27,7 +27,7 @@ TYPED = {
     "Save a robot file": ("keep", "robot file", "yaml"),
     "Describe this robot": ("describe", "new robot", "discover"),
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
-    "List what the robot reports": ("diagnostics", "parts", "hardware"),
+    "List the diagnostics": ("diagnostics", "parts", "hardware"),
     "List the alarms": ("alarms", "shelve", "warnings"),
     "Go to panel 1, Battery": ("panel 1", "battery panel", "go battery"),
     "Go to panel 2, Motor": ("panel 2", "motor panel", "go motor"),
