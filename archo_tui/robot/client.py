@@ -24,17 +24,17 @@ from std_msgs.msg import String
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import audit_records, message_classes, messages, ros2_command, services
-from archo_tui.robot.arrivals import Arrivals
 from archo_tui.robot.audit_records import AuditRecord
-from archo_tui.robot.consoles import author, own_name
-from archo_tui.robot.events import ROUTINE
+from archo_tui.robot.consoles import own_name
 from archo_tui.robot.fields import filled
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
+from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
 from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Receiver
+from archo_tui.robot.message_handlers import MessageHandlers
+from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
 from archo_tui.robot.parameters import Parameters, without_secrets
@@ -54,9 +54,7 @@ from archo_tui.robot.state import (
     NodeInfo,
     Snapshot,
     TypedField,
-    level_word,
     linked_number,
-    logger_node,
     values_text,
 )
 from archo_tui.robot.stopping import FIRST_FOUND, Stopping
@@ -64,17 +62,14 @@ from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED,
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.tracked_goal import FARTHEST
-from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
+from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch, model
 
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
-LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
-_EARLY = 0.05  # s that the timer of a look may be early, and the look still be taken
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
-_RESTART = 3.0  # s after its restart in which what a node says differs because of that
 
 
 class Robot:
@@ -101,17 +96,10 @@ class Robot:
         self._secrets = secrets or SecretNames()
         self._clock = clock
         self._begun = clock.monotonic()
-        self._next_look = float("-inf")  # monotonic s
-        self._arrivals = Arrivals(self._begun)
         # full names of the nodes that this process hosts: what becomes of them its host tells
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         self._still_running: tuple[str, ...] = ()  # Names of goals, after an answered STOP.
-        self._faults: dict[str, str] = {}
-        self._mismatches: frozenset[str] = frozenset()  # that were said
-        self._consoles: set[str] | None = None  # the others, at the last look
-        self._motion_ids: frozenset[bytes] = frozenset()  # of who tells how the robot moves
-        self._motion_changed = float("-inf")  # when these were others than before, monotonic s
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
             own_name(), heard, masks, context=context, start_parameter_services=False
@@ -126,8 +114,8 @@ class Robot:
         self._reporter = Reporter(
             node, clock, self._unexplained_changes, happened, self._snapshots.send_soon
         )
-        self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._reporter.warn)
-        self._recorded_topics = RecordedTopics(node, file.record, self._reporter.warn)
+        self._telemetry = Telemetry(node, file, clock, self._on_reading, self._reporter.warn)
+        recorded_topics = RecordedTopics(node, file.record, self._reporter.warn)
         self._goals = Goals(
             node,
             clock,
@@ -146,7 +134,6 @@ class Robot:
             self._on_change,
             self._secrets,
         )
-        self._limits = Limits(file)
         self._nodes = Nodes(node, self._services)
         self._caller = ServiceCaller(node, steady, self._services, self._graph, checks)
         self._services.answered = self._on_answer
@@ -162,9 +149,37 @@ class Robot:
             self._snapshots.send,
             self._reporter.stop_result,
         )
-        node.listen_quietly(Log, "/rosout", self._on_log, 1000)
-        node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, MAX_UNREAD)
-        node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
+        motion_publishers = MotionPublishers(file, self._graph, clock)
+        self._poller = GraphPoller(
+            file,
+            clock,
+            self._graph,
+            checks,
+            self._telemetry,
+            recorded_topics,
+            self._parameters,
+            motion_publishers,
+            self._stopping.latch,
+            self._unexplained_changes,
+            self._reporter,
+            self._snapshots,
+            lambda: self.own_nodes(),
+        )
+        self._handlers = MessageHandlers(
+            file,
+            clock,
+            self._graph,
+            self._goals,
+            stops,
+            self._stopping,
+            motion_publishers,
+            self._unexplained_changes,
+            self._reporter,
+            self._snapshots,
+        )
+        node.listen_quietly(Log, "/rosout", self._handlers.on_log, 1000)
+        node.listen_quietly(String, audit_records.TOPIC, self._handlers.on_audit_record, MAX_UNREAD)
+        node.create_timer(POLL_PERIOD, self._poll, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
         for kind in file.goals:
@@ -181,7 +196,7 @@ class Robot:
 
     def start(self) -> None:
         """Begin to listen."""
-        self._thread.submit(self._look)
+        self._thread.submit(self._poller.poll)
         self._thread.start()
 
     def subscribe(self, receiver: Receiver) -> None:
@@ -283,9 +298,9 @@ class Robot:
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            heard = self._heard
+            stop_state = self._stop_state
             if queued and (
-                self._stopping.open is not None or heard.says_stopped or heard.stop_holds
+                self._stopping.open is not None or stop_state.says_stopped or stop_state.stop_holds
             ):
                 return Outcome(Code.HELD, HELD)
             # it may not have come, and would be asked for no more; a goal from before it is void
@@ -295,13 +310,13 @@ class Robot:
             self._stopping.latch.check_holders()
             if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:
                 return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
-            if heard.stop_holds and not gate.is_shut:
+            if stop_state.stop_holds and not gate.is_shut:
                 return Outcome(Code.REFUSED, HOLDS)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
                 return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, rivals))
-            if kind.action in self._faults:
-                return Outcome(Code.REFUSED, self._faults[kind.action])
+            if kind.action in self._poller.faults:
+                return Outcome(Code.REFUSED, self._poller.faults[kind.action])
             try:
                 outcome = await self._goals.send(kind, values, length, gate)
             except Void:
@@ -555,87 +570,25 @@ class Robot:
             )
         return length
 
-    def _look_again(self) -> None:
-        """Every second; of a very large graph less often."""
-        if self._clock.monotonic() >= self._next_look:
-            self._look()
-        if self._stopping.must_repeat and self._is_heard:
+    def _poll(self) -> None:
+        self._poller.poll_if_due()
+        if self._stopping.must_repeat and self._telemetry.is_robot_heard():
             self._thread.submit(self._stopping.send_again)
 
-    @property
-    def _is_heard(self) -> bool:
-        """True while battery or motion is; a robot without them is as long as it is there."""
-        now, told = self._clock.monotonic(), (self._telemetry.battery, self._telemetry.motion)
-        if self.file.battery is None and self.file.motion is None:
-            return True
-        return any(one.received is not None and not one.is_old(now) for one in told)
-
     def _on_answer(self, turn: int) -> None:
-        """Repeat a STOP that left behind the request of that turn, which was answered now."""
+        """Send STOP again if the request of that turn left before it and was answered after it."""
         if self._stopping.is_behind(turn):
-            self._thread.submit(self._stop_behind)
-
-    async def _stop_behind(self) -> None:
-        """Something that was sent before a STOP was answered behind it, a release perhaps."""
-        outcome = await self._stopping.send()
-        said = f"STOP, sent again behind an earlier command: {outcome.text}"
-        self._reporter.stop_result(said, outcome.code)
+            self._thread.submit(self._stopping.send_after_late_answer)
 
     @property
-    def _heard(self) -> Snapshot:
-        """A snapshot of what is known by now of whether the robot is stopped."""
+    def _stop_state(self) -> Snapshot:
+        """A snapshot with only what is known now about a STOP."""
         return Snapshot(
             file=self.file,
             motion=self._telemetry.motion,
             latch=self._stopping.latch.state,
             released=self._stopping.latch.released,
         )
-
-    def _motion_restarted(self) -> bool:
-        """Return whether another node than before tells how the robot moves."""
-        self._look_at_motion()
-        return self._clock.monotonic() - self._motion_changed <= _RESTART
-
-    def _look_at_motion(self) -> None:
-        if self.file.motion is None:
-            return
-        now, before = self._graph.publisher_ids(self.file.motion.topic), self._motion_ids
-        if now and before and now != before:
-            self._motion_changed = self._clock.monotonic()
-        self._motion_ids = now or before
-
-    def _look(self) -> None:
-        begun = self._clock.monotonic()
-        changed = self._graph.look()
-        self._next_look = begun + self._graph.rest - _EARLY
-        self._look_at_motion()
-        self._stopping.latch.check_holders()
-        self._unexplained_changes.author = CONSOLE if self._graph.mute else CLIENT
-        self._tell_of_consoles()
-        self._tell_of_nodes()
-        self._telemetry.resubscribe()
-        self._recorded_topics.subscribe()
-        for said in self._unexplained_changes.take_due(self._clock.monotonic()):
-            self._reporter.note("PEER", said)
-        faults = {**self._telemetry.faults, **self._interface_checks.misfits()}
-        for kind in self.file.goals:
-            if kind.action in self._graph.several:
-                said = mismatch.duplicate_servers(kind.action, self._graph.several[kind.action])
-                faults[kind.action] = said
-        if changed or faults != self._faults or self._snapshots.is_stale:
-            self._faults = faults
-            self._snapshots.send_soon()
-        mismatches = [said for found in self._graph.resources for said in found.mismatches]
-        for said in mismatches:
-            if said not in self._mismatches:
-                self._reporter.warn(said)
-        self._mismatches = frozenset(mismatches)
-        self._parameters.poll(self._graph.count, self._graph.services)
-        graph, now = self._graph, self._clock.monotonic()
-        for level, said in self._limits.unknown(
-            now, graph.offered, graph.namespace, graph.names, self._parameters.all()
-        ):
-            self._reporter.note(level, said)
 
     def _watch(self) -> None:
         if not self._goals.running:
@@ -668,83 +621,8 @@ class Robot:
         else:  # feedback: the motion that is reported beside it goes up with it
             self._snapshots.send_soon()
 
-    def _on_telemetry(self, topic: str, news: News) -> None:
-        self._graph.heard_topic(topic, self._clock.monotonic())
-        motion = self.file.motion
-        if motion is not None and topic == motion.topic:
-            self._goals.on_robot_message()
-            if topic not in self._graph.publishers:  # else the readings of several come mixed
-                # of several robots one says nothing about the others
-                stop = self.file.stop
-                if stop is not None and stop.service not in self._graph.several:
-                    before = self._stopping.latch.is_not_obeyed
-                    self._stopping.on_motion(self._telemetry.motion)
-                    if self._stopping.latch.is_not_obeyed != before:
-                        self._snapshots.send_soon()
-                now = self._clock.monotonic()
-                self._unexplained_changes.on_motion(
-                    self._telemetry.motion, now, self._motion_restarted
-                )
-        self._snapshots.is_stale = True
-        if news is News.WORDS:
-            self._snapshots.send_soon()
-        elif news is News.NUMBERS:
-            self._snapshots.send_later()
-
-    def _tell_of_consoles(self) -> None:
-        """Coming and going; those that are there at the start are in the header."""
-        now = set(self._graph.consoles)
-        if self._consoles is not None:
-            for name in sorted(now - self._consoles):
-                self._reporter.note("PEER", f"console {name} came")
-            for name in sorted(self._consoles - now):
-                self._reporter.note("PEER", f"console {name} left")
-        self._consoles = now
-
-    def _tell_of_nodes(self) -> None:
-        """Coming and going of nodes that this process does not host."""
-        own, now = self.own_nodes(), self._clock.monotonic()
-        for said in self._arrivals.compare(self._graph.names, own, now):
-            self._reporter.warn(said)
-
-    def _on_log(self, message: Log) -> None:
-        who = author(logger_node(message.name))
-        if who:
-            if who in self._graph.mute:  # of the others the same line comes with what they did
-                self._reporter.add(Event(self._clock.now(), "PEER", who, message.msg))
-            return
-        level = level_word(message.level)
-        node = logger_node(message.name)
-        if not self._graph.is_ours(node):
-            return  # another robot's
-        for kind in self.file.goals:
-            servers = self._graph.servers.get(kind.action, ())
-            if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
-                self._goals.on_refusal_log(message.msg.removeprefix(kind.refusals))
-        self._graph.heard_log(node, self._clock.monotonic())
-        # by this clock and not the stamp: the robot's may be another, and the list is in order
-        event = self._reporter.add_log_line(
-            Event(self._clock.now(), level, message.name, message.msg)
-        )
-        if level in ROUTINE or event.count > 1:
-            self._snapshots.send_later()
-        else:
-            self._snapshots.send_soon()
-
-    def _on_audit_record(self, message: String) -> None:
-        """Take in a record that another console reports; this console's own are left out."""
-        told = audit_records.read(message.data)
-        if told is None or told.console not in self._graph.consoles:
-            return
-        self._unexplained_changes.on_audit_record(told.record, self._clock.monotonic())
-        self.stops.sent_elsewhere += told.record.verb == "stop"
-        self.stops.superseded |= told.record.verb != "stop"
-        if told.record.code is Code.DONE and told.record.verb == "stop":
-            self._stopping.stopped_elsewhere(told.console)
-        elif told.record.code is Code.DONE and told.record.verb == "release":
-            self._stopping.latch.released_elsewhere(told.console)
-        now = self._clock.now()
-        self._reporter.add(Event(now, "PEER", told.console, told.text, audit_record=told.record))
+    def _on_reading(self, topic: str, news: News) -> None:
+        self._handlers.on_reading(topic, news, self._telemetry.motion)
 
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
         if self._secrets.fit(name):
@@ -766,8 +644,8 @@ class Robot:
             battery=self._telemetry.battery,
             motion=self._telemetry.motion,
             pose=self._telemetry.pose,
-            diagnostics=self._telemetry.diagnostics.all,
             gauges=self._telemetry.gauges,
+            diagnostics=self._telemetry.diagnostics.all,
             goal=self._goals.goal,
             running=self._goals.running,
             history=tuple(self._goals.history),
@@ -784,7 +662,7 @@ class Robot:
             moves_on=self._stopping.latch.is_not_obeyed,
             still_running_after_stop=self._still_running,
             namespace=self._graph.namespace,
-            faults=self._faults,
+            faults=self._poller.faults,
             publishers=self._graph.publishers,
             twice=self._graph.twice,
             several=self._graph.several,

@@ -96,6 +96,11 @@ class Stopping:
         if is_news:
             self._tell(f"STOP, sent {when}: {outcome.text}", outcome.code)
 
+    async def send_after_late_answer(self) -> None:
+        """Send STOP again: an earlier request, perhaps a release, was answered after it."""
+        outcome = await self.send()
+        self._tell(f"STOP, sent again behind an earlier command: {outcome.text}", outcome.code)
+
     async def _send(self) -> tuple[Outcome, bool]:
         """Make one call; return its outcome, and True if that changes what is shown."""
         assert self._stop is not None

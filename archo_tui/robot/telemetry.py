@@ -186,6 +186,13 @@ class Telemetry:
             types = {gauge.type: {"value": gauge.field}}
             yield _Reader(place, gauge.topic, types, partial(self._on_gauge, place))
 
+    def is_robot_heard(self) -> bool:
+        """Return True while battery or motion is received; always, if the robot has neither."""
+        if self._robot.battery is None and self._robot.motion is None:
+            return True
+        now, last = self._clock.monotonic(), (self.battery, self.motion)
+        return any(reading.received is not None and not reading.is_old(now) for reading in last)
+
     def forget_periods(self, node: str, old: object, new: object) -> None:
         """Measure every period again: a parameter has changed, and may set one of them.
 

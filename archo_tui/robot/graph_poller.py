@@ -1,0 +1,144 @@
+"""The polling of the graph, each second, and the reports of what changed on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+
+from archo_tui.clock import Clock
+from archo_tui.robot.arrivals import Arrivals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.limits import Limits
+from archo_tui.robot.motion_publishers import MotionPublishers
+from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.recorded_topics import RecordedTopics
+from archo_tui.robot.reporter import Reporter
+from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.stop_latch import StopLatch
+from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
+from archo_tui.robot_file import mismatch
+from archo_tui.robot_file.model import RobotFile
+
+POLL_PERIOD = 1.0  # Seconds between two polls: rclpy has no event for a change of the graph.
+_EARLY = 0.05  # Seconds by which a poll may be early.
+
+
+class GraphPoller:
+    """Polls the graph, and everything that depends on what is there. ROS thread only.
+
+    Attributes:
+        faults: Why a topic, a service or an action is not used, by its name in the robot file.
+    """
+
+    def __init__(
+        self,
+        file: RobotFile,
+        clock: Clock,
+        graph: Graph,
+        checks: InterfaceChecks,
+        telemetry: Telemetry,
+        recorded_topics: RecordedTopics,
+        parameters: Parameters,
+        motion_publishers: MotionPublishers,
+        latch: StopLatch,
+        changes: UnexplainedChanges,
+        reporter: Reporter,
+        snapshots: SnapshotSender,
+        own_nodes: Callable[[], Collection[str]],
+    ) -> None:
+        """Poll nothing yet.
+
+        Args:
+            file: The robot file.
+            clock: The console's clock.
+            graph: The graph.
+            checks: The comparison of the robot file with the types on the graph.
+            telemetry: Subscribes to what is published.
+            recorded_topics: Subscribe to what is published and only recorded.
+            parameters: Reads the parameters of new nodes.
+            motion_publishers: The publishers of the motion.
+            latch: The last confirmed STOP, which a restart of its node makes uncertain.
+            changes: The changes that no console has explained.
+            reporter: Reports what changed.
+            snapshots: Sends a snapshot that shows it.
+            own_nodes: Returns the full names of the nodes that this process hosts.
+        """
+        self._file, self._clock, self._graph = file, clock, graph
+        self._checks, self._parameters = checks, parameters
+        self._telemetry, self._recorded_topics = telemetry, recorded_topics
+        self._motion_publishers, self._latch, self._changes = motion_publishers, latch, changes
+        self._reporter, self._snapshots, self._own_nodes = reporter, snapshots, own_nodes
+        self._next = float("-inf")  # When the next poll is due, in monotonic seconds.
+        self._arrivals = Arrivals(clock.monotonic())
+        self._limits = Limits(file)
+        self._consoles: set[str] | None = None  # The other consoles; None before the first poll.
+        self._mismatches: frozenset[str] = frozenset()  # Those that were reported.
+        self.faults: dict[str, str] = {}
+
+    def poll_if_due(self) -> None:
+        """Poll each second; a very large graph less often."""
+        if self._clock.monotonic() >= self._next:
+            self.poll()
+
+    def poll(self) -> None:
+        """Poll the graph now."""
+        begun = self._clock.monotonic()
+        changed = self._graph.look()
+        self._next = begun + self._graph.rest - _EARLY
+        self._motion_publishers.check()
+        self._latch.check_holders()
+        self._changes.author = CONSOLE if self._graph.mute else CLIENT
+        self._report_consoles()
+        for text in self._arrivals.compare(
+            self._graph.names, self._own_nodes(), self._clock.monotonic()
+        ):
+            self._reporter.warn(text)
+        self._telemetry.resubscribe()
+        self._recorded_topics.subscribe()
+        for text in self._changes.take_due(self._clock.monotonic()):
+            self._reporter.note("PEER", text)
+        faults = self._find_faults()
+        if changed or faults != self.faults or self._snapshots.is_stale:
+            self.faults = faults
+            self._snapshots.send_soon()
+        self._report_mismatches()
+        self._parameters.poll(self._graph.count, self._graph.services)
+        self._report_unknown_limits()
+
+    def _find_faults(self) -> dict[str, str]:
+        faults = {**self._telemetry.faults, **self._checks.misfits()}
+        for kind in self._file.goals:
+            if kind.action in self._graph.several:
+                nodes = self._graph.several[kind.action]
+                faults[kind.action] = mismatch.duplicate_servers(kind.action, nodes)
+        return faults
+
+    def _report_consoles(self) -> None:
+        """Report each console that comes or leaves; the header names those of the first poll."""
+        now = set(self._graph.consoles)
+        if self._consoles is not None:
+            for name in sorted(now - self._consoles):
+                self._reporter.note("PEER", f"console {name} came")
+            for name in sorted(self._consoles - now):
+                self._reporter.note("PEER", f"console {name} left")
+        self._consoles = now
+
+    def _report_mismatches(self) -> None:
+        """Warn of each new pair of a publisher and a subscription that DDS does not match."""
+        mismatches = [text for resource in self._graph.resources for text in resource.mismatches]
+        for text in mismatches:
+            if text not in self._mismatches:
+                self._reporter.warn(text)
+        self._mismatches = frozenset(mismatches)
+
+    def _report_unknown_limits(self) -> None:
+        graph = self._graph
+        for level, text in self._limits.unknown(
+            self._clock.monotonic(),
+            graph.offered,
+            graph.namespace,
+            graph.names,
+            self._parameters.all(),
+        ):
+            self._reporter.note(level, text)

@@ -1,0 +1,129 @@
+"""The handlers of what is received: readings, log lines, and what other consoles did."""
+
+from __future__ import annotations
+
+from rcl_interfaces.msg import Log
+from std_msgs.msg import String
+
+from archo_tui.clock import Clock
+from archo_tui.robot import audit_records
+from archo_tui.robot.consoles import author
+from archo_tui.robot.events import ROUTINE
+from archo_tui.robot.goals import Goals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.motion_publishers import MotionPublishers
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.reporter import Reporter
+from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.state import Event, Motion, level_word, logger_node
+from archo_tui.robot.stopping import Stopping
+from archo_tui.robot.stops import Stops
+from archo_tui.robot.telemetry import News
+from archo_tui.robot.unexplained_changes import UnexplainedChanges
+from archo_tui.robot_file.model import RobotFile
+
+
+class MessageHandlers:
+    """Passes each message on to the parts that it concerns. ROS thread only."""
+
+    def __init__(
+        self,
+        file: RobotFile,
+        clock: Clock,
+        graph: Graph,
+        goals: Goals,
+        stops: Stops,
+        stopping: Stopping,
+        motion_publishers: MotionPublishers,
+        changes: UnexplainedChanges,
+        reporter: Reporter,
+        snapshots: SnapshotSender,
+    ) -> None:
+        """Handle nothing yet.
+
+        Args:
+            file: The robot file.
+            clock: The console's clock.
+            graph: The graph.
+            goals: The goals that are tracked.
+            stops: The STOPs that were read.
+            stopping: The STOP that is open, and the last one that was confirmed.
+            motion_publishers: The publishers of the motion.
+            changes: The changes that no console has explained.
+            reporter: Reports what other nodes and consoles report.
+            snapshots: Sends snapshots that show it.
+        """
+        self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
+        self._stops, self._stopping, self._motion_publishers = stops, stopping, motion_publishers
+        self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
+
+    def on_reading(self, topic: str, news: News, motion: Motion) -> None:
+        """Handle a message with a reading.
+
+        Args:
+            topic: Its topic, as the robot file names it.
+            news: What differs from the message before.
+            motion: The last reading of the motion.
+        """
+        self._graph.heard_topic(topic, self._clock.monotonic())
+        if self._file.motion is not None and topic == self._file.motion.topic:
+            self._on_motion(topic, motion)
+        self._snapshots.is_stale = True
+        if news is News.WORDS:
+            self._snapshots.send_soon()
+        elif news is News.NUMBERS:
+            self._snapshots.send_later()
+
+    def _on_motion(self, topic: str, motion: Motion) -> None:
+        self._goals.on_robot_message()
+        if topic in self._graph.publishers:  # The readings of several robots come mixed.
+            return
+        stop = self._file.stop
+        # One of several robots tells nothing about the others.
+        if stop is not None and stop.service not in self._graph.several:
+            before = self._stopping.latch.is_not_obeyed
+            self._stopping.on_motion(motion)
+            if self._stopping.latch.is_not_obeyed != before:
+                self._snapshots.send_soon()
+        self._changes.on_motion(
+            motion, self._clock.monotonic(), self._motion_publishers.have_restarted
+        )
+
+    def on_log(self, message: Log) -> None:
+        """Handle a log line of any node on the graph."""
+        node = logger_node(message.name)
+        console = author(node)
+        if console:
+            # Of every other console the same line comes with the record of what it did.
+            if console in self._graph.mute:
+                self._reporter.add(Event(self._clock.now(), "PEER", console, message.msg))
+            return
+        if not self._graph.is_ours(node):
+            return  # It is another robot's.
+        for kind in self._file.goals:
+            servers = self._graph.servers.get(kind.action, ())
+            if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
+                self._goals.on_refusal_log(message.msg.removeprefix(kind.refusals))
+        self._graph.heard_log(node, self._clock.monotonic())
+        # The robot's clock may differ, and the events are in order: so not by the stamp.
+        level, now = level_word(message.level), self._clock.now()
+        event = self._reporter.add_log_line(Event(now, level, message.name, message.msg))
+        if level in ROUTINE or event.count > 1:
+            self._snapshots.send_later()
+        else:
+            self._snapshots.send_soon()
+
+    def on_audit_record(self, message: String) -> None:
+        """Handle the record of what a console did; those of this console are left out."""
+        published = audit_records.read(message.data)
+        if published is None or published.console not in self._graph.consoles:
+            return
+        console, record, text = published
+        self._changes.on_audit_record(record, self._clock.monotonic())
+        self._stops.sent_elsewhere += record.verb == "stop"
+        self._stops.superseded |= record.verb != "stop"
+        if record.code is Code.DONE and record.verb == "stop":
+            self._stopping.stopped_elsewhere(console)
+        elif record.code is Code.DONE and record.verb == "release":
+            self._stopping.latch.released_elsewhere(console)
+        self._reporter.add(Event(self._clock.now(), "PEER", console, text, audit_record=record))

@@ -1,0 +1,34 @@
+"""The publishers of the robot's motion, by which a restart of their node is noticed."""
+
+from __future__ import annotations
+
+from archo_tui.clock import Clock
+from archo_tui.robot.graph import Graph
+from archo_tui.robot_file.model import RobotFile
+
+_RESTART = 3.0  # Seconds after a restart in which readings may differ because of it.
+
+
+class MotionPublishers:
+    """Remembers which publishers of the motion were last on the graph. ROS thread only."""
+
+    def __init__(self, file: RobotFile, graph: Graph, clock: Clock) -> None:
+        """Know no publisher yet."""
+        self._topic = None if file.motion is None else file.motion.topic
+        self._graph, self._clock = graph, clock
+        self._ids: frozenset[bytes] = frozenset()
+        self._changed = float("-inf")  # When they last changed, in monotonic seconds.
+
+    def check(self) -> None:
+        """Compare the present publishers with those before."""
+        if self._topic is None:
+            return
+        now, before = self._graph.publisher_ids(self._topic), self._ids
+        if now and before and now != before:
+            self._changed = self._clock.monotonic()
+        self._ids = now or before
+
+    def have_restarted(self) -> bool:
+        """Return True if other publishers than before have appeared in the last three seconds."""
+        self.check()
+        return self._clock.monotonic() - self._changed <= _RESTART
