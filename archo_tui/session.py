@@ -235,8 +235,8 @@ class Session:
             robot = self.robot
             self.host = Host(
                 *(self._context, robot.note, robot.node_gone),
-                stop_to_tell=robot.stop_to_tell,
-                told_stop=robot.told_stop,
+                early_stop_request=robot.early_stop_request,
+                on_early_stop=robot.early_stop_confirmed,
             )
             robot.own_nodes = lambda: [hosted.name for hosted in self.host.nodes]
             self._node_files = [NodeFile(str(given)) for given in self.options.node_files]

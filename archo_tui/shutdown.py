@@ -40,7 +40,7 @@ async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> No
 
 async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Do what `let_go` does, however long the robot takes."""
-    await robot.send_no_more()  # From here on the snapshot has every goal that was sent.
+    await robot.stop_sending_goals()  # From here on the snapshot has every goal that was sent.
     goal = _ours(robot)
     if goal is None:
         return

@@ -58,7 +58,7 @@ class HostedNode:
         file: The node file; None for a node of the robot's own.
         operator_values: Returns the parameters that the operator has set on a node, by its name.
         state: How the node is doing; `current_state` is more precise while it is constructed.
-        was_told_early: True if a STOP was not released when the constructor last spun the node.
+        was_stopped_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
     """
 
@@ -102,7 +102,7 @@ class HostedNode:
             self.state = self.state._replace(file=named, saved=saved)
         self._stopping = False
         self._was_taken = False
-        self.was_told_early = False
+        self.was_stopped_early = False
         self.crash = ""
         self._failure: BaseException | None = None  # What the constructor raised.
         self._is_late = False
@@ -480,8 +480,8 @@ class Host:
         context: Context,
         on_event: Callable[[str, str, str], None],
         on_end: Callable[[Sequence[str]], None],
-        stop_to_tell: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
-        told_stop: Callable[[str], None] = lambda _: None,
+        early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
+        on_early_stop: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Create a host without nodes.
 
@@ -490,13 +490,13 @@ class Host:
             on_event: Called with level, source and text of an event, on any thread.
             on_end: Called with the services and actions that no node of this process serves any
                 more, after a node has ended.
-            stop_to_tell: Returns the full name of the service of a STOP that is not released, and
-                the values of its request; "" for the name if there is no such STOP.
-            told_stop: Called with the name of a node that has confirmed that STOP before it spins.
+            early_stop_request: Returns the full name of the service of a STOP that is not released,
+                and the values of its request; "" for the name if there is no such STOP.
+            on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
-        self._stop_to_tell, self._told_stop = stop_to_tell, told_stop
+        self._early_stop_request, self._on_early_stop = early_stop_request, on_early_stop
         self._changing = threading.Lock()
         self._has_started = False
         self.nodes: list[HostedNode] = []
@@ -587,7 +587,7 @@ class Host:
             if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
             self._report_ended(hosted)
-            holds = self._stop_to_tell()[0] in hosted.state.serves
+            holds = self._early_stop_request()[0] in hosted.state.serves
             held = "; it held the STOP, and is told of it again before it starts" if holds else ""
             return Outcome(Code.DONE, f"{name} stopped{held}")
 
@@ -677,7 +677,7 @@ class Host:
         Returns:
             What became of the STOP; the text goes on after `NODE started`.
         """
-        service, request = self._stop_to_tell()
+        service, request = self._early_stop_request()
         if not service or not new.serves(service):
             return Outcome(Code.DONE, "")
         refusal = new.carry_out_stop(service, request)
@@ -685,7 +685,7 @@ class Host:
             why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
             self._on_event("ERROR", new.name.lstrip("/"), why)
             return Outcome(Code.NOT_CONFIRMED, f"; {why}")
-        self._told_stop(new.name)
+        self._on_early_stop(new.name)
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
     def _tell_stop_early(self, new: HostedNode) -> None:
@@ -693,7 +693,7 @@ class Host:
 
         This is done at the first spin behind that STOP; later the node gets the request itself.
         """
-        is_told, new.was_told_early = new.was_told_early, bool(self._stop_to_tell()[0])
+        is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
             self._tell_stop(new)
 

@@ -213,7 +213,7 @@ class Plain:
             self._print_timed(lost.text)
         last_stop = self._robot.stops.count
         await wait(lambda: self._stop_sender.are_answered(last_stop))
-        await self._robot.catch_up()
+        await self._robot.wait_for_events()
         self._on_snapshot(self._robot.snapshot)
         reason = self._station.queue.hold_reason
         if reason:

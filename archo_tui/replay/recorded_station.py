@@ -37,7 +37,7 @@ class RecordedRobot:
     def note(self, *_: Any, **__: Any) -> None:
         """Ignore an event: nothing is added to a recording."""
 
-    async def send_no_more(self) -> None:
+    async def stop_sending_goals(self) -> None:
         """Return at once: nothing was sent."""
 
     async def emergency_stop(self) -> Outcome:

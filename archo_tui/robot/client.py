@@ -27,6 +27,8 @@ from archo_tui.robot import audit_records, message_classes, messages, ros2_comma
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import own_name
 from archo_tui.robot.fields import filled
+from archo_tui.robot.goal_guard import GoalGuard
+from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
@@ -54,20 +56,17 @@ from archo_tui.robot.state import (
     NodeInfo,
     Snapshot,
     TypedField,
-    linked_number,
     values_text,
 )
 from archo_tui.robot.stopping import FIRST_FOUND, Stopping
-from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
+from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.thread import RosThread
-from archo_tui.robot.tracked_goal import FARTHEST
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch, model
 
-WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
 
@@ -99,7 +98,6 @@ class Robot:
         # full names of the nodes that this process hosts: what becomes of them its host tells
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
-        self._still_running: tuple[str, ...] = ()  # Names of goals, after an answered STOP.
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
             own_name(), heard, masks, context=context, start_parameter_services=False
@@ -120,7 +118,7 @@ class Robot:
             node,
             clock,
             self._services,
-            self._goal_changed,
+            lambda is_new_phase: self._goal_watcher.on_change(is_new_phase),
             self._reporter.note,
             self._goal_ended,
             watching,
@@ -180,8 +178,20 @@ class Robot:
         node.listen_quietly(Log, "/rosout", self._handlers.on_log, 1000)
         node.listen_quietly(String, audit_records.TOPIC, self._handlers.on_audit_record, MAX_UNREAD)
         node.create_timer(POLL_PERIOD, self._poll, clock=steady)
-        self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
-        self._watcher.cancel()
+        self._goal_watcher = GoalWatcher(
+            node,
+            steady,
+            clock,
+            self._goals,
+            self._graph,
+            self._parameters,
+            self._stopping,
+            self._telemetry,
+            self._snapshots,
+        )
+        self._goal_guard = GoalGuard(
+            file, self._graph, self._stopping, self._telemetry, lambda: self._poller.faults
+        )
         for kind in file.goals:
             self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._reporter.error)
@@ -293,30 +303,14 @@ class Robot:
 
         A queued one is not sent behind a STOP, whatever the robot would do with it: it is held.
         """
-        length = self._way(kind)
+        length = self._goal_watcher.length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            stop_state = self._stop_state
-            if queued and (
-                self._stopping.open is not None or stop_state.says_stopped or stop_state.stop_holds
-            ):
-                return Outcome(Code.HELD, HELD)
-            # it may not have come, and would be asked for no more; a goal from before it is void
-            if self._stopping.open is not None and not gate.is_shut:
-                return Outcome(Code.REFUSED, UNCONFIRMED)
-            # Its node may have been restarted since the last look.
-            self._stopping.latch.check_holders()
-            if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:
-                return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
-            if stop_state.stop_holds and not gate.is_shut:
-                return Outcome(Code.REFUSED, HOLDS)
-            rivals = self._graph.rivals(kind.action)
-            if rivals:  # of another one than the robot file's as well
-                return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, rivals))
-            if kind.action in self._poller.faults:
-                return Outcome(Code.REFUSED, self._poller.faults[kind.action])
+            refusal = self._goal_guard.refusal(kind, gate, queued=queued)
+            if refusal is not None:
+                return refusal
             try:
                 outcome = await self._goals.send(kind, values, length, gate)
             except Void:
@@ -328,7 +322,7 @@ class Robot:
         ros2 = self._interface_checks.goal_command(kind, values)
         return await self._runner.run(*self._as_verb(kind, values), title, ros2, go)
 
-    async def send_no_more(self) -> None:
+    async def stop_sending_goals(self) -> None:
         """Keep goals that have not left yet from leaving: the console ends."""
 
         async def there() -> None:
@@ -509,7 +503,7 @@ class Robot:
 
         self._thread.submit(end)
 
-    def stop_to_tell(self) -> tuple[str, Mapping[str, Any]]:
+    def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
         """Return the service of a STOP that is not released, for a node that starts. Any thread.
 
         Returns:
@@ -521,9 +515,9 @@ class Robot:
             return "", {}
         return self._interface_checks.full(stop.service), stop.request
 
-    def told_stop(self, node: str) -> None:
+    def early_stop_confirmed(self, node: str) -> None:
         """Take note that a node that starts here was told of the STOP first. Any thread."""
-        self._thread.submit(lambda: self._stopping.latch.add_told(node))
+        self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
 
     def note(
         self,
@@ -539,7 +533,7 @@ class Robot:
         event = Event(self._clock.now(), level, source, text, command, audit_record=audit_record)
         self._thread.submit(lambda: self._reporter.add(event))
 
-    async def catch_up(self) -> None:
+    async def wait_for_events(self) -> None:
         """Return when all that was noted before is in the snapshot."""
 
         async def there() -> None:
@@ -561,15 +555,6 @@ class Robot:
             }
         return "go" if kind == self.file.goals[0] else kind.id, values
 
-    def _way(self, kind: model.GoalKind) -> float | None:
-        """Return the length of the whole way to a goal; None: it is not known."""
-        length = None if kind.remaining is None else kind.remaining.length
-        if isinstance(length, model.ParameterRef):
-            return linked_number(
-                self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST
-            )
-        return length
-
     def _poll(self) -> None:
         self._poller.poll_if_due()
         if self._stopping.must_repeat and self._telemetry.is_robot_heard():
@@ -580,46 +565,11 @@ class Robot:
         if self._stopping.is_behind(turn):
             self._thread.submit(self._stopping.send_after_late_answer)
 
-    @property
-    def _stop_state(self) -> Snapshot:
-        """A snapshot with only what is known now about a STOP."""
-        return Snapshot(
-            file=self.file,
-            motion=self._telemetry.motion,
-            latch=self._stopping.latch.state,
-            released=self._stopping.latch.released,
-        )
-
-    def _watch(self) -> None:
-        if not self._goals.running:
-            self._watcher.cancel()
-            if self._still_running:
-                self._still_running = ()
-                self._snapshots.send_soon()
-            return
-        now = self._clock.monotonic()
-        self._goals.update_lengths(self._way)
-        self._goals.check(now, self._telemetry.motion)
-        stopped = self._stopping.obeyed_since
-        if stopped is not None:
-            before = self._still_running
-            self._still_running = self._goals.cancel_older(stopped)
-            if self._still_running != before:
-                self._snapshots.send_soon()
-
     def _measure_anew(self, node: str, old: object, new: object) -> None:
         """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
         self._telemetry.forget_periods(node, old, new)
         servers = self._graph.servers
         self._goals.forget_periods(old, new, lambda kind: node in servers.get(kind.action, ()))
-
-    def _goal_changed(self, turned: bool) -> None:
-        if self._watcher.is_canceled():
-            self._watcher.reset()
-        if turned:
-            self._snapshots.send()
-        else:  # feedback: the motion that is reported beside it goes up with it
-            self._snapshots.send_soon()
 
     def _on_reading(self, topic: str, news: News) -> None:
         self._handlers.on_reading(topic, news, self._telemetry.motion)
@@ -660,7 +610,7 @@ class Robot:
             latch_time=self._stopping.latch.time,
             released=self._stopping.latch.released,
             moves_on=self._stopping.latch.is_not_obeyed,
-            still_running_after_stop=self._still_running,
+            still_running_after_stop=self._goal_watcher.still_running,
             namespace=self._graph.namespace,
             faults=self._poller.faults,
             publishers=self._graph.publishers,

@@ -65,7 +65,7 @@ class StopLatch:
         self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
         self._other_console = ""  # The console that sent the STOP; empty: this one.
         self._holders: Ids = {}  # The nodes that confirmed it.
-        self._told: set[str] = set()  # Nodes that their host told of it at their start.
+        self._stopped_early: set[str] = set()  # Nodes that their host told of it at their start.
         self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
         self._reports_stop = False  # The robot reports whether it is stopped.
         self._reported = False  # What it reported last.
@@ -83,7 +83,7 @@ class StopLatch:
         self.time = self._clock.now()
         # They may have left by now: any node that comes later would pass for them.
         self._holders = self._graph.holders(self._service) or self.asked
-        self._told.clear()
+        self._stopped_early.clear()
 
     def release(self) -> None:
         """Forget the STOP: something was accepted behind it."""
@@ -98,9 +98,9 @@ class StopLatch:
         """
         self._sent = sent
 
-    def add_told(self, node: str) -> None:
+    def add_stopped_early(self, node: str) -> None:
         """Count a node among the holders: its host told it of the STOP before anything else."""
-        self._told.add(node)
+        self._stopped_early.add(node)
         self.check_holders()
 
     def stopped_elsewhere(self, console: str, turn: int) -> None:
@@ -141,11 +141,11 @@ class StopLatch:
         if self.state is Latch.NONE or not self._service or self._lasting_doubt:
             return
         now, before = self._graph.holders(self._service), (self.state, self.doubt)
-        told = {node: ids for node, ids in now.items() if node in self._told}
+        told = {node: ids for node, ids in now.items() if node in self._stopped_early}
         expected = {**self._holders, **told}
         if not self._holders or now == expected:
             self._holders, self.state, self.doubt = now, Latch.HELD, ""
-            self._told -= now.keys()
+            self._stopped_early -= now.keys()
         else:
             self.state = Latch.UNCERTAIN
             gone = sorted(expected.keys() - now.keys())

@@ -96,10 +96,10 @@ async def test_a_goal_that_left_just_before_quitting_is_cancelled() -> None:
     robot: Any = it.app.station.robot
     moving, robot.snapshot = robot.snapshot, STATES["normal"]
 
-    async def send_no_more() -> None:
+    async def stop_sending_goals() -> None:
         robot.snapshot = moving  # it is heard of only now
 
-    robot.send_no_more = send_no_more
+    robot.stop_sending_goals = stop_sending_goals
     async with it.app.run_test(size=(120, 36)):
         await it.press("q")
         assert not it.app.is_running

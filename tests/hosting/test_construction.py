@@ -203,8 +203,8 @@ def test_behind_a_stop_it_is_told_that_before_it_does_anything(
 ) -> None:
     with hosting(written("motor.py", MOTOR)) as session:
         told: list[str] = []
-        monkeypatch.setattr(session.host, "_stop_to_tell", lambda: ("/halt", {}))
-        monkeypatch.setattr(session.host, "_told_stop", told.append)
+        monkeypatch.setattr(session.host, "_early_stop_request", lambda: ("/halt", {}))
+        monkeypatch.setattr(session.host, "_on_early_stop", told.append)
         motor = session.host.nodes[0]
         Path("go").touch()
         wait_until(lambda: "drives" in getattr(getattr(motor, "node", None), "said", ()))
@@ -219,7 +219,7 @@ def test_behind_a_stop_it_is_told_that_before_its_constructor_spins_it(
         "import time", "import rclpy"
     )
     with hosting(written("motor.py", spins)) as session:
-        monkeypatch.setattr(session.host, "_stop_to_tell", lambda: ("/halt", {}))
+        monkeypatch.setattr(session.host, "_early_stop_request", lambda: ("/halt", {}))
         assert session.host.stop_node("/motor").ok
         assert session.host.start_node("/motor").ok
         motor = session.host.nodes[0]

@@ -22,7 +22,7 @@ async def test_at_each_moment_is_shown_what_was_shown_live(size: tuple[int, int]
 
         async def look() -> None:
             await op.at(floor(clock.seconds()) + 1.3)
-            await op.session.robot.catch_up()  # else it may be up to a second old
+            await op.session.robot.wait_for_events()  # else it may be up to a second old
             await op.settle()
             live.append((op.session.station.clock.now(), shown(op.app)))
             await op.at(clock.seconds() + 0.05)

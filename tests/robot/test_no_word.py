@@ -91,7 +91,8 @@ async def test_a_goal_is_not_lost_while_the_console_was_suspended() -> None:
         await typed.until("9.0 m left")
         await while_passes(2)  # its period is known by then
         clock.current.suspend(6.0)
-        typed._plain._station.robot._watch()  # the first to go on, before the feedback is read
+        # The first to go on, before the feedback is read.
+        typed._plain._station.robot._goal_watcher.check()
         await while_passes(5)
         typed.type("status\n")
         await typed.until("goal MOVING to 3, 9.0 m left")

@@ -87,7 +87,7 @@ class StandingRobot(StubRobot):
                 self.put(self.snapshot._replace(goal=ARRIVED._replace(number=number)))
             return Outcome(Code.DONE, "done")
 
-        return ask if verb not in ("note", "send_no_more") else super().__getattr__(verb)
+        return ask if verb not in ("note", "stop_sending_goals") else super().__getattr__(verb)
 
     def form(self, _: str) -> tuple[TypedField, ...]:
         """The fields of any type."""

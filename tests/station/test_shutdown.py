@@ -35,7 +35,7 @@ class Robot:
     def note(self, level: str, source: str, text: str) -> None:
         self.said.append(f"{level} {text}")
 
-    async def send_no_more(self) -> None:
+    async def stop_sending_goals(self) -> None:
         pass
 
     async def cancel(self) -> Outcome:

@@ -30,7 +30,7 @@ class Told(StubRobot):
             self.told.append(verb)
             return Outcome(Code.DONE, "done")
 
-        return super().__getattr__(verb) if verb in ("note", "catch_up") else do
+        return super().__getattr__(verb) if verb in ("note", "wait_for_events") else do
 
 
 def at_terminal(robot: Any) -> Any:

@@ -1,0 +1,76 @@
+"""The decision whether a goal may be sent now: not while a STOP is open, holds, or is in doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Latch, Snapshot
+from archo_tui.robot.stopping import Stopping
+from archo_tui.robot.stops import HELD, HOLDS, UNCERTAIN, UNCONFIRMED, Gate
+from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot_file import mismatch
+from archo_tui.robot_file.model import GoalKind, RobotFile
+
+
+class GoalGuard:
+    """Decides whether a goal may be sent. ROS thread only."""
+
+    def __init__(
+        self,
+        file: RobotFile,
+        graph: Graph,
+        stopping: Stopping,
+        telemetry: Telemetry,
+        faults: Callable[[], Mapping[str, str]],
+    ) -> None:
+        """Remember what decides.
+
+        Args:
+            file: The robot file.
+            graph: Tells which nodes serve an action.
+            stopping: The STOP that is open, and the last one that was confirmed.
+            telemetry: Tells whether the robot reports that it is stopped.
+            faults: Returns why actions of the robot file are not used, by name.
+        """
+        self._file, self._graph, self._stopping = file, graph, stopping
+        self._telemetry, self._faults = telemetry, faults
+
+    def refusal(self, kind: GoalKind, gate: Gate, *, queued: bool) -> Outcome | None:
+        """Return why a goal is not sent; None if it may be.
+
+        Args:
+            kind: Its kind.
+            gate: Its last check. If it is shut, the goal is void for an earlier STOP, and says so.
+            queued: True for a goal of the queue: it is held behind a STOP, whatever the robot
+                would do with it.
+        """
+        stop_state = self._stop_state()
+        if queued and (
+            self._stopping.open is not None or stop_state.says_stopped or stop_state.stop_holds
+        ):
+            return Outcome(Code.HELD, HELD)
+        # The STOP may not have reached the robot, and would not be sent again behind a goal.
+        if self._stopping.open is not None and not gate.is_shut:
+            return Outcome(Code.REFUSED, UNCONFIRMED)
+        # Its node may have been restarted since the last poll.
+        self._stopping.latch.check_holders()
+        if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:
+            return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
+        if stop_state.stop_holds and not gate.is_shut:
+            return Outcome(Code.REFUSED, HOLDS)
+        rivals = self._graph.rivals(kind.action)
+        if rivals:  # Also of an action that is not in the robot file.
+            return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, rivals))
+        fault = self._faults().get(kind.action)
+        return None if fault is None else Outcome(Code.REFUSED, fault)
+
+    def _stop_state(self) -> Snapshot:
+        """Return a snapshot with only what is known now about a STOP."""
+        return Snapshot(
+            file=self._file,
+            motion=self._telemetry.motion,
+            latch=self._stopping.latch.state,
+            released=self._stopping.latch.released,
+        )

@@ -1,0 +1,93 @@
+"""The watch over the goals that run: their silence, their lengths, and a STOP that they ignore."""
+
+from __future__ import annotations
+
+from rclpy.clock import Clock as RosClock
+from rclpy.node import Node
+
+from archo_tui.clock import Clock
+from archo_tui.robot.goals import Goals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.state import linked_number
+from archo_tui.robot.stopping import Stopping
+from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.tracked_goal import FARTHEST
+from archo_tui.robot_file.model import GoalKind, ParameterRef
+
+WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.
+
+
+class GoalWatcher:
+    """Checks the goals that run, five times a second while there are any. ROS thread only.
+
+    Attributes:
+        still_running: The names of goals that still run after a STOP was answered.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        timer_clock: RosClock,
+        clock: Clock,
+        goals: Goals,
+        graph: Graph,
+        parameters: Parameters,
+        stopping: Stopping,
+        telemetry: Telemetry,
+        snapshots: SnapshotSender,
+    ) -> None:
+        """Watch nothing yet.
+
+        Args:
+            node: The console's node.
+            timer_clock: The clock of the timer, which goes on whatever the robot's time does.
+            clock: The console's clock.
+            goals: The goals.
+            graph: Tells the robot's namespace.
+            parameters: Hold lengths of ways that the robot file refers to.
+            stopping: Tells since when a STOP must be obeyed.
+            telemetry: Tells the last motion.
+            snapshots: Sends a snapshot when something has changed.
+        """
+        self._clock, self._goals, self._graph, self._parameters = clock, goals, graph, parameters
+        self._stopping, self._telemetry, self._snapshots = stopping, telemetry, snapshots
+        self.still_running: tuple[str, ...] = ()
+        self._timer = node.create_timer(WATCH_PERIOD, self.check, clock=timer_clock)
+        self._timer.cancel()
+
+    def on_change(self, is_new_phase: bool) -> None:
+        """Begin to watch, and show a change of a goal: a new phase at once."""
+        if self._timer.is_canceled():
+            self._timer.reset()
+        if is_new_phase:
+            self._snapshots.send()
+        else:  # After feedback, so that the motion which is reported beside it is shown with it.
+            self._snapshots.send_soon()
+
+    def check(self) -> None:
+        """Check the goals that run; end the watch when none does."""
+        if not self._goals.running:
+            self._timer.cancel()
+            self._set_still_running(())
+            return
+        now = self._clock.monotonic()
+        self._goals.update_lengths(self.length)
+        self._goals.check(now, self._telemetry.motion)
+        stopped = self._stopping.obeyed_since
+        if stopped is not None:
+            self._set_still_running(self._goals.cancel_older(stopped))
+
+    def _set_still_running(self, names: tuple[str, ...]) -> None:
+        if names != self.still_running:
+            self.still_running = names
+            self._snapshots.send_soon()
+
+    def length(self, kind: GoalKind) -> float | None:
+        """Return the length of the whole way for a kind of goal; None if it is not known."""
+        length = None if kind.remaining is None else kind.remaining.length
+        if isinstance(length, ParameterRef):
+            parameters, namespace = self._parameters.all(), self._graph.namespace
+            return linked_number(parameters, namespace, length, 0.0, FARTHEST)
+        return length
