@@ -1,6 +1,7 @@
-"""Robot: the operator's verbs, awaitable, and a stream of snapshots. An rclpy node inside.
+"""The robot as its front ends see it: snapshots to show, and verbs to operate it.
 
-Verbs are called on the asyncio loop. Each ends: done, refused with the reason, or no answer.
+Verbs are coroutines for the asyncio loop. Each ends within a deadline: done, refused with the
+reason, or without an answer. What is done on the ROS thread is in the other files of this folder.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
 from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.listener import Heard, Listener
+from archo_tui.robot.listener import Listener, MessageCallback
 from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.message_handlers import MessageHandlers
 from archo_tui.robot.motion_publishers import MotionPublishers
@@ -67,40 +68,53 @@ from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch, model
 
-_ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
-_SILENT = f"no answer in {_ASKED:g} s from the console's own node"
+_QUESTION_TIMEOUT = 2 * services.DEADLINE  # Seconds for a question to the graph or to a node.
+_NO_ANSWER = f"no answer in {_QUESTION_TIMEOUT:g} s from the console's own node"
 
 
 class Robot:
-    """Operates whatever robot is on the graph of `context`."""
+    """The robot on the graph of a context, whatever robot it is.
+
+    Attributes:
+        watching: True if every verb is refused, and nothing is called but what reads.
+        file: The robot file.
+        stops: The STOPs that were read, which void what was typed before them.
+        own_nodes: Returns the full names of the nodes that this process hosts, whose coming and
+            leaving its host reports.
+    """
 
     def __init__(
         self,
         context: Context,
         file: model.RobotFile,
         clock: Clock,
-        happened: Callable[[Event], None] = lambda _: None,
-        heard: Heard = lambda *_: None,
+        on_event: Callable[[Event], None] = lambda _: None,
+        on_message: MessageCallback = lambda *_: None,
         *,
         watching: bool = False,
         secrets: SecretNames | None = None,
     ) -> None:
-        """`happened(event)` is called on the ROS thread for each event, and when one repeats.
+        """Join the graph; nothing is received before `start`.
 
-        `heard(topic, message)` there for each message that is received.
-        Watching, it calls nothing but what reads, and every verb is refused.
+        Args:
+            context: The rclpy context of the console's node.
+            file: The robot file.
+            clock: The clock of all times.
+            on_event: Called on the ROS thread with each event, also with one that repeats.
+            on_message: Called on the ROS thread with the topic and each message that is received.
+            watching: True to refuse every verb.
+            secrets: Decides which parameters are secret; None for the usual names.
         """
         self.watching = watching
         self.file = file
         self._secrets = secrets or SecretNames()
         self._clock = clock
         self._begun = clock.monotonic()
-        # full names of the nodes that this process hosts: what becomes of them its host tells
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
-            own_name(), heard, masks, context=context, start_parameter_services=False
+            own_name(), on_message, masks, context=context, start_parameter_services=False
         )
         # The robot's time may stand still, or jump.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
@@ -110,7 +124,7 @@ class Robot:
         self._interface_checks = checks = InterfaceChecks(node, file, self._graph)
         self._unexplained_changes = UnexplainedChanges.of_robot(file, checks.full)
         self._reporter = Reporter(
-            node, clock, self._unexplained_changes, happened, self._snapshots.send_soon
+            node, clock, self._unexplained_changes, on_event, self._snapshots.send_soon
         )
         self._telemetry = Telemetry(node, file, clock, self._on_reading, self._reporter.warn)
         recorded_topics = RecordedTopics(node, file.record, self._reporter.warn)
@@ -128,8 +142,8 @@ class Robot:
             clock,
             self._services,
             self._snapshots.send_soon,
-            self._measure_anew,
-            self._on_change,
+            self._forget_periods,
+            self._on_parameter_change,
             self._secrets,
         )
         self._nodes = Nodes(node, self._services)
@@ -198,24 +212,26 @@ class Robot:
         self._runner = VerbRunner(
             self._thread, clock, stops, self._reporter, self._snapshots, watching=watching
         )
-        for said in self._interface_checks.unfit.values():
-            self._reporter.warn(said)
-        self._snapshots.send()  # what the robot's file says is known before anything is heard
-
-    # life
+        for text in self._interface_checks.unfit.values():
+            self._reporter.warn(text)
+        self._snapshots.send()  # What the robot file says is known before any message comes.
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Begin to receive."""
         self._thread.submit(self._poller.poll)
         self._thread.start()
 
     def subscribe(self, receiver: Receiver) -> None:
-        """Have `receiver(snapshot)` called on this loop, first with what is known already."""
+        """Call a function on the running loop with each snapshot, at once with the newest.
+
+        Args:
+            receiver: The function; it takes the place of an earlier one.
+        """
         self._snapshots.mailbox.open(receiver)
         receiver(self._snapshots.mailbox.latest)
 
     def stop(self) -> None:
-        """Stop delivering and leave the graph."""
+        """Send no more snapshots, and leave the graph."""
         self._snapshots.mailbox.close()
         if self._thread.stop():
             self._goals.close()
@@ -225,19 +241,17 @@ class Robot:
         """The newest snapshot."""
         return self._snapshots.mailbox.latest
 
-    # verbs
-
     async def emergency_stop(self) -> Outcome:
-        """Stop at once; stays stopped until released.
+        """Stop the robot at once, until the STOP is released.
 
-        A robot whose file names no STOP has every goal cancelled, which is never called a STOP:
-        the outcome's code is that of what is not offered.
+        If the robot file names no STOP, every goal is cancelled. That is no STOP, so the code of
+        its outcome is NOT_OFFERED.
         """
         stop = self.file.stop
         self.stops.superseded = False
         try:
             if stop is None:
-                return await self._cancel_for_want_of_stop()
+                return await self._cancel_instead_of_stop()
             command = self._interface_checks.call_command(stop.service, stop.request)
             return await self._runner.run(
                 "stop", {}, "STOP", command, lambda _: self._stopping.send()
@@ -245,14 +259,13 @@ class Robot:
         finally:
             self.stops.answered = self.stops.count
 
-    async def _cancel_for_want_of_stop(self) -> Outcome:
+    async def _cancel_instead_of_stop(self) -> Outcome:
         """Cancel every goal of every action on the graph, for a robot that has no STOP."""
 
         async def cancel(_: Gate) -> Outcome:
-            everything, found = self._graph.actions, self._begun + FIRST_FOUND
-            outcome = await self._goals.cancel_all(everything, found)
-            said = f"{self.file.name} {model.NO_STOP}"
-            return Outcome(Code.NOT_OFFERED, f"{said} (this is not a STOP: {outcome.text})")
+            outcome = await self._goals.cancel_all(self._graph.actions, self._begun + FIRST_FOUND)
+            reason = f"{self.file.name} {model.NO_STOP}"
+            return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
 
         return await self._runner.run(
             "stop", {}, "cancel every goal", self._cancel_commands(), cancel
@@ -264,7 +277,7 @@ class Robot:
         return "; ".join(ros2_command.cancel(name) for name in names)
 
     async def release_emergency_stop(self) -> Outcome:
-        """Allow moves again; none resumes by itself."""
+        """Release the STOP: the robot may move again, but continues no goal by itself."""
         stop = self.file.stop
         if stop is None or not stop.release:
             return Outcome(Code.NOT_OFFERED, f"{self.file.name} has no service to release a stop")
@@ -277,21 +290,22 @@ class Robot:
                 self._stopping.accepted(turn)
             return outcome
 
-        ros2, late = (
-            self._interface_checks.call_command(name, request),
-            self._runner.late_report("release stop", "release"),
-        )
+        ros2 = self._interface_checks.call_command(name, request)
+        late = self._runner.late_report("release stop", "release")
         return await self._runner.run("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
-        """Give one of the robot file's commands; `on` is what a toggle is set to."""
+        """Call the service of a command in the robot file.
+
+        Args:
+            command: The command.
+            on: For a toggle, the value that it is set to.
+        """
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
         name, fields = command.service, dict.fromkeys(command.toggle, on)
-        ros2, late = (
-            self._interface_checks.call_command(name, fields),
-            self._runner.late_report(title, verb),
-        )
+        ros2 = self._interface_checks.call_command(name, fields)
+        late = self._runner.late_report(title, verb)
         return await self._runner.run(
             verb, {}, title, ros2, lambda gate: self._caller.call_named(name, fields, gate, late)
         )
@@ -299,9 +313,12 @@ class Robot:
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
     ) -> Outcome:
-        """Send a goal, with values by dotted path; ends when the robot has accepted or refused.
+        """Send a goal; return when the robot has accepted or refused it, or has not answered.
 
-        A queued one is not sent behind a STOP, whatever the robot would do with it: it is held.
+        Args:
+            kind: The kind of goal.
+            values: The values by dotted path.
+            queued: True for a goal of the queue, which is held behind a STOP, not sent.
         """
         length = self._goal_watcher.length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
@@ -320,10 +337,10 @@ class Robot:
             return outcome
 
         ros2 = self._interface_checks.goal_command(kind, values)
-        return await self._runner.run(*self._as_verb(kind, values), title, ros2, go)
+        return await self._runner.run(*self._verb_of(kind, values), title, ros2, go)
 
     async def stop_sending_goals(self) -> None:
-        """Keep goals that have not left yet from leaving: the console ends."""
+        """Send no goal from now on, also none that was typed before: the console ends."""
 
         async def there() -> None:
             self._goals.are_over = True
@@ -337,13 +354,13 @@ class Robot:
         values: Mapping[str, Any],
         wait: float = CALL_WAIT,
     ) -> Outcome:
-        """Call any service, with values by dotted path; the outcome holds what it answered.
+        """Call any service; the outcome holds the answer.
 
         Args:
-            service: Its full name.
+            service: The full name of the service.
             type_name: Its type: `package/srv/Name`.
-            values: What is sent; what is left out keeps the default of its type.
-            wait: Seconds in which the answer is waited for; one that comes later is an event.
+            values: The values of the request by dotted path; other fields keep their defaults.
+            wait: The seconds to wait for the answer; a later one is an event.
         """
         srv_type = message_classes.load(type_name)
         if srv_type is None:
@@ -371,7 +388,14 @@ class Robot:
         return await self._runner.run("call", arguments, title, command, work, wait)
 
     def form(self, type_name: str) -> tuple[TypedField, ...] | None:
-        """Return the fields of a goal or a request by its type; None: that is not installed."""
+        """Return the fields of a goal or a request, for a form.
+
+        Args:
+            type_name: The type of the action or the service.
+
+        Returns:
+            The fields; None if the type is not installed here.
+        """
         found = message_classes.load(type_name)
         if found is None:
             return None
@@ -380,14 +404,14 @@ class Robot:
         )
 
     async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
-        """Return the types of whoever serves a name, also outside of the robot's namespace.
+        """Return the types with which nodes serve a name, in any namespace.
 
         Args:
             name: The full name of a service, or of an action.
-            is_action: Whether it is an action.
+            is_action: True for an action.
 
         Returns:
-            None of them when nobody serves it, or the thread does not answer.
+            The types; empty if no node serves it, or the ROS thread does not answer.
         """
 
         async def there() -> tuple[str, ...]:
@@ -395,7 +419,7 @@ class Robot:
             return tuple(kind.removesuffix("_SendGoal") for kind in served)
 
         try:
-            return await self._thread.run(there, _ASKED)
+            return await self._thread.run(there, _QUESTION_TIMEOUT)
         except TimeoutError:
             return ()
 
@@ -413,7 +437,7 @@ class Robot:
         async def begin() -> Sampling:
             return Sampling(self._node, self._clock, topics)
 
-        sampling = await self._thread.run(begin, _ASKED)
+        sampling = await self._thread.run(begin, _QUESTION_TIMEOUT)
         try:
             await self._clock.sleep(seconds)
         finally:
@@ -421,7 +445,7 @@ class Robot:
         return sampling.samples
 
     async def give_up_stop(self) -> Outcome:
-        """Ask no more for a STOP that the robot does not confirm."""
+        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
 
         async def call(gate: Gate) -> Outcome:
             gate()
@@ -431,19 +455,20 @@ class Robot:
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Ask to cancel the running goal; another client's only when that is meant."""
-        goal = self._goals.goal
-        command = (
-            ""
-            if goal is None
-            else ros2_command.cancel(self._interface_checks.full(goal.kind.action))
-        )
+        """Request the cancel of the running goal.
+
+        Args:
+            another: True to cancel another client's goal, False for one of this console.
+        """
+        goal, command = self._goals.goal, ""
+        if goal is not None:
+            command = ros2_command.cancel(self._interface_checks.full(goal.kind.action))
         return await self._runner.run(
             "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
         )
 
     async def cancel_all(self) -> Outcome:
-        """Ask to cancel every goal of the robot's actions, whoever sent it."""
+        """Request the cancel of every goal of the robot's actions, whoever sent it."""
         return await self._runner.run(
             "cancel",
             {"all": True},
@@ -453,7 +478,12 @@ class Robot:
         )
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
-        """Set parameters of one node, all or none, to values of the types that fit."""
+        """Set parameters of a node, all or none of them.
+
+        Args:
+            node: The full name of the node.
+            values: The values by name, of the Python types that fit.
+        """
         shown = self._secrets.masked(values)
         has_secret = any(map(self._secrets.fit, values))
         command = "" if has_secret else ros2_command.set_parameters(node, values)
@@ -467,26 +497,31 @@ class Robot:
         )
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node has on the graph; an outcome that says why if that is not known."""
+        """Return what a node has on the graph, or an outcome that tells why it is not known."""
         try:
-            found = await self._thread.run(lambda: self._nodes.describe(node), _ASKED)
+            found = await self._thread.run(lambda: self._nodes.describe(node), _QUESTION_TIMEOUT)
             return found or Outcome(Code.REFUSED, "not on the graph")
         except TimeoutError:
-            return Outcome(Code.TIMEOUT, _SILENT)
-        except Exception as error:  # ROS has a dozen of them, as for names that DDS allows
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
+        except Exception as error:  # rclpy raises a dozen types, as for names that DDS allows.
             return Outcome(Code.REFUSED, in_one_line(error))
 
     async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log; the outcome's text names it."""
+        """Ask a node for the level of its log; the text of the outcome names it."""
         try:
-            return await self._thread.run(lambda: self._nodes.level(node), _ASKED)
+            return await self._thread.run(lambda: self._nodes.level(node), _QUESTION_TIMEOUT)
         except TimeoutError:
-            return Outcome(Code.TIMEOUT, _SILENT)
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
         except Exception as error:
             return Outcome(Code.REFUSED, in_one_line(error))
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
-        """Have a node log this and what is graver: one of LEVELS; UNSET: as its process does."""
+        """Set the level of a node's log.
+
+        Args:
+            node: The full name of the node.
+            level: One of LEVELS; UNSET for the level of its process.
+        """
         return await self._runner.run(
             "log_level",
             {"node": node, "level": level},
@@ -496,7 +531,11 @@ class Robot:
         )
 
     def node_gone(self, served: Sequence[str]) -> None:
-        """End the goals of these actions: the hosted node that served them has gone. Any thread."""
+        """End the goals of actions whose node, hosted by this process, has gone. Any thread.
+
+        Args:
+            served: The full names of the actions; other names are ignored.
+        """
 
         def end() -> None:
             self._goals.node_gone(lambda kind: self._interface_checks.full(kind.action) in served)
@@ -504,10 +543,10 @@ class Robot:
         self._thread.submit(end)
 
     def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the service of a STOP that is not released, for a node that starts. Any thread.
+        """Return the call that makes a starting node carry out an earlier STOP. Any thread.
 
         Returns:
-            The full name of the service, empty when there is no such STOP; and its request.
+            The full name of the service, "" if no STOP is unreleased, and the request.
         """
         stop, stopping = self.file.stop, self._stopping
         holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
@@ -516,7 +555,7 @@ class Robot:
         return self._interface_checks.full(stop.service), stop.request
 
     def early_stop_confirmed(self, node: str) -> None:
-        """Take note that a node that starts here was told of the STOP first. Any thread."""
+        """Record that a starting node has confirmed the STOP before it spins. Any thread."""
         self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
 
     def note(
@@ -527,32 +566,38 @@ class Robot:
         command: str = "",
         audit_record: AuditRecord | None = None,
     ) -> None:
-        """Add a line to the events, from any thread; other consoles are not told of it."""
+        """Add an event, of which other consoles are not told. Any thread.
+
+        Args:
+            level: The level; with the level and source of `YOU`, those of the requester are taken.
+            source: Who or what it is about.
+            text: The line for people.
+            command: The `ros2` command line that does the same; "" if there is none.
+            audit_record: The record of what was done; None if nothing was.
+        """
         if (level, source) == (YOU.level, YOU.source):
             level, source = current_requester().level, current_requester().source
         event = Event(self._clock.now(), level, source, text, command, audit_record=audit_record)
         self._thread.submit(lambda: self._reporter.add(event))
 
     async def wait_for_events(self) -> None:
-        """Return when all that was noted before is in the snapshot."""
+        """Wait until the snapshot has all events that were noted before."""
 
         async def there() -> None:
             self._snapshots.send()
 
-        with contextlib.suppress(TimeoutError):  # it is busy: then without
+        with contextlib.suppress(TimeoutError):  # The thread is busy: go on without them.
             await self._thread.run(there, services.DEADLINE)
 
-    # on the ROS thread
+    # All below runs on the ROS thread.
 
-    def _as_verb(
+    def _verb_of(
         self, kind: model.GoalKind, values: Mapping[str, Any]
     ) -> tuple[str, Mapping[str, Any]]:
-        """Return the verb that sends such a goal, and its arguments."""
+        """Return the verb that sends a goal, and its arguments, for the audit record."""
         if kind not in self.file.goals:
-            return "send_goal", {
-                "action": self._interface_checks.full(kind.action),
-                "values": values,
-            }
+            action = self._interface_checks.full(kind.action)
+            return "send_goal", {"action": action, "values": values}
         return "go" if kind == self.file.goals[0] else kind.id, values
 
     def _poll(self) -> None:
@@ -565,8 +610,14 @@ class Robot:
         if self._stopping.is_behind(turn):
             self._thread.submit(self._stopping.send_after_late_answer)
 
-    def _measure_anew(self, node: str, old: object, new: object) -> None:
-        """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
+    def _forget_periods(self, node: str, old: object, new: object) -> None:
+        """Measure the periods of topics and feedback again: a parameter has changed.
+
+        Args:
+            node: The full name of its node.
+            old: Its value before.
+            new: Its present value.
+        """
         self._telemetry.forget_periods(node, old, new)
         servers = self._graph.servers
         self._goals.forget_periods(old, new, lambda kind: node in servers.get(kind.action, ()))
@@ -574,15 +625,15 @@ class Robot:
     def _on_reading(self, topic: str, news: News) -> None:
         self._handlers.on_reading(topic, news, self._telemetry.motion)
 
-    def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
+    def _on_parameter_change(self, node: str, name: str, old: Any, new: Any) -> None:
         if self._secrets.fit(name):
             old = new = MASK
         self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 
     def _goal_ended(self, goal: Goal, text: str) -> None:
-        """Report how a goal ended; the values of another client's goal are not on the graph."""
-        assert goal.code is not None  # it has ended
-        record = AuditRecord(*self._as_verb(goal.kind, goal.fields), goal.code)
+        """Report how a goal ended."""
+        assert goal.code is not None  # It has ended.
+        record = AuditRecord(*self._verb_of(goal.kind, goal.fields), goal.code)
         self._reporter.add(
             Event(self._clock.now(), "GOAL", goal.kind.action, text, audit_record=record)
         )

@@ -9,16 +9,16 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-Heard = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
+MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
 
 
 class Listener(Node):
-    """A node that calls `heard` with each message, before the callback of its subscription."""
+    """A node that calls `on_message` with each message, before the callback of its subscription."""
 
     def __init__(
         self,
         name: str,
-        heard: Heard,
+        on_message: MessageCallback,
         masks: Mapping[Any, Callable[[Any], Any]],
         **options: Any,
     ) -> None:
@@ -26,13 +26,13 @@ class Listener(Node):
 
         Args:
             name: The name of the node.
-            heard: Called on the thread that spins the node.
-            masks: By message class, a function that returns the message for `heard`, without
+            on_message: Called with topic and message, on the thread that spins the node.
+            masks: By message class, a function that returns the message for `on_message`, without
                 secrets, for a message that was received.
             **options: Passed to `rclpy.node.Node`.
         """
         super().__init__(name, **options)
-        self._heard, self._masks = heard, masks
+        self._on_message, self._masks = on_message, masks
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -71,7 +71,7 @@ class Listener(Node):
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
         def both(message: Any) -> None:
-            self._heard(name, message if mask is None else mask(message))
+            self._on_message(name, message if mask is None else mask(message))
             callback(message)
 
         return self.create_subscription(kind, topic, both, qos, **options)
