@@ -181,7 +181,7 @@ class WriteRobotFile(Command):
 
         used, station = console.used, console.station
         if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
-            used = without(used, station.robot.snapshot.absent)
+            used = without(used, station.robot.snapshot.unavailable_names)
         write = write_file(console, dump(used), "save a robot file")
         console.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
 

@@ -58,10 +58,10 @@ class ConsoleState(NamedTuple):
     parameters: tuple[Parameter, ...] = ()
     faults: Mapping[str, str] = {}
     publishers: Names = {}
-    twice: tuple[str, ...] = ()
-    several: Names = {}
+    twice: tuple[str, ...] = ()  # As in Snapshot.duplicate_nodes.
+    several: Names = {}  # As in Snapshot.duplicate_servers.
     has_clock: bool = False
-    elsewhere: tuple[str, ...] = ()
+    elsewhere: tuple[str, ...] = ()  # As in Snapshot.other_namespaces.
     consoles: tuple[str, ...] = ()
     actions: Names = {}
     services: Names = {}
@@ -108,10 +108,10 @@ def change_key(view: View) -> tuple[object, ...]:
         snapshot.parameters,
         snapshot.faults,
         snapshot.publishers,
-        snapshot.twice,
-        snapshot.several,
+        snapshot.duplicate_nodes,
+        snapshot.duplicate_servers,
         snapshot.has_clock,
-        snapshot.elsewhere,
+        snapshot.other_namespaces,
         snapshot.consoles,
         snapshot.resources,
         snapshot.open_stop,
@@ -147,10 +147,10 @@ def console_state(view: View, *, with_events: bool) -> ConsoleState:
         parameters=tuple(parameter.masked for parameter in snapshot.parameters),
         faults=snapshot.faults,
         publishers=snapshot.publishers,
-        twice=snapshot.twice,
-        several=snapshot.several,
+        twice=snapshot.duplicate_nodes,
+        several=snapshot.duplicate_servers,
         has_clock=snapshot.has_clock,
-        elsewhere=snapshot.elsewhere,
+        elsewhere=snapshot.other_namespaces,
         consoles=snapshot.consoles,
         actions=snapshot.actions,
         services=snapshot.services,

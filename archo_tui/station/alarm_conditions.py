@@ -100,11 +100,11 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
         yield (
             STOP_UNCERTAIN,
             f"STOP OF {time_of_day(snapshot.latch_time)[:-3]} IS NO LONGER CERTAIN: "
-            f"{snapshot.latch_lost}: stop again, or release it",
+            f"{snapshot.latch_doubt}: stop again, or release it",
         )
     stop = snapshot.file.stop
-    if stop is not None and stop.service in snapshot.several:
-        nodes = snapshot.several[stop.service]
+    if stop is not None and stop.service in snapshot.duplicate_servers:
+        nodes = snapshot.duplicate_servers[stop.service]
         yield (
             SEVERAL_STOP_SERVERS,
             f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
@@ -135,7 +135,7 @@ def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
     if motion.received is None or motion.is_old(now):
         return False
     if stop is None or stop.answer == StopAnswer.NOT_SENT:
-        return snapshot.moves_on
+        return snapshot.stop_not_obeyed
     return bool(motion.moving) and motion.received - stop.asked >= 1.0
 
 
@@ -147,7 +147,9 @@ def _console_conditions(journal_failure: str, recorder_trouble: str) -> _Conditi
 
 
 def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: str) -> _Conditions:
-    has_nodes = bool(_has_reported(snapshot) or hosted or snapshot.nodes or snapshot.elsewhere)
+    has_nodes = bool(
+        _has_reported(snapshot) or hosted or snapshot.nodes or snapshot.other_namespaces
+    )
     if unseen and not has_nodes:
         yield NO_NODES, f"NO NODES {unseen}"
     waiting = [p.node for p in snapshot.parameters if p.name == "use_sim_time" and p.value is True]
@@ -168,7 +170,7 @@ def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: st
             f"{SEVERAL_PUBLISHERS} /{topic}",
             f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed",
         )
-    for name in snapshot.twice:
+    for name in snapshot.duplicate_nodes:
         yield f"{DUPLICATE_NAME} {name}", f"TWO NODES NAMED {name}: a call reaches both of them"
 
 
@@ -312,7 +314,7 @@ def is_battery_low(snapshot: Snapshot) -> bool:
 
     A percentage below the threshold counts even if the robot calls the battery good.
     """
-    charge, threshold = snapshot.battery.percentage, snapshot.threshold
+    charge, threshold = snapshot.battery.percentage, snapshot.low_charge
     is_below = charge is not None and threshold is not None and charge < threshold
     return is_below or battery_health(snapshot) == "low"
 

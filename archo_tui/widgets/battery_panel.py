@@ -51,7 +51,7 @@ class BatteryPanel(Panel, can_focus=True):
         if battery.received is None or battery.is_old(view.now):
             tone = OLD
         tone = ACTIVE if tone == PLAIN else tone
-        bar = charge_bar(battery.percentage, snapshot.threshold, width, tone)
+        bar = charge_bar(battery.percentage, snapshot.low_charge, width, tone)
         self._gauge.show_spans(bar)
         sampled = snapshot.charge, width
         if sampled != self._sampled:  # Samples change once a second, however fast readings come.
@@ -59,7 +59,7 @@ class BatteryPanel(Panel, can_focus=True):
             self._history.show_spans(((trend.sparkline(*sampled), OLD),))
         self._trend.show_spans(_trend(snapshot, view.now, width))
         self.show_publishers(view, self._topic)
-        low = snapshot.threshold
+        low = snapshot.low_charge
         self.show_keys(view, "" if low is None else f"low {low:g}")
 
 

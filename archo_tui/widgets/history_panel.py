@@ -89,7 +89,7 @@ def history_lines(
     latest = current_values(view.snapshot, view.now)  # The newest sample may be a second old.
     for plot in shown:
         values = view.history.ranges(plot.quantity, span, 2 * cells, view.second)
-        mark = view.snapshot.threshold if plot.is_fixed else None
+        mark = view.snapshot.low_charge if plot.is_fixed else None
         unit = (
             plot.unit
             if plot.quantity != "speed"

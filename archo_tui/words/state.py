@@ -19,7 +19,7 @@ STOPPED: Spans = (("✗ STOPPED", BAD),)
 
 def elsewhere_text(snapshot: Snapshot) -> str:
     """Return where robots are that the namespace does not fit, or "" when there are none."""
-    others = snapshot.elsewhere
+    others = snapshot.other_namespaces
     return f"robots seen: {', '.join(others)}; use --namespace {others[0]}" if others else ""
 
 

@@ -257,7 +257,7 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
             await op.until("2 consoles")
             await op.until(f"console {op.app.view.snapshot.consoles[0]} came")
             await until(lambda: len(second.snapshot.consoles) == 1)
-            assert second.snapshot.twice == ()
+            assert second.snapshot.duplicate_nodes == ()
             assert not any("_archo_console" in node.name for node in second.snapshot.nodes)
             await until(lambda: "reset_encoder" in second.snapshot.offered)
             assert (await ended(reset(second))).ok

@@ -133,7 +133,7 @@ async def test_a_parameter_that_is_no_number_ends_nothing_and_is_not_used() -> N
     async with console(node_makers=[Strange, StrangeMotor], wait=False) as op:
         await op.until("twenty")
         await op.until("far")
-        assert op.app.view.snapshot.threshold == 20.0
+        assert op.app.view.snapshot.low_charge == 20.0
         await op.until("low 20")
 
 
@@ -156,8 +156,8 @@ async def test_another_robots_nodes_parameters_and_logs_are_not_its_own() -> Non
         assert {n.name for n in it.snapshot.nodes} == {"/r1/battery_monitor"}
         assert {p.node for p in it.snapshot.parameters} == {"/r1/battery_monitor"}
         assert {e.source for e in it.snapshot.events} == {"r1.battery_monitor"}
-        assert it.snapshot.threshold == 77.0
-        assert it.snapshot.elsewhere == ("/r2",)
+        assert it.snapshot.low_charge == 77.0
+        assert it.snapshot.other_namespaces == ("/r2",)
 
 
 async def test_of_two_robots_the_threshold_is_its_own() -> None:
@@ -172,7 +172,7 @@ async def test_of_two_robots_the_threshold_is_its_own() -> None:
     makers = [in_namespace(with_threshold(77.0), "/a"), in_namespace(with_threshold(33.0), "/b")]
     async with robot(*makers, nodes=1, namespace="/b") as it:
         await until(lambda: it.snapshot.parameters)
-        assert it.snapshot.threshold == 33.0
+        assert it.snapshot.low_charge == 33.0
 
 
 async def test_hidden_nodes_are_not_listed() -> None:
@@ -271,7 +271,7 @@ async def test_two_publishers_are_named_in_the_panel_and_an_alarm_when_they_stay
 async def test_two_nodes_of_one_name_are_an_alarm() -> None:
     twin = lambda **options: Node("twin", **options)  # noqa: E731
     async with robot(twin, twin, nodes=1) as it:
-        await until(lambda: it.snapshot.twice == ("/twin",))
+        await until(lambda: it.snapshot.duplicate_nodes == ("/twin",))
         assert f"{DUPLICATE_NAME} /twin" in conditions(it.snapshot, clock.seconds())
 
 
@@ -349,7 +349,7 @@ async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one()
         begin = clock.seconds()
         await until(lambda: clock.seconds() > begin + 3)
         guest = Node("guest", context=it._node.context, namespace="/r2", use_global_arguments=False)
-        await until(lambda: it.snapshot.elsewhere == ("/r2",))
+        await until(lambda: it.snapshot.other_namespaces == ("/r2",))
         view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1", History())
         assert "? robots seen: /r2; use --namespace /r2" in header(view, 120).plain
         guest.destroy_node()

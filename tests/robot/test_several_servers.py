@@ -114,7 +114,7 @@ async def test_one_stop_counts_the_answers_of_all_its_servers(
     made: list[Brake] = []
     makers = making(made, Brake, "a"), making(made, Brake, "b", says)
     async with robot(*makers) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.several)
+        await until(lambda: "emergency_stop" in it.snapshot.duplicate_servers)
         outcome = await ended(it.emergency_stop())
         assert outcome.code == code
         assert said in outcome.text
@@ -156,7 +156,7 @@ async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[f
     async with robot(*makers) as it:
         await until(lambda: it.snapshot.battery.received is not None)
         await until(lambda: "emergency_stop" in it.snapshot.offered)
-        await until(lambda: len(made) == 1 or "emergency_stop" in it.snapshot.several)
+        await until(lambda: len(made) == 1 or "emergency_stop" in it.snapshot.duplicate_servers)
         assert not (await ended(it.emergency_stop())).ok
         assert it.snapshot.open_stop
         assert it.snapshot.open_stop.answer == StopAnswer.NONE
@@ -240,7 +240,7 @@ async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
 async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:
     made: list[Drive] = []
     async with robot(making(made, Drive, "a"), making(made, Drive, "b")) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.several)
+        await until(lambda: "move_to_shelf" in it.snapshot.duplicate_servers)
         outcome = await ended(go(it, 3))
         assert not outcome.ok
         assert outcome.text == (
@@ -260,7 +260,7 @@ async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_anoth
         assert executor is not None
         late: Any = Drive("b", context=made[0].context)
         executor.create_task(executor.add_node, late)
-        await until(lambda: "move_to_shelf" in it.snapshot.several)
+        await until(lambda: "move_to_shelf" in it.snapshot.duplicate_servers)
         later = clock.seconds() + 20.0  # it sends no feedback
         await until(lambda: clock.seconds() > later)
         assert it.snapshot.goal is not None
@@ -295,7 +295,7 @@ async def test_a_goal_of_a_restarted_server_does_not_run_for_ever(
         end = clock.seconds() + 20.0
         if is_cancelled:
             await until(leaving.done)  # else the cancel may reach the one that knows the goal
-            await until(lambda: it.snapshot.several == {})
+            await until(lambda: it.snapshot.duplicate_servers == {})
             assert not (await ended(it.cancel())).ok
             if clock.current is not None:  # on real ROS 2 the answer itself may come late
                 end = clock.seconds() + 0.5

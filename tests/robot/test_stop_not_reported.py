@@ -165,7 +165,7 @@ async def test_a_short_move_as_it_brakes_leaves_it_certain(file: Path) -> None:
         made[0].is_moving = False
         await while_passes(3.0)
         assert it.snapshot.latch is Latch.HELD
-        assert not it.snapshot.moves_on
+        assert not it.snapshot.stop_not_obeyed
 
 
 async def test_another_consoles_release_leaves_it_uncertain(file: Path) -> None:
@@ -175,7 +175,7 @@ async def test_another_consoles_release_leaves_it_uncertain(file: Path) -> None:
         await until(lambda: it.snapshot.consoles)
         made[0].tell("release")
         await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
-        assert it.snapshot.latch_lost == "console other_lab_1 released it"
+        assert it.snapshot.latch_doubt == "console other_lab_1 released it"
 
 
 async def test_another_consoles_stop_holds_here_until_one_of_the_two_releases_it(

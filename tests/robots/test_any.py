@@ -282,9 +282,9 @@ async def test_what_was_used_is_kept_as_a_robot_file(
 def test_of_the_file_of_another_robot_only_what_is_there_is_kept() -> None:
     cart = NORMAL._replace(offered=frozenset({"battery_level", "emergency_stop", "set_charging"}))
     cart = cart._replace(faults={"set_charging": "set_charging is depot_interfaces/srv/Plan"})
-    kept = without(ARCHO, cart.absent)
+    kept = without(ARCHO, cart.unavailable_names)
     assert kept == RobotFile(battery=ARCHO.battery, stop=ARCHO.stop)
-    assert without(ARCHO, NORMAL.absent) == ARCHO
+    assert without(ARCHO, NORMAL.unavailable_names) == ARCHO
 
 
 async def test_what_is_kept_is_called_by_no_word_of_the_console(here: Path) -> None:

@@ -34,7 +34,7 @@ async def tug(**options: Any) -> AsyncIterator[tuple[Console, dict[str, Any]]]:
     async with console(robot=FILE, node_makers=makers, wait=False, **options) as op:
         await op.until(lambda: len(op.app.view.snapshot.offered) == 7)
         await op.until("● online")
-        await op.until(lambda: op.app.view.snapshot.threshold == 30.0)
+        await op.until(lambda: op.app.view.snapshot.low_charge == 30.0)
         yield op, made
 
 

@@ -24,7 +24,7 @@ async def test_a_robot_killed_three_times_loses_its_goal_and_holds_the_queue_eac
             await op.until("● IDLE")
             await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
             # one that was killed stays on the graph for some 20 s, as a second server
-            await op.until(lambda: not op.app.view.snapshot.several, deadline=60)
+            await op.until(lambda: not op.app.view.snapshot.duplicate_servers, deadline=60)
             await op.press("g", *"12 7", "enter")
             await op.until("m left of")
             assert "then 7" in op.text

@@ -68,7 +68,7 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         processes.start(MOTOR, *FAST)
         await op.until("✗ ABORTED      the robot no longer knows this goal", deadline=60)
         await op.until("✗ STOPPED")  # the STOP was sent again until a robot had it
-        await op.until(lambda: not op.app.view.snapshot.several, deadline=60)
+        await op.until(lambda: not op.app.view.snapshot.duplicate_servers, deadline=60)
         await op.press("escape", "R", "y")
         await op.until("● IDLE")
         await op.press("g", "7", "enter")

@@ -106,7 +106,7 @@ def test_nobody_on_the_graph_is_an_alarm_that_says_where_was_looked() -> None:
     assert found == {NO_NODES: f"NO NODES {where}"}
     for seen in (
         nobody._replace(nodes=NORMAL.nodes),
-        nobody._replace(elsewhere=("/north",)),  # the header says where
+        nobody._replace(other_namespaces=("/north",)),  # the header says where
         nobody._replace(battery=BATTERY._replace(received=NOW)),
     ):
         assert NO_NODES not in conditions(seen, NOW, unseen=where)

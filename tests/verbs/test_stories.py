@@ -252,7 +252,7 @@ async def test_a_beginning_of_several_names_is_told_with_them() -> None:
     [
         (Snapshot(file=ARCHO), "no data yet: no node publishes battery_level, motor_status"),
         (
-            Snapshot(file=ARCHO, namespace="/tb2", elsewhere=("/tb1",)),
+            Snapshot(file=ARCHO, namespace="/tb2", other_namespaces=("/tb1",)),
             "no data yet: robots seen: /tb1; use --namespace /tb1",
         ),
         (Snapshot(), "no data yet"),

@@ -43,18 +43,18 @@ class Snapshot(NamedTuple):
         charge: Samples of the charge since charging began or ended: monotonic seconds and percent.
         open_stop: The STOP that is not confirmed; None if there is none.
         latch: The state of the last confirmed STOP.
-        latch_lost: Why a latch that is UNCERTAIN is so.
+        latch_doubt: Why a latch that is UNCERTAIN is so.
         latch_time: The Unix time of that STOP.
         released: When the robot last confirmed a release.
-        moves_on: True if the robot moves though it has confirmed a STOP.
+        stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
         still_running_after_stop: The names of goals that still run after a STOP was answered.
         namespace: The namespace of the robot.
         faults: Why a topic, a service or an action is not used, by its name in the robot file.
         publishers: The nodes of each topic of the robot file that several nodes publish.
-        twice: The names that several nodes have.
-        several: The nodes of each service or action that several nodes serve, where one must.
+        duplicate_nodes: The names that several nodes have.
+        duplicate_servers: The nodes of STOP's service and of each action that several nodes serve.
         has_clock: True if a node publishes simulated time on /clock.
-        elsewhere: The other namespaces that have nodes.
+        other_namespaces: The other namespaces that have nodes.
         consoles: The other consoles in this namespace: `user_host_pid`.
         forms: The fields of each goal, by the goal's id.
         actions: The types of each action that is served, by its name.
@@ -79,18 +79,18 @@ class Snapshot(NamedTuple):
     charge: tuple[tuple[float, float], ...] = ()
     open_stop: OpenStop | None = None
     latch: Latch = Latch.NONE
-    latch_lost: str = ""
+    latch_doubt: str = ""
     latch_time: float = 0.0
     released: float | None = None
-    moves_on: bool = False
+    stop_not_obeyed: bool = False
     still_running_after_stop: tuple[str, ...] = ()
     namespace: str = "/"
     faults: Mapping[str, str] = _NOTHING
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING
-    twice: tuple[str, ...] = ()
-    several: Mapping[str, tuple[str, ...]] = _NOTHING
+    duplicate_nodes: tuple[str, ...] = ()
+    duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False
-    elsewhere: tuple[str, ...] = ()
+    other_namespaces: tuple[str, ...] = ()
     consoles: tuple[str, ...] = ()
     forms: Mapping[str, tuple[TypedField, ...]] = _NOTHING
     actions: Mapping[str, tuple[str, ...]] = _NOTHING
@@ -143,7 +143,7 @@ class Snapshot(NamedTuple):
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
     @property
-    def absent(self) -> frozenset[str]:
+    def unavailable_names(self) -> frozenset[str]:
         """The names in the robot file that no node serves, or not as the file says."""
         actions = (kind.action for kind in self.file.goals)
         names = (*self.file.topics, *self.file.services, *actions)
@@ -154,7 +154,7 @@ class Snapshot(NamedTuple):
         return next((p for p in self.parameters if p.name == name), None)
 
     @property
-    def threshold(self) -> float | None:
+    def low_charge(self) -> float | None:
         """The charge in % below which it is low, now; None if neither file nor robot tells it."""
         low = None if self.file.battery is None else self.file.battery.low
         if isinstance(low, ParameterRef):
