@@ -60,9 +60,9 @@ class GoalGuard:
             return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
         if stop_state.stop_holds and not gate.is_shut:
             return Outcome(Code.REFUSED, HOLDS)
-        rivals = self._graph.rivals(kind.action)
-        if rivals:  # Also of an action that is not in the robot file.
-            return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, rivals))
+        servers = self._graph.duplicate_servers(kind.action)
+        if servers:  # Also of an action that is not in the robot file.
+            return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, servers))
         fault = self._faults().get(kind.action)
         return None if fault is None else Outcome(Code.REFUSED, fault)
 

@@ -84,11 +84,11 @@ class GraphPoller:
     def poll(self) -> None:
         """Poll the graph now."""
         begun = self._clock.monotonic()
-        changed = self._graph.look()
+        changed = self._graph.poll()
         self._next = begun + self._graph.rest - _EARLY
         self._motion_publishers.check()
         self._latch.check_holders()
-        self._changes.author = CONSOLE if self._graph.mute else CLIENT
+        self._changes.author = CONSOLE if self._graph.silent_consoles else CLIENT
         self._report_consoles()
         for text in self._arrivals.compare(
             self._graph.names, self._own_nodes(), self._clock.monotonic()
@@ -103,14 +103,14 @@ class GraphPoller:
             self.faults = faults
             self._snapshots.send_soon()
         self._report_mismatches()
-        self._parameters.poll(self._graph.count, self._graph.services)
+        self._parameters.poll(self._graph.node_counts, self._graph.services)
         self._report_unknown_limits()
 
     def _find_faults(self) -> dict[str, str]:
         faults = {**self._telemetry.faults, **self._checks.misfits()}
         for kind in self._file.goals:
-            if kind.action in self._graph.several:
-                nodes = self._graph.several[kind.action]
+            if kind.action in self._graph.duplicates:
+                nodes = self._graph.duplicates[kind.action]
                 faults[kind.action] = mismatch.duplicate_servers(kind.action, nodes)
         return faults
 

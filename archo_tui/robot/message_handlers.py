@@ -65,7 +65,7 @@ class MessageHandlers:
             news: What differs from the message before.
             motion: The last reading of the motion.
         """
-        self._graph.heard_topic(topic, self._clock.monotonic())
+        self._graph.on_topic_message(topic, self._clock.monotonic())
         if self._file.motion is not None and topic == self._file.motion.topic:
             self._on_motion(topic, motion)
         self._snapshots.is_stale = True
@@ -80,7 +80,7 @@ class MessageHandlers:
             return
         stop = self._file.stop
         # One of several robots tells nothing about the others.
-        if stop is not None and stop.service not in self._graph.several:
+        if stop is not None and stop.service not in self._graph.duplicates:
             before = self._stopping.latch.is_not_obeyed
             self._stopping.on_motion(motion)
             if self._stopping.latch.is_not_obeyed != before:
@@ -95,7 +95,7 @@ class MessageHandlers:
         console = author(node)
         if console:
             # Of every other console the same line comes with the record of what it did.
-            if console in self._graph.mute:
+            if console in self._graph.silent_consoles:
                 self._reporter.add(Event(self._clock.now(), "PEER", console, message.msg))
             return
         if not self._graph.is_ours(node):
@@ -104,7 +104,7 @@ class MessageHandlers:
             servers = self._graph.servers.get(kind.action, ())
             if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
                 self._goals.on_refusal_log(message.msg.removeprefix(kind.refusals))
-        self._graph.heard_log(node, self._clock.monotonic())
+        self._graph.on_log_line(node, self._clock.monotonic())
         # The robot's clock may differ, and the events are in order: so not by the stamp.
         level, now = level_word(message.level), self._clock.now()
         event = self._reporter.add_log_line(Event(now, level, message.name, message.msg))

@@ -1,8 +1,8 @@
 """The topics, services and actions on the graph, and the nodes that have them. ROS thread only.
 
-To ask for a topic or a service by its name takes rclpy a time that grows with the graph (0.3 ms
-beside 4,000 topics), to ask a node what it has does not (0.03 ms, rclpy 7.1 on Fast DDS). So nodes
-are asked, a few at each look and all of them when a name came or went.
+A question about one topic or service takes rclpy a time that grows with the graph (0.3 ms beside
+4,000 topics), a question about one node does not (0.03 ms, rclpy 7.1 on Fast DDS). So nodes are
+asked, a few at each poll, and all of them when a name came or went.
 """
 
 from __future__ import annotations
@@ -12,37 +12,42 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from typing import NamedTuple
 
-from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
 from rclpy.node import Node
 
 from archo_tui.robot.endpoints import mismatches
+from archo_tui.robot.poll_schedule import PollSchedule
 from archo_tui.robot.state import ACTION, SERVICE, TOPIC, Resource, in_namespace
-from archo_tui.robot.sweep import Sweep
 
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 SEND = "/_action/send_goal"
 
-Pair = tuple[str, str]  # name and namespace of a node
-Types = Mapping[str, tuple[str, ...]]  # by name
+Pair = tuple[str, str]  # The name and the namespace of a node.
+Types = Mapping[str, tuple[str, ...]]  # By full name.
 
 
-class _Has(NamedTuple):
-    """The full names of what one node has."""
+class _NodeNames(NamedTuple):
+    """The full names of the topics and services of one node."""
 
     publishes: frozenset[str]
     subscribes: frozenset[str]
     serves: frozenset[str]
 
 
-class _Ends(NamedTuple):
-    """The ends of a topic, as found by its name."""
+class _TopicEnds(NamedTuple):
+    """The answer to a question about one topic.
 
-    publishers: frozenset[str]  # full names of nodes; those that ROS has no name for, too
+    Attributes:
+        publishers: The full names of its publishers' nodes, also of nodes that ROS cannot name.
+        mismatches: A text for each pair of a publisher and a subscription that DDS does not match.
+    """
+
+    publishers: frozenset[str]
     mismatches: tuple[str, ...]
 
 
 class _Named(NamedTuple):
-    """The names on the graph, each with its types; of services there may be clients only."""
+    """The robot's names on the graph, each with its types; a service may have only clients."""
 
     topics: Types
     services: Types
@@ -50,42 +55,55 @@ class _Named(NamedTuple):
 
 
 class Resources:
-    """Asks nodes what they have, and topics whether their ends fit, within the time it is given."""
+    """The topics, services and actions of the robot, polled within the time that is given.
+
+    Attributes:
+        all: All of them, sorted by name; the same object until something changes.
+        services: The types of each service that is served.
+        actions: The types of each action that is served.
+    """
 
     def __init__(self, node: Node, is_ours: Callable[[str], bool]) -> None:
-        """`is_ours(name)` tells what belongs to the robot."""
+        """Know nothing yet.
+
+        Args:
+            node: The console's node.
+            is_ours: Returns True for a full name that belongs to the robot.
+        """
         self._node, self._is_ours = node, is_ours
         self._console = node.get_fully_qualified_name()
         self._named = _Named({}, {}, {})
-        self._nodes: Sweep[Pair] = Sweep()
-        self._has: dict[Pair, _Has] = {}
-        self._is_partly_asked = False  # there was no time for all nodes that were due
-        # topics with publishers and subscriptions, and what no node that is known publishes, serves
-        self._names: Sweep[str] = Sweep()
-        self._ends: dict[str, _Ends] = {}  # by topic, of those
-        self._counted: set[str] = set()  # services that somebody serves, though no node says so
-        self._publishers: Mapping[str, AbstractSet[str]] = {}  # nodes by topic, as those below
+        self._nodes: PollSchedule[Pair] = PollSchedule()
+        self._names_of: dict[Pair, _NodeNames] = {}
+        self._is_partly_asked = False  # True if there was no time for all nodes that were due.
+        # The names about which questions are needed: topics with publishers and subscriptions, and
+        # whatever no known node publishes or serves.
+        self._asked_names: PollSchedule[str] = PollSchedule()
+        self._ends: dict[str, _TopicEnds] = {}  # Of those topics.
+        self._counted: set[str] = set()  # Services that are served, though no node names them.
+        # The nodes of each topic and service.
+        self._publishers: Mapping[str, AbstractSet[str]] = {}
         self._subscribers: Mapping[str, AbstractSet[str]] = {}
         self._servers: Mapping[str, AbstractSet[str]] = {}
         self.all: tuple[Resource, ...] = ()
-        self.services: Types = {}  # that somebody serves
+        self.services: Types = {}
         self.actions: Types = {}
 
-    def look(
+    def poll(
         self,
         nodes: AbstractSet[Pair],
         services: Types,
         actions: Types,
         has_time: Callable[[], bool],
     ) -> None:
-        """Look again.
+        """Ask again what is due.
 
         Args:
-            nodes: All that are on the graph.
-            services: By name; there may be clients only, as for `actions`.
-            actions: By name.
-            has_time: Returns False once nothing more is to be asked at this look; what is left
-                then comes at the next ones.
+            nodes: All nodes on the graph.
+            services: The types of each service on the graph, which may have only clients.
+            actions: The types of each action on the graph, which may have only clients.
+            has_time: Returns False once nothing more must be asked in this poll; the next polls
+                ask what is left.
         """
         topics = {
             name: tuple(types)
@@ -95,48 +113,48 @@ class Resources:
         named = _Named(topics, services, actions)
         is_changed = named != self._named
         self._named = named
-        self._nodes.follow(nodes)
-        if is_changed:  # whose it is, no name tells
-            self._nodes.hurry(nodes)
+        self._nodes.set_items(nodes)
+        if is_changed:  # A name does not tell whose it is.
+            self._nodes.prioritize(nodes)
         if self._ask_nodes(nodes, has_time) or is_changed:
             is_changed = True
             self._sort_by_name()
-        if self._ask_for_names(has_time) or is_changed:
+        if self._ask_about_names(has_time) or is_changed:
             self._list()
 
     def _ask_nodes(self, nodes: AbstractSet[Pair], has_time: Callable[[], bool]) -> bool:
-        """Ask the nodes that are due what they have; True when one has something else."""
-        left = self._has.keys() - nodes
+        """Ask the nodes that are due for their names; return True if any of these changed."""
+        left = self._names_of.keys() - nodes
         for pair in left:
-            del self._has[pair]
+            del self._names_of[pair]
         is_changed, unknown = bool(left), []
         self._is_partly_asked = False
         for pair in self._nodes.due():
             try:
-                has = self._ask(*pair)
-            except NodeNameNonExistentError:  # it has just left, or just come
+                has = self._ask_node(*pair)
+            except NodeNameNonExistentError:  # It has just left, or just come.
                 unknown.append(pair)
                 continue
-            is_changed = is_changed or self._has.get(pair) != has
-            self._has[pair] = has
+            is_changed = is_changed or self._names_of.get(pair) != has
+            self._names_of[pair] = has
             if not has_time():
                 self._is_partly_asked = True
                 break
-        self._nodes.hurry(unknown)
+        self._nodes.prioritize(unknown)
         return is_changed
 
-    def _ask(self, name: str, namespace: str) -> _Has:
+    def _ask_node(self, name: str, namespace: str) -> _NodeNames:
         node = self._node
-        return _Has(
+        return _NodeNames(
             _names(node.get_publisher_names_and_types_by_node(name, namespace)),
             _names(node.get_subscriber_names_and_types_by_node(name, namespace)),
             _names(node.get_service_names_and_types_by_node(name, namespace)),
         )
 
     def _sort_by_name(self) -> None:
-        """Sort what the nodes have by its names, and follow the names that need more questions."""
+        """Collect the nodes of each name, and schedule the names that need more questions."""
         publishers, subscribers, servers = (defaultdict[str, set[str]](set) for _ in range(3))
-        for (name, namespace), has in self._has.items():
+        for (name, namespace), has in self._names_of.items():
             node = in_namespace(namespace, name)
             for topic in has.publishes:
                 publishers[topic].add(node)
@@ -147,7 +165,7 @@ class Resources:
         topics = self._named.topics.keys()
         matched = topics & publishers.keys() & subscribers.keys()
         unpublished = topics - publishers.keys()
-        self._names.hurry(
+        self._asked_names.prioritize(
             topic
             for topic in matched & self._ends.keys()
             if publishers[topic] != self._publishers.get(topic)
@@ -155,22 +173,22 @@ class Resources:
         )
         wanted = {*self._named.services, *(f"{name}{SEND}" for name in self._named.actions)}
         unserved = wanted - servers.keys()
-        self._names.follow(matched | unpublished | unserved)
+        self._asked_names.set_items(matched | unpublished | unserved)
         self._ends = {
             topic: ends for topic, ends in self._ends.items() if topic in matched | unpublished
         }
         self._counted &= unserved
         self._publishers, self._subscribers, self._servers = publishers, subscribers, servers
 
-    def _ask_for_names(self, has_time: Callable[[], bool]) -> bool:
-        """Ask for the names that are due; True when something is known that was not before."""
-        if self._is_partly_asked:  # of most names a node will tell
+    def _ask_about_names(self, has_time: Callable[[], bool]) -> bool:
+        """Ask about the names that are due; return True if an answer differs from the last."""
+        if self._is_partly_asked:  # Of most names a node will tell.
             return False
         before = dict(self._ends), set(self._counted)
-        for name in self._names.due():
+        for name in self._asked_names.due():
             if name in self._named.topics:
-                self._ends[name] = self._ask_for_ends(name)
-            elif self._node.count_services(name):  # of two nodes of one name ROS tells of one
+                self._ends[name] = self._ask_about_topic(name)
+            elif self._node.count_services(name):  # Of two nodes with one name ROS names only one.
                 self._counted.add(name)
             else:
                 self._counted.discard(name)
@@ -178,14 +196,14 @@ class Resources:
                 break
         return before != (self._ends, self._counted)
 
-    def _ask_for_ends(self, topic: str) -> _Ends:
+    def _ask_about_topic(self, topic: str) -> _TopicEnds:
         publishers = self._node.get_publishers_info_by_topic(topic)
         nodes = frozenset(in_namespace(i.node_namespace, i.node_name) for i in publishers)
         subscriptions = self._node.get_subscriptions_info_by_topic(topic) if nodes else ()
-        return _Ends(nodes, mismatches(topic, publishers, subscriptions, self._console))
+        return _TopicEnds(nodes, mismatches(topic, publishers, subscriptions, self._console))
 
     def _list(self) -> None:
-        """Put together what is there."""
+        """Build the attributes from the answers."""
         topics, services, actions = self._named
         served = self._servers.keys() | self._counted
         self.services = {name: types for name, types in services.items() if name in served}
@@ -197,7 +215,7 @@ class Resources:
         )
 
     def _topic(self, name: str, types: tuple[str, ...]) -> Resource:
-        ends = self._ends.get(name, _Ends(frozenset(), ()))
+        ends = self._ends.get(name, _TopicEnds(frozenset(), ()))
         nodes = self._publishers.get(name, ends.publishers)
         return Resource(TOPIC, name, types, tuple(sorted(nodes)), ends.mismatches)
 

@@ -9,9 +9,9 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 
+from archo_tui.robot.poll_schedule import PERIOD
 from archo_tui.robot.resources import Resources
 from archo_tui.robot.state import Resource
-from archo_tui.robot.sweep import PERIOD
 
 INT, TRIGGER = "std_msgs/msg/Int32", "std_srvs/srv/Trigger"
 Names = dict[str, list[str]]  # what a node has, by node
@@ -85,7 +85,7 @@ class Looks:
         left = iter(range(pieces - 1))
         graph = self.graph
         served = {name for node in graph.nodes for name in graph.serves[node]}
-        self.resources.look(
+        self.resources.poll(
             frozenset((node, "/") for node in graph.nodes),
             {name: (TRIGGER,) for name in served | (graph.nameless - {"/bare"})},
             {},
@@ -171,11 +171,11 @@ def test_a_node_not_known_yet_is_asked_again() -> None:
     late = graph.nodes.pop()
     graph.serves[late], graph.publishes[late], graph.subscribes[late] = ["/late"], [], []
     pairs = frozenset((node, "/") for node in [*known, late])
-    looks.resources.look(pairs, {"/late": (TRIGGER,)}, {}, lambda: True)
+    looks.resources.poll(pairs, {"/late": (TRIGGER,)}, {}, lambda: True)
     assert looks.row("/late") is None
     assert looks.nodes("/bare") == ("/_NODE_NAME_UNKNOWN_",)
     graph.nodes.append(late)
-    looks.resources.look(pairs, {"/late": (TRIGGER,)}, {}, lambda: True)
+    looks.resources.poll(pairs, {"/late": (TRIGGER,)}, {}, lambda: True)
     assert looks.nodes("/late") == ("/late",)
 
 

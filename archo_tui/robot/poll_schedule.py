@@ -1,0 +1,51 @@
+"""A schedule of questions that are asked again and again. No input or output."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Set as AbstractSet
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+PERIOD = 30  # Each item is due at least once in so many polls, of which there is one a second.
+LEAST = 10  # Items that are due at each poll, so that few items are all due each time.
+
+
+class PollSchedule(Generic[T]):
+    """Items that are polled: urgent ones first, then those that have waited longest."""
+
+    def __init__(self) -> None:
+        self._urgent: OrderedDict[T, None] = OrderedDict()
+        self._in_turn: OrderedDict[T, None] = OrderedDict()  # The longest wait comes first.
+
+    def set_items(self, items: AbstractSet[T]) -> None:
+        """Set the items: new ones are urgent, those that are missing now are dropped."""
+        for gone in self._in_turn.keys() - items:
+            del self._in_turn[gone]
+            self._urgent.pop(gone, None)
+        new = items - self._in_turn.keys()
+        self._in_turn.update(dict.fromkeys(new))
+        self.prioritize(new)
+
+    def prioritize(self, items: Iterable[T]) -> None:
+        """Make items urgent, which must be among those that were set."""
+        self._urgent.update(dict.fromkeys(items))
+
+    def due(self) -> Iterator[T]:
+        """Yield the urgent items, then as many others as PERIOD requires.
+
+        The caller may stop early: items that it did not take are due at the next call, as are those
+        that are made urgent meanwhile.
+        """
+        urgent: Collection[T] = tuple(self._urgent)
+        for item in urgent:
+            del self._urgent[item]
+            self._in_turn.move_to_end(item)
+            yield item
+        share = max(LEAST, -(-len(self._in_turn) // PERIOD)) - len(urgent)
+        for _ in range(min(share, len(self._in_turn))):
+            item = next(iter(self._in_turn))
+            self._in_turn.move_to_end(item)
+            yield item
