@@ -33,8 +33,9 @@ from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.tracked_goal import feedback_changes
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
+from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import Alarm, AlarmBoard
+from archo_tui.station.alarms import Alarm
 
 ROSOUT = "/rosout"
 _MAX_TIME = 1e11  # Unix time; a date much later cannot be shown.

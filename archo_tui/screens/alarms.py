@@ -12,7 +12,8 @@ from textual.containers import Vertical
 from archo_tui.screens.diagnostics import DiagnosticList
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
-from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority, is_diagnostic
+from archo_tui.station.alarm_board import SHELF_TIME
+from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.alarm import no_alarms_text, timeline

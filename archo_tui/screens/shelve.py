@@ -10,7 +10,8 @@ from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.screens.dialog import Form
-from archo_tui.station.alarms import SHELF_TIME, Alarm
+from archo_tui.station.alarm_board import SHELF_TIME
+from archo_tui.station.alarms import Alarm
 
 
 class ShelveReason(Form):

@@ -21,8 +21,10 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal, Hosted, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
+from archo_tui.station.alarm_bell import AlarmBell
+from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import STOPPED, Alarm, AlarmBell, AlarmBoard
+from archo_tui.station.alarms import STOPPED, Alarm
 from archo_tui.station.approvals import ApprovalRequest, ApprovalRequests, ApprovalStatus
 from archo_tui.station.history import History
 from archo_tui.station.ledger import RELEASE, Ledger

@@ -6,7 +6,8 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority
+from archo_tui.station.alarm_board import SHELF_TIME
+from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import state
 from archo_tui.verbs.base import Argument, Values, Verb

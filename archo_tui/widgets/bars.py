@@ -14,14 +14,8 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.requester import ASSISTANT
 from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.safe_text import harmless
-from archo_tui.station.alarms import (
-    Alarm,
-    AlarmState,
-    Priority,
-    advice,
-    any_urgent,
-    remedy_hints,
-)
+from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
+from archo_tui.station.remedies import advice, remedy_hints
 from archo_tui.station.station import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad

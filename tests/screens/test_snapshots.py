@@ -12,7 +12,7 @@ import pytest
 from archo_tui.app import ArchoApp
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
-from archo_tui.station.alarms import AlarmBoard
+from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.history import History
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.terminal.ascii import in_ascii

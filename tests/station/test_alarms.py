@@ -20,6 +20,8 @@ from archo_tui.robot.state import (
     Snapshot,
 )
 from archo_tui.screens.alarms import alarm_lines
+from archo_tui.station.alarm_bell import AlarmBell
+from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBoard, Change
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
@@ -33,18 +35,13 @@ from archo_tui.station.alarms import (
     NO_CLOCK,
     NO_NODES,
     NODE_CRASHED,
-    SHELF_TIME,
     STOP_UNCONFIRMED,
     STOPPED,
-    TRANSITIONS,
-    AlarmBell,
-    AlarmBoard,
     AlarmState,
-    Change,
     Priority,
-    remedy_hints,
 )
 from archo_tui.station.history import History
+from archo_tui.station.remedies import remedy_hints
 from archo_tui.station.station import View
 from archo_tui.widgets.bars import banner, header
 from archo_tui.widgets.screen_state import ScreenState

@@ -1,0 +1,233 @@
+"""The board of all alarms that are not normal: conditions and times go into it.
+
+Its alarms follow ISA-18.2: one is gone only when its condition is over and the operator has
+acknowledged it; a shelved one is silent for a limited time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import Enum
+
+from archo_tui.robot.period import LEAST_SILENCE, Pause
+from archo_tui.station.alarms import (
+    BATTERY_EMPTY,
+    BATTERY_HEALTH,
+    CONTACT_LOST,
+    DIAGNOSTIC_ERROR,
+    DIAGNOSTIC_WARNING,
+    DUPLICATE_NAME,
+    GAUGE_WARNING,
+    GOAL_SILENT,
+    LAST_KNOWN,
+    LOW_BATTERY,
+    MOTOR_SILENT,
+    NO_CLOCK,
+    NO_NODES,
+    SEVERAL_PUBLISHERS,
+    SEVERAL_STOP_SERVERS,
+    STOP_UNCERTAIN,
+    STOP_UNCONFIRMED,
+    STOPPED,
+    Alarm,
+    AlarmState,
+    kind_of,
+)
+
+
+class Change(Enum):
+    """An event that may change the state of an alarm."""
+
+    RAISED = "raised"  # Its condition holds.
+    CLEARED = "cleared"  # Its condition is over.
+    ACKNOWLEDGE = "acknowledge"
+    SHELVE = "shelve"
+    UNSHELVE = "unshelve"  # By the operator, or because its time on the shelf is over.
+    REPLACED = "replaced"  # By an alarm of higher priority with the same cause.
+
+
+_NORMAL, _SHELVED, _REPLACED = AlarmState.NORMAL, AlarmState.SHELVED, AlarmState.REPLACED
+_UNACKNOWLEDGED, _ACKNOWLEDGED = AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED
+_RETURNED = AlarmState.RETURNED
+# A pair that is not listed changes nothing. A shelved alarm stays shelved for its time also if its
+# condition is over, and is raised again afterwards if the condition holds then.
+TRANSITIONS: dict[tuple[AlarmState, Change], AlarmState] = {
+    (_NORMAL, Change.RAISED): _UNACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.CLEARED): _RETURNED,
+    (_UNACKNOWLEDGED, Change.ACKNOWLEDGE): _ACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_UNACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_ACKNOWLEDGED, Change.CLEARED): _NORMAL,
+    (_ACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_ACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_RETURNED, Change.RAISED): _UNACKNOWLEDGED,
+    (_RETURNED, Change.ACKNOWLEDGE): _NORMAL,
+    (_RETURNED, Change.SHELVE): _SHELVED,
+    (_SHELVED, Change.UNSHELVE): _NORMAL,
+}
+# The alarms that follow from what the robot reports. While contact is lost they stay as they were.
+_REPORTED = (
+    *(BATTERY_EMPTY, STOPPED, LOW_BATTERY, BATTERY_HEALTH),
+    *(MOTOR_SILENT, GOAL_SILENT, GAUGE_WARNING, DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING),
+)
+# Seconds that a condition must hold before the alarm is raised (ISA-18.2's on-delay). 30 s, because
+# a killed node stays on the graph of ROS 2 for about 20 s.
+ON_DELAY = {
+    LOW_BATTERY: 2.0,
+    BATTERY_EMPTY: 2.0,
+    BATTERY_HEALTH: 2.0,
+    GAUGE_WARNING: 2.0,
+    DIAGNOSTIC_ERROR: 2.0,
+    DIAGNOSTIC_WARNING: 2.0,
+    STOP_UNCONFIRMED: 1.0,
+    STOP_UNCERTAIN: 1.0,
+    SEVERAL_STOP_SERVERS: 2.0,
+    SEVERAL_PUBLISHERS: 30.0,
+    DUPLICATE_NAME: 30.0,
+    NO_NODES: 5.0,
+    NO_CLOCK: 5.0,
+}
+SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
+
+
+def _graver_name(name: str) -> str:
+    """Return the name of the alarm that is graver and has the same cause; "" if there is none."""
+    if name == LOW_BATTERY:
+        return BATTERY_EMPTY
+    if kind_of(name) == DIAGNOSTIC_WARNING:
+        return DIAGNOSTIC_ERROR + name.removeprefix(DIAGNOSTIC_WARNING)
+    return ""
+
+
+class AlarmBoard:
+    """All alarms that are not normal.
+
+    Each method that changes alarms returns those whose state differs now, as they are now. An
+    alarm that is gone is among them, with the state NORMAL or REPLACED.
+    """
+
+    def __init__(self) -> None:
+        """Make an empty board."""
+        self._alarms: dict[str, Alarm] = {}
+        self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
+        self._pause = Pause()
+
+    def copy(self) -> AlarmBoard:
+        """Return another board with the same alarms, which changes independently."""
+        board = AlarmBoard()
+        board._alarms, board._pending = dict(self._alarms), dict(self._pending)
+        board._pause = self._pause
+        return board
+
+    def update(
+        self, found: dict[str, str], monotonic: float, now: float, known_over: Iterable[str] = ()
+    ) -> list[Alarm]:
+        """Raise, clear and unshelve alarms by the conditions that hold now.
+
+        Args:
+            found: The texts of the conditions that hold, by alarm name (see `conditions`).
+            monotonic: The time now, in monotonic seconds.
+            now: The same as a Unix time.
+            known_over: Alarms that are cleared although contact is lost. All others that follow
+                from the robot's reports stay until there is contact again.
+
+        Returns:
+            The alarms whose state has changed.
+        """
+        changed: list[Alarm] = []
+        self._pause = self._pause.checked_at(monotonic)
+        just_resumed = monotonic - self._pause.resumed < LEAST_SILENCE
+        for alarm in list(self._alarms.values()):
+            if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
+                changed += self._change(alarm, Change.UNSHELVE, now)
+            elif alarm.shelf_ends is not None:
+                until = now + alarm.shelf_ends - monotonic
+                # The clock of the computer was set: people see when the shelf really ends.
+                if abs(until - (alarm.shelved_until or 0.0)) > 1.0:
+                    self._alarms[alarm.name] = alarm._replace(shelved_until=until)
+        self._pending = {name: self._pending.get(name, monotonic) for name in found}
+        for name, text in found.items():
+            known = self._alarms.get(name)
+            if known is not None and not known.is_over:
+                self._alarms[name] = known._replace(text=text)
+            elif kind_of(name) in (CONTACT_LOST, MOTOR_SILENT, GOAL_SILENT) and just_resumed:
+                continue  # The silence was this process's own: it was suspended.
+            elif monotonic - self._pending[name] >= ON_DELAY.get(kind_of(name), 0.0):
+                raised = known or Alarm(name, text, now, AlarmState.NORMAL)
+                changed += self._change(raised._replace(text=text), Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            graver = _graver_name(alarm.name)
+            if alarm.is_over and graver in found and not self._is_active(graver):
+                # The battery is at least low until BATTERY_EMPTY has held for its on-delay.
+                changed += self._change(alarm, Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            graver = _graver_name(alarm.name)
+            if alarm.name in found or alarm.is_over:
+                continue
+            if graver in found:
+                # One cause has one alarm at a time, and no moment without an alarm.
+                if self._is_active(graver):
+                    changed += self._change(alarm, Change.REPLACED, now)
+                continue
+            is_reported = kind_of(alarm.name) in _REPORTED and alarm.name not in known_over
+            if CONTACT_LOST in found and is_reported:
+                text = alarm.text.removesuffix(LAST_KNOWN) + LAST_KNOWN
+                self._alarms[alarm.name] = alarm._replace(text=text)
+                continue
+            changed += self._change(alarm, Change.CLEARED, now)
+        return changed
+
+    def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
+        """Acknowledge an alarm: the operator has seen it.
+
+        Args:
+            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            now: The time now, as a Unix time.
+
+        Returns:
+            The alarm if its state has changed, else an empty list.
+        """
+        return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
+
+    def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
+        """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
+
+        Args:
+            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            monotonic: The time now, in monotonic seconds.
+            now: The same as a Unix time.
+            reason: Why it is shelved, for the list and the journal.
+
+        Returns:
+            The alarm if its state has changed, else an empty list.
+        """
+        known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
+        if known.state == AlarmState.SHELVED:
+            return self._change(known, Change.UNSHELVE, now)
+        ends, until = monotonic + SHELF_TIME, now + SHELF_TIME
+        shelved = known._replace(shelf_ends=ends, shelved_until=until)
+        return self._change(shelved, Change.SHELVE, now)
+
+    def all(self) -> tuple[Alarm, ...]:
+        """Return all alarms: unacknowledged first, then active, then by priority; shelved last."""
+        return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
+
+    def _is_active(self, name: str) -> bool:
+        return name in self._alarms and not self._alarms[name].is_over
+
+    def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
+        """Carry out a change and keep its times; return the alarm if its state differs now."""
+        state = TRANSITIONS.get((alarm.state, change), alarm.state)
+        new = alarm._replace(state=state)
+        if change in (Change.CLEARED, Change.REPLACED):
+            new = new._replace(until=now)
+        elif change == Change.RAISED:
+            since = alarm.since if alarm.state == AlarmState.SHELVED else now
+            new = new._replace(since=since, until=None)
+        if state != AlarmState.SHELVED:
+            new = new._replace(shelf_ends=None, shelved_until=None)
+        if state in (AlarmState.NORMAL, AlarmState.REPLACED):
+            self._alarms.pop(alarm.name, None)
+        else:
+            self._alarms[alarm.name] = new
+        return [new] if state != alarm.state else []
