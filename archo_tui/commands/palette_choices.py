@@ -10,7 +10,7 @@ from archo_tui.commands import nodes, parameters
 from archo_tui.commands.base import Command, Console
 from archo_tui.robot.values import text_of
 from archo_tui.screens.choose import Choice, Choose
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.words.nodes import node_rows
 
 _FIRST = ("go", "cancel", "stop")

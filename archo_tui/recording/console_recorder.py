@@ -22,7 +22,7 @@ from archo_tui.recording.state import change_key, console_state
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, OWN_LEVELS, Event
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 JOURNAL, STATE = "/archo_tui/journal", "/archo_tui/state"
 _EVENT_WEIGHT = 1000  # Bytes that a waiting event takes, approximately.

@@ -21,7 +21,7 @@ from archo_tui.robot.state import (
 )
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 Names = Mapping[str, tuple[str, ...]]
 _GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked", "lost")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState, Priority
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 STOP = "STOP"
 

@@ -16,7 +16,7 @@ from archo_tui.replay.window import SPAN, TimelineMark, Window
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 

@@ -11,7 +11,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import ACTION, SERVICE, TOPIC, Hosted, Names, NodeInfo, Snapshot
 from archo_tui.robot.stops import Stops
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.station import Station, View
+from archo_tui.station.station import Station
+from archo_tui.station.view import View
 
 NOTHING_STOPPED = "REPLAY: nothing was stopped"
 _NOT_RECORDED = "not in the recording"

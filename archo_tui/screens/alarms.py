@@ -14,7 +14,7 @@ from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station.alarm_board import SHELF_TIME
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.alarm import no_alarms_text, timeline
 

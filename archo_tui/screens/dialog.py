@@ -15,7 +15,7 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.reason import Reason, obstacles
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line

@@ -8,7 +8,7 @@ from textual.await_complete import AwaitComplete
 from textual.screen import ScreenResultType
 
 from archo_tui.screens.base import Base
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 
 class Dismissable(Base[ScreenResultType]):

@@ -18,7 +18,7 @@ from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import HIDDEN, harmless, safe
 from archo_tui.screens.dialog import Form
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
 
 

@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.field import Field
 
 _INTRODUCTION = (

@@ -14,7 +14,7 @@ from textual.widgets import Static
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import LEVELS, NodeInfo
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.styled import content

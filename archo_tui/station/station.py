@@ -10,16 +10,15 @@ import asyncio
 import contextlib
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from archo_tui.clock import Clock
 from archo_tui.robot import forms
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
-from archo_tui.robot.state import Goal, Hosted, Snapshot
+from archo_tui.robot.state import Goal, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
 from archo_tui.station.alarm_bell import AlarmBell
 from archo_tui.station.alarm_board import AlarmBoard
@@ -28,8 +27,10 @@ from archo_tui.station.alarms import STOPPED, Alarm
 from archo_tui.station.approvals import ApprovalRequest, ApprovalRequests, ApprovalStatus
 from archo_tui.station.history import History
 from archo_tui.station.ledger import RELEASE, Ledger
+from archo_tui.station.protocols import Frontend, Recorder
 from archo_tui.station.queue import GoalQueue, QueuedGoal
 from archo_tui.station.undo import Edit, UndoList
+from archo_tui.station.view import View
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
@@ -46,114 +47,6 @@ _OFFER = (
     "this robot is not ARCHO, and no --robot names its file: archo-tui robot, "
     "or Describe this robot in the palette (ctrl+p), writes one"
 )
-
-
-@dataclass(frozen=True)
-class View:
-    """Everything that a frontend shows at one moment.
-
-    Attributes:
-        snapshot: What is known of the robot.
-        now: Monotonic time in seconds.
-        second: The same at the last tick of the clock, for ages that need not be livelier.
-        time: Unix time in seconds.
-        engine: The engine in words; see `engine.describe`.
-        namespace: Of the robot.
-        history: The curves of the last hour.
-        alarms: All alarms that are not normal, in the order in which they are shown.
-        hosted: The nodes of this process.
-        watching: True if nothing can be commanded from here.
-        queue: The goals that wait, the next one first.
-        held: Why the queue is held, in words; "" if it is not.
-        changing: True while a change of parameters from here has no answer.
-        clients: The programs that are connected, by their names for people.
-        requests: The requests of assistants that wait for a person, the oldest first.
-        replay: In a replay the words that say so; "" if this is the robot.
-    """
-
-    snapshot: Snapshot
-    now: float
-    second: float
-    time: float
-    engine: str
-    namespace: str
-    history: History
-    alarms: tuple[Alarm, ...] = ()
-    hosted: tuple[Hosted, ...] = ()
-    watching: bool = False
-    queue: tuple[QueuedGoal, ...] = ()
-    held: str = ""
-    changing: bool = False
-    clients: tuple[str, ...] = ()
-    requests: tuple[ApprovalRequest, ...] = ()
-    replay: str = ""
-
-    @property
-    def waiting(self) -> tuple[str, ...]:
-        """The goals of the queue in words, the next one first."""
-        return tuple(goal.text for goal in self.queue)
-
-
-class Frontend(Protocol):
-    """The part that shows the station to its operator and runs its work: the app, or `--plain`.
-
-    All methods but `restart` are called on its event loop.
-    """
-
-    def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work whose answer the end of the frontend waits for."""
-
-    def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work that the end of the frontend does not wait for."""
-
-    def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
-        """Show how the robot answered a goal of the queue, which no verb waits for any more."""
-
-    @property
-    def has_person(self) -> bool:
-        """True if somebody sees the requests of assistants and can answer them."""
-
-    def close_questions(self) -> None:
-        """Close what the operator is being asked: a STOP from elsewhere came in between."""
-
-    def restart(self, why: str) -> None:
-        """End the process and start it again with the same arguments.
-
-        May be called on any thread.
-
-        Args:
-            why: The reason in words, for the operator.
-        """
-
-
-class Recorder(Protocol):
-    """The part of the black box that the station uses."""
-
-    @property
-    def trouble(self) -> str:
-        """A failure of recordings that the operator has to know; "" if there is none."""
-
-    def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record a new view.
-
-        Args:
-            view: The view.
-            changed: The alarms whose state differs from the last view.
-        """
-
-    @property
-    def kept(self) -> str:
-        """The name of the last recording that was begun by hand; "" if none is on the disk."""
-
-    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Begin to record the last minute by hand; call it on the loop.
-
-        Args:
-            written: Is called on the loop when the recording is on the disk, or cannot be written.
-
-        Returns:
-            What is recorded, or why nothing is: `written` is called only for the former.
-        """
 
 
 class Station:

@@ -16,7 +16,7 @@ from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
 from archo_tui.station.remedies import advice, remedy_hints
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.screen_state import ScreenState

@@ -17,7 +17,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, Quantity, current_values
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import MARK, Range, curve

@@ -13,7 +13,7 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.quiet_focus import QuietFocus

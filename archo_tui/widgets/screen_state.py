@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 NONE_RECORDED = "-- none recorded"  # The text of an empty list in a replay.
 

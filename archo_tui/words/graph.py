@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from archo_tui.robot.state import TOPIC, Resource
 from archo_tui.ros_names import base_name
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 
 SILENT = "silent"
 

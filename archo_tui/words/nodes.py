@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from archo_tui.robot.state import Hosted, Life, NodeInfo, NodeState, Snapshot
 from archo_tui.station.alarms import CONTACT_LOST
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age_text
 
 

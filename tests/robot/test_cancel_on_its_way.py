@@ -14,8 +14,8 @@ from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.ledger import Ledger
+from archo_tui.station.protocols import Frontend
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.station import Frontend
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console

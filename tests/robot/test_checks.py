@@ -20,7 +20,7 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import BATTERY_HEALTH, DUPLICATE_NAME, SEVERAL_PUBLISHERS
 from archo_tui.station.history import History
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.bars import header
 from archo_tui.words.state import age_text, battery_line, battery_word, motion_word, plain_text
 from tests.support import chosen, clock

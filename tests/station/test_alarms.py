@@ -42,7 +42,7 @@ from archo_tui.station.alarms import (
 )
 from archo_tui.station.history import History
 from archo_tui.station.remedies import remedy_hints
-from archo_tui.station.station import View
+from archo_tui.station.view import View
 from archo_tui.widgets.bars import banner, header
 from archo_tui.widgets.screen_state import ScreenState
 from tests.support.clock import NOW

@@ -1,0 +1,57 @@
+"""Everything that a frontend shows at one moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from archo_tui.robot.state import Hosted, Snapshot
+from archo_tui.station.alarms import Alarm
+from archo_tui.station.approvals import ApprovalRequest
+from archo_tui.station.history import History
+from archo_tui.station.queue import QueuedGoal
+
+
+@dataclass(frozen=True)
+class View:
+    """Everything that a frontend shows at one moment.
+
+    Attributes:
+        snapshot: What is known of the robot.
+        now: Monotonic time in seconds.
+        second: The same at the last tick of the clock, for ages that need not be livelier.
+        time: Unix time in seconds.
+        engine: The engine in words; see `engine.describe`.
+        namespace: Of the robot.
+        history: The curves of the last hour.
+        alarms: All alarms that are not normal, in the order in which they are shown.
+        hosted: The nodes of this process.
+        watching: True if nothing can be commanded from here.
+        queue: The goals that wait, the next one first.
+        held: Why the queue is held, in words; "" if it is not.
+        changing: True while a change of parameters from here has no answer.
+        clients: The programs that are connected, by their names for people.
+        requests: The requests of assistants that wait for a person, the oldest first.
+        replay: In a replay the words that say so; "" if this is the robot.
+    """
+
+    snapshot: Snapshot
+    now: float
+    second: float
+    time: float
+    engine: str
+    namespace: str
+    history: History
+    alarms: tuple[Alarm, ...] = ()
+    hosted: tuple[Hosted, ...] = ()
+    watching: bool = False
+    queue: tuple[QueuedGoal, ...] = ()
+    held: str = ""
+    changing: bool = False
+    clients: tuple[str, ...] = ()
+    requests: tuple[ApprovalRequest, ...] = ()
+    replay: str = ""
+
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """The goals of the queue in words, the next one first."""
+        return tuple(goal.text for goal in self.queue)
