@@ -60,7 +60,7 @@ class ShowNode(Command):
     where, panel = IN_PANEL, NODES
     id, key = "details", "enter"
     help = "Show the selected node: its topics, services and log level; after a crash, why"
-    verbs = ("log_level",)
+    verbs = ("log_level", "lifecycle")
 
     def disabled_reason(self, console: Console) -> str:
         return "" if console.main.nodes.selected else "no node is selected"
@@ -84,6 +84,12 @@ def show(console: Console, row: NodeRow) -> None:
     async def set_level(level: str) -> Outcome:
         return await verb.run(station, {"node": row.name, "level": level})
 
+    def change_lifecycle(word: str) -> Work | None:
+        values = {"node": row.name, "transition": word}
+        return console.run_verb(console.verbs["lifecycle"], values)
+
     refused = verb.refusal(station)
     describe = partial(robot.describe, row.name)
-    console.open(NodeDialog(row.name, tell, console.view, describe, set_level, refused))
+    console.open(
+        NodeDialog(row.name, tell, console.view, describe, set_level, change_lifecycle, refused)
+    )

@@ -34,6 +34,7 @@ from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
 from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.lifecycle import CHANGE_TIMEOUT, Lifecycles
 from archo_tui.robot.listener import Listener, MessageCallback
 from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.message_handlers import MessageHandlers
@@ -51,6 +52,7 @@ from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.services import Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
+    ACTION,
     Event,
     Goal,
     Latch,
@@ -161,6 +163,13 @@ class Robot:
             self._snapshots.send,
             self._reporter.stop_result,
         )
+        self._lifecycles = Lifecycles(
+            node,
+            clock,
+            self._services,
+            lambda work: self._thread.submit(work),
+            self._snapshots.send_soon,
+        )
         motion_publishers = MotionPublishers(file, self._graph, clock)
         self._poller = GraphPoller(
             file,
@@ -169,6 +178,7 @@ class Robot:
             checks,
             self._telemetry,
             recorded_topics,
+            self._lifecycles,
             self._parameters,
             motion_publishers,
             self._stopping.latch,
@@ -334,10 +344,22 @@ class Robot:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
                 self._stopping.accepted(turn)
-            return outcome
+            return self._with_inactive_server(kind.action, outcome)
 
         ros2 = self._interface_checks.goal_command(kind, values)
         return await self._runner.run(*self._verb_of(kind, values), title, ros2, go)
+
+    def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
+        """Add to a refusal which managed node serves the action and is not active."""
+        full = self._interface_checks.full(action)
+        nodes = [
+            n for r in self._graph.resources if (r.kind, r.name) == (ACTION, full) for n in r.nodes
+        ]
+        states = {node: self._lifecycles.word(node) for node in nodes}
+        idle = [f"{node} is {word}" for node, word in states.items() if word not in ("", "active")]
+        if outcome.code is not Code.REFUSED or not idle:
+            return outcome
+        return outcome._replace(text=f"{outcome.text}: {', '.join(idle)}")
 
     async def stop_sending_goals(self) -> None:
         """Send no goal from now on, also none that was typed before: the console ends."""
@@ -499,12 +521,18 @@ class Robot:
     async def describe(self, node: str) -> NodeInfo | Outcome:
         """Return what a node has on the graph, or an outcome that tells why it is not known."""
         try:
-            found = await self._thread.run(lambda: self._nodes.describe(node), _QUESTION_TIMEOUT)
+            found = await self._thread.run(lambda: self._describe(node), _QUESTION_TIMEOUT)
             return found or Outcome(Code.REFUSED, "not on the graph")
         except TimeoutError:
             return Outcome(Code.TIMEOUT, _NO_ANSWER)
         except Exception as error:  # rclpy raises a dozen types, as for names that DDS allows.
             return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def _describe(self, node: str) -> NodeInfo | None:
+        found = await self._nodes.describe(node)
+        if found is None or not self._lifecycles.word(node):
+            return found
+        return found._replace(transitions=await self._lifecycles.transitions(node))
 
     async def log_level(self, node: str) -> Outcome:
         """Ask a node for the level of its log; the text of the outcome names it."""
@@ -529,6 +557,34 @@ class Robot:
             set_level_command(node, level),
             lambda gate: self._nodes.set_level(node, level, gate),
         )
+
+    async def change_lifecycle(self, node: str, transition: str) -> Outcome:
+        """Have a managed node make a transition.
+
+        Args:
+            node: The full name of the node.
+            transition: Its word: configure, activate, deactivate, cleanup or shutdown.
+        """
+        title = f"lifecycle {node.lstrip('/')} {transition}"
+        arguments = {"node": node, "transition": transition}
+        late = self._runner.late_report(title, "lifecycle", arguments)
+        return await self._runner.run(
+            "lifecycle",
+            arguments,
+            title,
+            ros2_command.change_lifecycle(node, transition),
+            lambda gate: self._lifecycles.change(node, transition, gate, late),
+            CHANGE_TIMEOUT,
+        )
+
+    async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
+        """Return the words of the transitions that a managed node can make now; () if silent."""
+        try:
+            return await self._thread.run(
+                lambda: self._lifecycles.transitions(node), _QUESTION_TIMEOUT
+            )
+        except TimeoutError:
+            return ()
 
     def node_gone(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.
@@ -651,7 +707,7 @@ class Robot:
             running=self._goals.running,
             history=tuple(self._goals.history),
             parameters=self._parameters.all(),
-            nodes=self._graph.node_states(),
+            nodes=self._lifecycles.with_states(self._graph.node_states()),
             offered=self._graph.offered,
             events=self._reporter.log.all(),
             charge=self._telemetry.charge,

@@ -8,6 +8,7 @@ from archo_tui.clock import Clock
 from archo_tui.robot.arrivals import Arrivals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.lifecycle import Lifecycles
 from archo_tui.robot.limits import Limits
 from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.parameters import Parameters
@@ -39,6 +40,7 @@ class GraphPoller:
         checks: InterfaceChecks,
         telemetry: Telemetry,
         recorded_topics: RecordedTopics,
+        lifecycles: Lifecycles,
         parameters: Parameters,
         motion_publishers: MotionPublishers,
         latch: StopLatch,
@@ -56,6 +58,7 @@ class GraphPoller:
             checks: The comparison of the robot file with the types on the graph.
             telemetry: Subscribes to what is published.
             recorded_topics: Subscribe to what is published and only recorded.
+            lifecycles: Ask managed nodes for their states.
             parameters: Reads the parameters of new nodes.
             motion_publishers: The publishers of the motion.
             latch: The last confirmed STOP, which a restart of its node makes uncertain.
@@ -65,7 +68,7 @@ class GraphPoller:
             own_nodes: Returns the full names of the nodes that this process hosts.
         """
         self._file, self._clock, self._graph = file, clock, graph
-        self._checks, self._parameters = checks, parameters
+        self._checks, self._parameters, self._lifecycles = checks, parameters, lifecycles
         self._telemetry, self._recorded_topics = telemetry, recorded_topics
         self._motion_publishers, self._latch, self._changes = motion_publishers, latch, changes
         self._reporter, self._snapshots, self._own_nodes = reporter, snapshots, own_nodes
@@ -96,6 +99,7 @@ class GraphPoller:
             self._reporter.warn(text)
         self._telemetry.resubscribe()
         self._recorded_topics.subscribe()
+        self._lifecycles.poll(self._graph.served_services)
         for text in self._changes.take_due(self._clock.monotonic()):
             self._reporter.note("PEER", text)
         faults = self._find_faults()

@@ -25,6 +25,11 @@ def cancel(name: str) -> str:
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
 
 
+def change_lifecycle(node: str, word: str) -> str:
+    """Return the command that has a managed node make a transition."""
+    return f"ros2 lifecycle set {quote(node)} {quote(word)}"
+
+
 def set_parameters(node: str, values: Mapping[str, Any]) -> str:
     """Return the commands that set parameters; "" if `ros2` would guess another type for one."""
     if any(value == [] or _holds_bytes(value) for value in values.values()):

@@ -12,7 +12,7 @@ VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics"),
     *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "topics", "start", "halt", "copy", "log_level", "send_goal", "call"),
+    *("nodes", "topics", "start", "halt", "copy", "log_level", "lifecycle", "send_goal", "call"),
 )
 # The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")

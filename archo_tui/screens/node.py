@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from functools import partial
+from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -39,6 +40,7 @@ class NodeDialog(Dialog[None]):
         view: View,
         describe: Callable[[], Awaitable[NodeInfo | Outcome]],
         set_level: Callable[[str], Awaitable[Outcome]],
+        change_lifecycle: Callable[[str], Coroutine[Any, Any, None] | None],
         disabled_reason: str,
     ) -> None:
         """Create the dialog.
@@ -49,12 +51,17 @@ class NodeDialog(Dialog[None]):
             view: The present view.
             describe: Asks the graph and the node for what else is shown.
             set_level: Sets the log level, one of `LEVELS`.
-            disabled_reason: Why no level can be set; "" if it can.
+            change_lifecycle: Returns what makes a transition of a managed node, or asks a question
+                first.
+            disabled_reason: Why neither can be done; "" if it can.
         """
         super().__init__()
         self._node, self._state_text, self._view = name, state_text, view
         self._disabled_reason = disabled_reason
         self._describe, self._set_level = describe, set_level
+        self._change_lifecycle = change_lifecycle
+        self._lifecycle = _lifecycle(view, name)
+        self._transitions: tuple[str, ...] = ()
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading node") as box:
@@ -63,6 +70,7 @@ class NodeDialog(Dialog[None]):
             with VerticalScroll(classes="question", id="node-text"):
                 yield Static(Content(self._state_text(self._view)), id="node-known")
                 yield Static(Content("asking the graph ..."), id="node-graph")
+            yield Horizontal(classes="answers", id="transitions")
             yield Static(classes="level")
             with Horizontal(classes="answers", id="levels") as levels:
                 levels.display = False
@@ -80,11 +88,16 @@ class NodeDialog(Dialog[None]):
         if view.second != self._view.second or view.hosted != self._view.hosted:
             self._view = view
             self.set_text("#node-known", Content(self._state_text(view)))
+        lifecycle = _lifecycle(view, self._node)
+        if lifecycle != self._lifecycle:
+            self._lifecycle = lifecycle
+            self.set_text("#node-known", Content(self._state_text(view)))
+            start_worker(self, self._ask, _GROUP)
 
     async def _ask(self) -> None:
-        self._show(await self._describe())
+        await self._show(await self._describe())
 
-    def _show(self, answer: NodeInfo | Outcome) -> None:
+    async def _show(self, answer: NodeInfo | Outcome) -> None:
         """Show what the node has on the graph and its log level, or why that is not known."""
         if isinstance(answer, Outcome):
             info, text = None, Content(answer.text)
@@ -99,11 +112,35 @@ class NodeDialog(Dialog[None]):
         for box in self.query(".node"):
             keys = ("tab log level",) if level is not None and not self._disabled_reason else ()
             box.border_subtitle = "   ".join((*keys, "esc close"))
+        await self._show_transitions(() if info is None else info.transitions)
         for levels in self.query("#levels"):
             levels.display = level is not None
         for button in self.query(Button):
             button.set_class(level is not None and button.id == level.own.lower(), "-chosen")
             button.set_class(bool(self._disabled_reason), "-blocked")
+
+    async def _show_transitions(self, words: tuple[str, ...]) -> None:
+        """Show a button for each transition that the node can make now."""
+        for box in self.query("#transitions"):
+            box.display = bool(words)
+            if words == self._transitions:
+                continue
+            self._transitions = words
+            await box.remove_children()
+            await box.mount(
+                *(
+                    Button(word.capitalize(), partial(self._change, word), id=f"transition-{place}")
+                    for place, word in enumerate(words)
+                )
+            )
+
+    def _change(self, word: str) -> None:
+        if self._disabled_reason:
+            self.refuse(self._disabled_reason)
+            return
+        work = self._change_lifecycle(word)
+        if work is not None:
+            start_worker(self.app, lambda: work, COMMANDS)
 
     def _set(self, level: str) -> None:
         if not self.is_asking:
@@ -118,4 +155,9 @@ class NodeDialog(Dialog[None]):
             self.refuse(outcome.text)
             return
         self.show_message("")
-        self._show(await self._describe())
+        await self._show(await self._describe())
+
+
+def _lifecycle(view: View, name: str) -> str:
+    """Return the state of a managed node; "" if it is none."""
+    return next((node.lifecycle for node in view.snapshot.nodes if node.name == name), "")

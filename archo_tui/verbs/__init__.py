@@ -11,6 +11,7 @@ from archo_tui.verbs.base import Verb
 from archo_tui.verbs.diagnostics import ShowDiagnostics
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.keep import Keep
+from archo_tui.verbs.lifecycle import Lifecycle
 from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
@@ -44,5 +45,13 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (Status(ask, robot), Past(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
-    yield from (Nodes(), Topics(), StartNode(), StopNode(), DuplicateNode(), LogLevel())
+    yield from (
+        Nodes(),
+        Topics(),
+        StartNode(),
+        StopNode(),
+        DuplicateNode(),
+        LogLevel(),
+        Lifecycle(),
+    )
     yield from (SendGoal(), Call())

@@ -32,7 +32,8 @@ class Nodes(Verb):
         for row in node_rows(station.view):
             _, word, _ = row.word()
             here = " (in this process)" if row.hosted else ""
-            lines.append(f"{row.name.lstrip('/')} {word or 'up'}{here}")
+            word = word or row.state.lifecycle or "up"
+            lines.append(f"{row.name.lstrip('/')} {word}{here}")
         return Outcome(Code.DONE, "\n".join(lines) or "no node is on the graph")
 
     def data(self, station: Station, values: Values) -> Any:
@@ -40,6 +41,7 @@ class Nodes(Verb):
             {
                 "name": row.name,
                 "word": row.word()[1] or "up",
+                "lifecycle": row.state.lifecycle or None,
                 "here": row.hosted is not None,
                 "rate": row.state.rate,
             }

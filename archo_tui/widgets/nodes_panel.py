@@ -23,7 +23,7 @@ _STYLES = {STRONG: "bold", PLAIN: ""}
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
     """Return the widths of the names, and of the rates if they fit."""
     room = width - _MARK_WIDTH - _AGE_WIDTH
-    names = column((row.name.lstrip("/") for row in rows), 16, room)
+    names = column((row.label for row in rows), 16, room)
     return names, _RATE_WIDTH if names + _RATE_WIDTH <= room else 0
 
 
@@ -44,7 +44,7 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     style = _STYLES.get(tone, QUIET)
     if row.is_faulty:
         word += " (enter: traceback)"
-    name = f"{glyph} {pad(row.name.lstrip('/'), columns[0])} "
+    name = f"{glyph} {pad(row.label, columns[0])} "
     if word and len(name + word) > width:
         more = textwrap.wrap(word, max(width - 2, 10))
         if width < _NARROW and len(more) > 1:

@@ -55,7 +55,13 @@ class NodeRow(NamedTuple):
             return "?", f"silent for {age_text(self.second - self.state.heard)}", OLD
         if self.is_lost and self.hosted is None:  # The graph may still list it.
             return "?", "contact lost", OLD
-        return "●", "", PLAIN
+        works = self.state.lifecycle in ("", "active")
+        return ("●", "", PLAIN) if works else ("○", "", OLD)
+
+    @property
+    def label(self) -> str:
+        """Return the node's name without the first slash, with the state of a managed node."""
+        return f"{self.name.lstrip('/')} {self.state.lifecycle}".rstrip()
 
     def details(self, now: float, snapshot: Snapshot) -> str:
         """Return everything that is known of the node, in lines for a dialog."""
@@ -67,7 +73,8 @@ class NodeRow(NamedTuple):
             often = f"nothing now, {often} before"
         parameters, own = sum(p.node == self.name for p in snapshot.parameters), "the console's"
         lines = [
-            f"{glyph} {word or 'up'}",
+            f"{glyph} {word or self.state.lifecycle or 'up'}",
+            *([f"lifecycle   {self.state.lifecycle}"] if self.state.lifecycle else []),
             f"where       in {'another' if self.hosted is None else own} process",
             f"last heard  {'--' if heard is None else age_text(now - heard) + ' ago'}",
             f"publishes   {often}",

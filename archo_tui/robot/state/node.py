@@ -19,11 +19,13 @@ class NodeState(NamedTuple):
         name: Its full name.
         heard: When its last message or log line came; None before the first.
         rate: The rate in Hz of its messages that the console reads; None if not known.
+        lifecycle: The state of a managed node, as `inactive`; "" if it is not managed, or silent.
     """
 
     name: str
     heard: float | None = None
     rate: float | None = None
+    lifecycle: str = ""
 
     def is_silent(self, now: float) -> bool:
         """Return True if nothing was received for three of its intervals, at least 2.5 s."""
@@ -65,6 +67,7 @@ class NodeInfo(NamedTuple):
         calls: The services for which it has a client.
         actions: The actions that it serves.
         sends: The actions for which it has a client.
+        transitions: The transitions that a managed node can make now; () for another node.
         level: The level of its log; None if it does not tell it.
         no_level: Why it does not tell it.
     """
@@ -75,5 +78,6 @@ class NodeInfo(NamedTuple):
     calls: Names = ()
     actions: Names = ()
     sends: Names = ()
+    transitions: tuple[str, ...] = ()
     level: LogLevel | None = None
     no_level: str = ""

@@ -1,0 +1,161 @@
+"""The states of managed nodes (those of rclcpp_lifecycle and rclpy.lifecycle). ROS thread only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from lifecycle_msgs.msg import Transition, TransitionEvent
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
+
+from archo_tui.clock import Clock
+from archo_tui.robot import services
+from archo_tui.robot.listener import Listener
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.services import Services
+from archo_tui.robot.state import NodeState
+from archo_tui.robot.stops import Gate
+from archo_tui.safe_text import harmless
+
+_GET_STATE = "/get_state"
+_TYPE = "lifecycle_msgs/srv/GetState"
+# Seconds after which a node is asked again: it may send no events, or one was lost.
+_ASK_AGAIN = 10.0
+# Seconds for a transition: what a node does in `on_configure` may take long.
+CHANGE_TIMEOUT = 30.0
+
+
+class Lifecycles:
+    """The state of each managed node: asked when it comes, then followed by its events."""
+
+    def __init__(
+        self,
+        node: Listener,
+        clock: Clock,
+        pending: Services,
+        submit: Callable[[Callable[[], Any]], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        """Ask nobody yet.
+
+        Args:
+            node: The console's node.
+            clock: The console's clock.
+            pending: Makes the calls.
+            submit: Runs a function, or what a coroutine function returns, on the ROS thread.
+            on_change: Called after a state has changed.
+        """
+        self._node, self._clock, self._services = node, clock, pending
+        self._submit, self._on_change = submit, on_change
+        self._words: dict[str, str] = {}  # By full name of the node; "" until it has answered.
+        self._asked: dict[str, float] = {}  # When each was asked last, in monotonic seconds.
+        self._subscriptions: dict[str, Any] = {}
+
+    def poll(self, served: Mapping[str, Sequence[str]]) -> None:
+        """Follow the managed nodes that are there now.
+
+        Args:
+            served: The types of each service that somebody serves, by full name.
+        """
+        managed = {
+            name.removesuffix(_GET_STATE)
+            for name, types in served.items()
+            if name.endswith(_GET_STATE) and _TYPE in types
+        }
+        for node in self._words.keys() - managed:
+            del self._words[node], self._asked[node]
+            self._node.destroy_subscription(self._subscriptions.pop(node))
+            self._on_change()
+        now = self._clock.monotonic()
+        for node in managed - self._words.keys():
+            self._words[node], self._asked[node] = "", now
+            self._subscriptions[node] = self._node.listen_quietly(
+                TransitionEvent, f"{node}/transition_event", self._handler(node), 10
+            )
+            self._submit(partial(self._ask, node))
+        for node, asked in self._asked.items():
+            if now - asked >= _ASK_AGAIN:
+                self._asked[node] = now
+                self._submit(partial(self._ask, node))
+
+    def with_states(self, nodes: Sequence[NodeState]) -> tuple[NodeState, ...]:
+        """Return nodes of the graph with the states of those that are managed."""
+        return tuple(
+            node._replace(lifecycle=self._words[node.name]) if node.name in self._words else node
+            for node in nodes
+        )
+
+    def word(self, node: str) -> str:
+        """Return the state of a node; "" if it is not managed, or has not answered."""
+        return self._words.get(node, "")
+
+    async def transitions(self, node: str) -> tuple[str, ...]:
+        """Return the words of the transitions that a node can make now; () if it is silent."""
+        return tuple(harmless(found.label) for found in await self._available(node))
+
+    async def change(
+        self, node: str, word: str, gate: Gate, late: Callable[[Outcome], None]
+    ) -> Outcome:
+        """Have a node make a transition.
+
+        Args:
+            node: The full name of the node.
+            word: The transition: configure, activate, deactivate, cleanup or shutdown.
+            gate: The last check before the request is sent.
+            late: Called with the outcome of an answer that comes after CHANGE_TIMEOUT.
+
+        Raises:
+            Void: A STOP was read after the request was typed.
+        """
+        if node not in self._words:
+            return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
+        available = await self._available(node)
+        if not available:
+            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
+        found = next((transition for transition in available if transition.label == word), None)
+        if found is None:
+            words = ", ".join(dict.fromkeys(transition.label for transition in available))
+            state = self._words.get(node) or "this state"
+            return Outcome(Code.REFUSED, f"not possible in {state}: there are {words}")
+        request = ChangeState.Request(transition=Transition(id=found.id, label=found.label))
+        answer = await self._services.call(
+            ChangeState,
+            f"{node}/change_state",
+            request,
+            gate=gate,
+            wait=CHANGE_TIMEOUT,
+            late=lambda answer: late(self._outcome(node, answer)),
+        )
+        await self._ask(node)
+        if answer is None:
+            return Outcome(Code.TIMEOUT, f"no answer in {CHANGE_TIMEOUT:g} s: it may still do it")
+        return self._outcome(node, answer)
+
+    def _outcome(self, node: str, answer: Any) -> Outcome:
+        state = self._words.get(node) or "unknown"
+        if answer.success:
+            return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}")
+        return Outcome(Code.REFUSED, f"{node.lstrip('/')} rejected it, and is {state}")
+
+    def _handler(self, node: str) -> Callable[[Any], None]:
+        return lambda message: self._set(node, harmless(message.goal_state.label))
+
+    async def _ask(self, node: str) -> None:
+        answer = await self._services.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
+        if answer is not None and node in self._words:
+            self._set(node, harmless(answer.current_state.label))
+
+    async def _available(self, node: str) -> list[Any]:
+        """Return the transitions that a node can make now; [] if it does not answer."""
+        name = f"{node}/get_available_transitions"
+        answer = await self._services.call(
+            GetAvailableTransitions, name, GetAvailableTransitions.Request(), once=True
+        )
+        found = [] if answer is None else answer.available_transitions
+        return [description.transition for description in found]
+
+    def _set(self, node: str, word: str) -> None:
+        if self._words.get(node) != word:
+            self._words[node] = word
+            self._on_change()

@@ -1,0 +1,95 @@
+"""The verb for the state of a managed node."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.errors import ArchoError
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import ACTION, SERVICE, NodeState, Snapshot
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import full_name, nearest_node
+from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.words.goal import activity
+
+
+class Lifecycle(Verb):
+    """The verb that shows or changes the state; what it changes is not undone by another STOP."""
+
+    id, title, tells = "lifecycle", "Lifecycle", True
+    help = "Show the state of a managed node, or change it: configure, activate, ..."
+    arguments = (Argument("node"), Argument("transition", optional=True))
+    acts = may_ask = True
+
+    def acts_with(self, values: Values) -> bool:
+        return "transition" in values
+
+    def tells_with(self, values: Values) -> bool:
+        return not self.acts_with(values)
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        node = _managed(station.robot.snapshot).get(self._name(station, values))
+        return node is not None or station.age >= PATIENCE
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        name, managed = self._name(station, values), _managed(station.robot.snapshot)
+        if name not in managed:
+            raise ArchoError(f"{name} is not a managed node{nearest_node(name, managed)}")
+        given = {"node": name}
+        if "transition" in values:
+            given["transition"] = values["transition"].lower()
+        return given
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        if "transition" not in values:
+            return None
+        node, transition = values["node"], values["transition"]
+        reasons = list(_reasons(station.robot.snapshot, node))
+        if transition == "shutdown":
+            reasons.append("a node that was shut down must be started anew")
+        if not reasons:
+            return None
+        text = f"{'; '.join(reasons)}. {transition.capitalize()} {node}?"
+        title = f"{transition.capitalize()} a node"
+        return Question(title, text[0].upper() + text[1:], "Leave it", transition.capitalize())
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        node = values["node"]
+        if "transition" in values:
+            return await station.robot.change_lifecycle(node, values["transition"])
+        state = _managed(station.robot.snapshot)[node].lifecycle
+        possible = ", ".join(await station.robot.lifecycle_transitions(node))
+        can = f": it can {possible}" if possible else ""
+        return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
+
+    def data(self, station: Station, values: Values) -> Any:
+        node = _managed(station.robot.snapshot)[values["node"]]
+        return {"node": node.name, "state": node.lifecycle}
+
+    def _name(self, station: Station, values: Values) -> str:
+        """Return the node's full name, which may be typed without the namespace."""
+        snapshot = station.robot.snapshot
+        return full_name(snapshot, values["node"], [node.name for node in snapshot.nodes])
+
+
+def _managed(snapshot: Snapshot) -> dict[str, NodeState]:
+    return {node.name: node for node in snapshot.nodes if node.lifecycle}
+
+
+def _reasons(snapshot: Snapshot, node: str) -> list[str]:
+    """Return why a transition of a node may be grave: it serves STOP, or a goal that runs.
+
+    While the graph does not tell which node serves them, it may be this one.
+    """
+    reasons, stop, goal = [], snapshot.file.stop, snapshot.running_goal
+    if stop is not None and _may_serve(snapshot, node, SERVICE, snapshot.full(stop.service)):
+        reasons.append(f"{node} serves STOP ({stop.service})")
+    if goal is not None and _may_serve(snapshot, node, ACTION, snapshot.full(goal.kind.action)):
+        reasons.append(f"the robot is {activity(goal)}, and {node} serves {goal.kind.action}")
+    return reasons
+
+
+def _may_serve(snapshot: Snapshot, node: str, kind: str, name: str) -> bool:
+    found = [r for r in snapshot.resources if (r.kind, r.name) == (kind, name)]
+    nodes = [server for resource in found for server in resource.nodes]
+    return node in nodes or (bool(found) and not nodes)

@@ -1,0 +1,50 @@
+"""A managed node that serves a goal, and may reject to be activated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.task import Future
+
+
+class Navigator(LifecycleNode):
+    """It takes goals while it is active; `may_activate` is what it answers to activate."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("navigator", **options)
+        self.is_active, self.may_activate = False, True
+        self._end: Any = None
+        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
+        ActionServer(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            self._execute,
+            goal_callback=lambda _: GoalResponse.ACCEPT if self.is_active else GoalResponse.REJECT,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        if not self.may_activate:
+            return TransitionCallbackReturn.FAILURE
+        self.is_active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self.is_active = False
+        return super().on_deactivate(state)
+
+    async def _execute(self, goal: Any) -> MoveToShelf.Result:
+        self._end = Future(executor=self.executor)
+        goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=12.0))
+        await self._end
+        goal.succeed()
+        return MoveToShelf.Result(success=True)
+
+    def arrive(self) -> None:
+        """End the goal."""
+        self._end.set_result(True)

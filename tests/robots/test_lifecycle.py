@@ -1,0 +1,101 @@
+"""Managed nodes: their states, and transitions by verb and from the node's dialog."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from archo_tui.robot.outcome import Code
+from tests.robots.managed import Navigator
+from tests.support.console import Console, console
+from tests.support.plain import plain
+
+FILE = Path(__file__).with_name("managed.yaml")
+
+
+@asynccontextmanager
+async def managed(**options: Any) -> AsyncIterator[tuple[Console, Navigator]]:
+    """The console, and the managed node."""
+    made: list[Navigator] = []
+
+    def make(**given: Any) -> Navigator:
+        made.append(Navigator(**given))
+        return made[-1]
+
+    async with console(robot=FILE, node_makers=[make], wait=False, **options) as op:
+        await op.until("navigator unconfigured")
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        yield op, made[0]
+
+
+async def change(op: Console, *words: str) -> None:
+    """Have the node make transitions that ask nothing."""
+    for word in words:
+        outcome = await op.session.station.robot.change_lifecycle("/navigator", word)
+        assert outcome.code is Code.DONE
+
+
+async def test_its_state_stands_behind_its_name() -> None:
+    async with managed() as (op, _):
+        await change(op, "configure")
+        await op.until("○ navigator inactive")
+        await change(op, "activate")
+        await op.until("● navigator active")
+
+
+async def test_its_transitions_are_buttons_in_its_dialog_and_ask() -> None:
+    async with managed() as (op, _):
+        await op.press("5", "enter")
+        await op.until("lifecycle   unconfigured")
+        await op.until("Configure")
+        assert "Activate" not in op.text
+        await op.press("tab", "enter")
+        await op.until("/navigator serves STOP (emergency_stop). Configure /navigator?")
+        await op.press("right", "enter")
+        await op.until("lifecycle   inactive")
+        await op.until("Activate")
+        await op.press("escape")
+        await op.until("lifecycle navigator configure: navigator is inactive")
+
+
+async def test_a_refusal_names_the_inactive_server() -> None:
+    async with managed() as (op, _):
+        await op.press("g", "3", "enter")
+        await op.until("/navigator is unconfigured")
+
+
+async def test_what_the_node_rejects_is_said() -> None:
+    async with managed() as (op, node):
+        await change(op, "configure")
+        node.may_activate = False
+        outcome = await op.session.station.robot.change_lifecycle("/navigator", "activate")
+        assert outcome == (Code.REFUSED, "navigator rejected it, and is inactive")
+        outcome = await op.session.station.robot.change_lifecycle("/navigator", "deactivate")
+        assert outcome.code is Code.REFUSED
+        assert outcome.text.startswith("not possible in inactive: there are ")
+
+
+async def test_a_transition_under_a_running_goal_asks() -> None:
+    async with managed() as (op, node):
+        await change(op, "configure", "activate")
+        await op.press("g", "3", "enter")
+        await op.until("12.0 m left")
+        verb = op.app.verbs["lifecycle"]
+        question = verb.asks(op.session.station, {"node": "/navigator", "transition": "deactivate"})
+        assert question is not None
+        assert "and /navigator serves move_to_shelf" in question.text
+        node.arrive()
+        await op.until("✓ ARRIVED")
+
+
+async def test_in_words_it_is_shown_and_asked() -> None:
+    _, said = await plain(
+        "lifecycle navigator\nlifecycle navigator configure\nlifecycle nav\n",
+        robot=FILE,
+        node_makers=[Navigator],
+    )
+    assert "navigator is unconfigured: it can configure, shutdown" in said
+    assert "serves STOP (emergency_stop)" in said
+    assert "/nav is not a managed node" in said
