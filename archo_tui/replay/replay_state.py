@@ -28,8 +28,8 @@ from archo_tui.robot.state import (
     level_word,
     logger_node,
 )
-from archo_tui.robot.telemetry import Kept as Readings
 from archo_tui.robot.telemetry import News, Telemetry
+from archo_tui.robot.telemetry import SavedReadings as Readings
 from archo_tui.robot.tracked_goal import feedback_changes
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
@@ -121,7 +121,7 @@ class ReplayState:
     def checkpoint(self) -> Checkpoint:
         """Return a checkpoint of this state."""
         return Checkpoint(
-            self._telemetry.kept(),
+            self._telemetry.saved(),
             self._state_json,
             self.goal,
             self._log.copy(),
@@ -133,7 +133,7 @@ class ReplayState:
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint, which may be of another ReplayState of the same recording."""
-        self._telemetry.put_back(checkpoint.readings)
+        self._telemetry.restore(checkpoint.readings)
         if checkpoint.state_json != self._state_json:
             self._state_json = checkpoint.state_json
             self.console = (

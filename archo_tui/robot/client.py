@@ -507,7 +507,7 @@ class Robot:
             values: The values by name, of the Python types that fit.
         """
         shown = self._secrets.masked(values)
-        has_secret = any(map(self._secrets.fit, values))
+        has_secret = any(map(self._secrets.matches, values))
         command = "" if has_secret else ros2_command.set_parameters(node, values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
         return await self._runner.run(
@@ -682,7 +682,7 @@ class Robot:
         self._handlers.on_reading(topic, news, self._telemetry.motion)
 
     def _on_parameter_change(self, node: str, name: str, old: Any, new: Any) -> None:
-        if self._secrets.fit(name):
+        if self._secrets.matches(name):
             old = new = MASK
         self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 

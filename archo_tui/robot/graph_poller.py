@@ -138,7 +138,7 @@ class GraphPoller:
 
     def _report_unknown_limits(self) -> None:
         graph = self._graph
-        for level, text in self._limits.unknown(
+        for level, text in self._limits.unknown_limits(
             self._clock.monotonic(),
             graph.offered,
             graph.namespace,

@@ -15,7 +15,7 @@ _SURE = 5.0
 
 
 class Limits:
-    """The limits that are parameters, each reported once as long as it stays unknown."""
+    """The limits that are parameters, and whether their numbers are known."""
 
     def __init__(self, robot: RobotFile) -> None:
         self._links = [
@@ -28,7 +28,7 @@ class Limits:
         self._since: dict[str, float] = {}  # Monotonic seconds since when it is unknown, by text.
         self._reported: set[str] = set()  # Texts.
 
-    def unknown(
+    def unknown_limits(
         self,
         now: float,
         offered: Collection[str],
@@ -36,10 +36,11 @@ class Limits:
         nodes: Collection[str],
         parameters: Iterable[Parameter],
     ) -> Iterator[tuple[str, str]]:
-        """Yield the level and text of each event that is due.
+        """Yield a level and a text for each limit whose number is not known, once per reason.
 
-        There is none for a goal whose action has no server. A value that is no number is a
-        warning, all else only information: no node is obliged to have the parameter.
+        A limit is left out until it was unknown for five seconds, and while the action of its goal
+        has no server. A value that is no number is a warning. All else is only information, as no
+        node is obliged to have the parameter.
 
         Args:
             now: Monotonic time in seconds.

@@ -162,7 +162,7 @@ class Parameters:
                 return
             self._retry.pop(node, None)
             self._by_node[node] = {
-                name: _parameter(node, name, descriptor, got.get(name), self._secrets.fit(name))
+                name: _parameter(node, name, descriptor, got.get(name), self._secrets.matches(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
             }
             self._on_change()
@@ -271,13 +271,13 @@ class Parameters:
 def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterEvent:
     """Return a message that was received, with MASK in place of the secret values in it."""
     parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
-    if not any(secrets.fit(parameter.name) for part in parts for parameter in part):
+    if not any(secrets.matches(parameter.name) for part in parts for parameter in part):
         return message
     masked = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
     new, changed, deleted = (
         [
             ParameterMessage(name=parameter.name, value=masked)
-            if secrets.fit(parameter.name)
+            if secrets.matches(parameter.name)
             else parameter
             for parameter in part
         ]

@@ -25,6 +25,7 @@ def read(given: Fields | None, message: Any) -> Any:
 
 
 def _read(field: MessageField, message: Any) -> Any:
+    """Return the value of one field, compared or scaled as the robot file says."""
     value = message
     for name in field.field.split("."):
         value = getattr(value, name, None)

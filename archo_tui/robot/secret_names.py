@@ -29,7 +29,7 @@ class SecretNames:
         listed = (_words(text) for text in more)
         self._listed = [words for words in listed if words]
 
-    def fit(self, name: str) -> bool:
+    def matches(self, name: str) -> bool:
         """Return True for a secret name, such as `wifi.password`, `apiKey` or `auth_tokens`."""
         words = _words(name)
         return (
@@ -40,12 +40,12 @@ class SecretNames:
 
     def masked(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return values by name, with MASK in place of the secret ones."""
-        return {name: MASK if self.fit(name) else value for name, value in values.items()}
+        return {name: MASK if self.matches(name) else value for name, value in values.items()}
 
     def without(self, text: str, values: Mapping[str, Any]) -> str:
         """Return a text with MASK in place of each secret text among `values` that it quotes."""
         for name, value in values.items():
-            if isinstance(value, str) and value and self.fit(name):
+            if isinstance(value, str) and value and self.matches(name):
                 text = text.replace(value, MASK)
         return text
 

@@ -4,7 +4,7 @@ The rules, each of which is checked in one method:
 
 1. A confirmed STOP holds until a release or a goal is accepted behind it: `hold`, `release`.
 2. It is certain only while the nodes that confirmed it are there, and none of them was restarted:
-   `check_holders`. A node that its host told of the STOP at its start counts as one of them.
+   `check_holders`. A node that starts here and carries it out counts as one.
 3. A robot that never reports whether it is stopped makes it uncertain by moving (`on_motion`), and
    so does another console that releases it (`released_elsewhere`).
 4. A robot that reports it decides by its reports: `on_motion`.
@@ -24,17 +24,16 @@ from archo_tui.robot.state import Latch, Motion
 OBEYED = 1.0  # Seconds after a confirmed STOP in which the robot comes to rest.
 _SETTLED = 1.0  # Seconds after a change of nodes in which reports of the old ones still come.
 
-Ids = dict[
-    str, frozenset[bytes]
-]  # Ids of each node, by its full name, as `Graph.holders` has them.
+# The ids of each node, by its full name, as `Graph.holders` returns them.
+Ids = dict[str, frozenset[bytes]]
 
 
 class StopLatch:
     """The memory of the last confirmed STOP.
 
     Attributes:
-        state: Whether one holds, and whether that is certain.
-        doubt: Why an UNCERTAIN one is not certain; else empty.
+        state: The state of that STOP.
+        doubt: Why the state is UNCERTAIN; "" if it is not.
         time: Unix time at which it was confirmed.
         released: Monotonic time of the last confirmed release; None: there was none.
         other_turn: The turn in which another console reported its last STOP; 0: none did.
@@ -65,7 +64,7 @@ class StopLatch:
         self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
         self._other_console = ""  # The console that sent the STOP; empty: this one.
         self._holders: Ids = {}  # The nodes that confirmed it.
-        self._stopped_early: set[str] = set()  # Nodes that their host told of it at their start.
+        self._stopped_early: set[str] = set()  # Nodes that carried it out before they spun.
         self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
         self._reports_stop = False  # The robot reports whether it is stopped.
         self._reported = False  # What it reported last.
@@ -90,8 +89,8 @@ class StopLatch:
         self.state, self._lasting_doubt = Latch.NONE, ""
         self.released, self._sent = self._clock.monotonic(), None
 
-    def expect_rest(self, sent: float) -> None:
-        """Take the robot for disobedient if it moves from now on without having stood.
+    def expect_standstill(self, sent: float) -> None:
+        """Expect the robot to stop, at least once, within OBEYED (rule 5).
 
         Args:
             sent: Monotonic time at which the STOP left.
@@ -99,14 +98,14 @@ class StopLatch:
         self._sent = sent
 
     def add_stopped_early(self, node: str) -> None:
-        """Count a node among the holders: its host told it of the STOP before anything else."""
+        """Count a node among the holders, which has carried out the STOP before it spins."""
         self._stopped_early.add(node)
         self.check_holders()
 
     def stopped_elsewhere(self, console: str, turn: int) -> None:
-        """Take another console's word that the robot has confirmed its STOP.
+        """Hold a STOP that another console reports as confirmed.
 
-        If the robot reports its stops itself, its report is waited for.
+        A robot that reports its stops decides itself: then this does nothing.
 
         Args:
             console: The other console.
@@ -120,10 +119,10 @@ class StopLatch:
             self._on_change()
 
     def released_elsewhere(self, console: str) -> None:
-        """Take another console's word that it has released the STOP.
+        """Handle the report of another console that it has released the STOP.
 
-        It ends the STOP if that console sent it, or the robot reports its stops; otherwise the
-        STOP is no longer certain.
+        If that console sent the STOP, or the robot reports its stops, the STOP is over. Otherwise
+        it is no longer certain.
         """
         if self._reports_stop or (self._other_console == console and self.state is Latch.HELD):
             self.state = Latch.NONE
@@ -132,6 +131,7 @@ class StopLatch:
             self._cast_lasting_doubt(f"console {console} released it")
 
     def _cast_lasting_doubt(self, why: str) -> None:
+        """Make a STOP uncertain, whatever its nodes do from now on (rule 3)."""
         if self.state is not Latch.NONE and not self._lasting_doubt:
             self.state, self.doubt, self._lasting_doubt = Latch.UNCERTAIN, why, why
             self._on_change()
@@ -141,8 +141,8 @@ class StopLatch:
         if self.state is Latch.NONE or not self._service or self._lasting_doubt:
             return
         now, before = self._graph.holders(self._service), (self.state, self.doubt)
-        told = {node: ids for node, ids in now.items() if node in self._stopped_early}
-        expected = {**self._holders, **told}
+        stopped_early = {node: ids for node, ids in now.items() if node in self._stopped_early}
+        expected = {**self._holders, **stopped_early}
         if not self._holders or now == expected:
             self._holders, self.state, self.doubt = now, Latch.HELD, ""
             self._stopped_early -= now.keys()
@@ -157,7 +157,7 @@ class StopLatch:
             self._on_change()
 
     def on_motion(self, motion: Motion) -> None:
-        """Take in what the robot reports of itself. Only for a robot whose one node reports it."""
+        """Record a message about the motion; call it only if a single node publishes it."""
         self._reports_stop = motion.stopped is not None
         is_released = self._reported and motion.stopped is False
         self._reported = bool(motion.stopped)

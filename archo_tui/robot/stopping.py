@@ -4,10 +4,10 @@ The rules, each of which is checked in one method:
 
 1. A STOP waits for nothing but a server of its service: `_find_server`, `_call`.
 2. It is confirmed only when all servers have said yes (`stop_answers.py`), or the robot reports
-   that it is stopped: `_take`, `on_motion`.
+   that it is stopped: `_record_result`, `on_motion`.
 3. One that is not confirmed stays open, and is sent again while the robot is heard and not every
    server has answered, or as soon as there is a server: `must_repeat`, `send_again`.
-4. An answer counts for the call that it belongs to, however late it comes: `_take`.
+4. An answer counts for the call that it belongs to, however late it comes: `_record_result`.
 5. A STOP is past when a release or a goal is accepted that left after it, and never by one that
    left before it: `accepted`, `is_behind`.
 
@@ -35,7 +35,7 @@ from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # Seconds that the answers of several servers are waited for.
 FIRST_FOUND = 5.0  # Seconds from the start in which the robot may not be found yet.
-_FIND_PERIOD = 0.1  # Seconds between two looks for a server.
+_FIND_PERIOD = 0.1  # Seconds between two questions whether there is a server.
 
 
 class Stopping:
@@ -55,7 +55,7 @@ class Stopping:
         graph: Graph,
         checks: InterfaceChecks,
         on_change: Callable[[], None],
-        tell: Callable[[str, Code], None],
+        report: Callable[[str, Code], None],
     ) -> None:
         """Send nothing yet.
 
@@ -67,11 +67,11 @@ class Stopping:
             graph: Tells which services are offered.
             checks: Tell the types of services.
             on_change: Called when `open` or `latch` has changed.
-            tell: Called with the text and code of an outcome that nobody waits for.
+            report: Called with the text and code of an outcome that no verb waits for any more.
         """
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._checks = pending, graph, checks
-        self._on_change, self._tell = on_change, tell
+        self._on_change, self._report = on_change, report
         self._begun = clock.monotonic()
         self.open: OpenStop | None = None
         self.latch = StopLatch("" if stop is None else stop.service, clock, graph, on_change)
@@ -94,12 +94,12 @@ class Stopping:
         when = "now" if self.open.answer == StopAnswer.NOT_SENT else "again"
         outcome, is_news = await self._send()
         if is_news:
-            self._tell(f"STOP, sent {when}: {outcome.text}", outcome.code)
+            self._report(f"STOP, sent {when}: {outcome.text}", outcome.code)
 
     async def send_after_late_answer(self) -> None:
         """Send STOP again: an earlier request, perhaps a release, was answered after it."""
         outcome = await self.send()
-        self._tell(f"STOP, sent again behind an earlier command: {outcome.text}", outcome.code)
+        self._report(f"STOP, sent again behind an earlier command: {outcome.text}", outcome.code)
 
     async def _send(self) -> tuple[Outcome, bool]:
         """Make one call; return its outcome, and True if that changes what is shown."""
@@ -110,18 +110,18 @@ class Stopping:
         self._on_change()
 
         def on_late_result(result: StopResult) -> None:
-            if self._take(result, turn, sent):
-                self._tell(f"STOP, answered late: {result.outcome.text}", result.outcome.code)
+            if self._record_result(result, turn, sent):
+                self._report(f"STOP, answered late: {result.outcome.text}", result.outcome.code)
 
         try:
             await self._find_server(self._stop.service)
             result = await self._call(self._stop, on_late_result)
         except Exception as error:  # Whatever failed, nothing was stopped.
             result = not_sent(Code.REFUSED, in_one_line(error))
-        return result.outcome, self._take(result, turn, sent)
+        return result.outcome, self._record_result(result, turn, sent)
 
-    def _take(self, result: StopResult, turn: int, sent: float) -> bool:
-        """Take in the result of one call (rules 2 and 4).
+    def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
+        """Record the result of one call (rules 2 and 4).
 
         Args:
             result: What its servers answered.
@@ -140,11 +140,11 @@ class Stopping:
         if self.open is None:  # Another call was confirmed meanwhile.
             return False
         if result.outcome.ok:
-            self.latch.expect_rest(self.open.asked)
+            self.latch.expect_standstill(self.open.asked)
             self.close()
             return True
         if turn <= self._answered_turn and self.open.answer != StopAnswer.NONE:
-            return False  # A later call has more to tell.
+            return False  # A later call was answered already.
         before, self._answered_turn = self.open, turn
         self.open = OpenStop(before.asked, result.answer, result.why)
         self._on_change()
@@ -153,14 +153,17 @@ class Stopping:
     def is_behind(self, turn: int) -> bool:
         """Return True if a STOP left after the request of that turn, or is about to leave.
 
-        Which of the two the robot obeys last is open: a busy server may take waiting requests in
-        an order of its own.
+        The robot may obey the request last: a busy server takes waiting requests in any order.
         """
         is_before_open = self.open is not None and turn < self._first_turn
         return is_before_open or (self._last_turn is not None and turn <= self._last_turn)
 
     def accepted(self, turn: int) -> None:
-        """Take in that a release or a goal of that turn was accepted: STOPs before it are past."""
+        """Record that a release or a goal was accepted: earlier STOPs are past (rule 5).
+
+        Args:
+            turn: The number of its request.
+        """
         if self.is_behind(turn) or turn <= self.latch.other_turn:
             return
         self._last_turn = None
@@ -169,9 +172,9 @@ class Stopping:
             self.close()
 
     def stopped_elsewhere(self, console: str) -> None:
-        """Take another console's word that the robot has confirmed its STOP.
+        """Record that another console reports that the robot has confirmed its STOP.
 
-        It ends the goals from before it, as one of ours does.
+        The goals from before it must end, as with a STOP of this console.
         """
         if self._stop is None:
             return
@@ -180,12 +183,12 @@ class Stopping:
         self.latch.stopped_elsewhere(console, self._services.turn())
 
     def on_motion(self, motion: Motion) -> None:
-        """Take in what the robot reports of itself. Only for a robot whose one node reports it."""
+        """Record a message about the motion; call it only if a single node publishes it."""
         if self.open is not None and motion.stopped:
-            self.latch.expect_rest(self.open.asked)
+            self.latch.expect_standstill(self.open.asked)
             if self.open.answer == StopAnswer.NONE:
                 text = "STOP, sent again: the robot says that it is stopped"
-                self._tell(text, Code.DONE)
+                self._report(text, Code.DONE)
             self.close()
         self.latch.on_motion(motion)
 
@@ -196,9 +199,9 @@ class Stopping:
 
     @property
     def must_repeat(self) -> bool:
-        """True if the robot may not have got the open STOP.
+        """True if the open STOP must be sent again.
 
-        Not every server has answered; or there was no server, and now there is one.
+        Not every server has answered, or there was no server and now there is.
         """
         if self._stop is None or self.open is None:
             return False
@@ -208,9 +211,9 @@ class Stopping:
 
     @property
     def obeyed_since(self) -> float | None:
-        """The time the last confirmed STOP left, in monotonic s, once goals from before must end.
+        """The monotonic time at which the last confirmed STOP left: older goals must have ended.
 
-        None: there was none, or the robot still has time to end them.
+        None if there was no STOP, or it was confirmed less than OBEYED ago.
         """
         if self._confirmed is None:
             return None

@@ -90,7 +90,7 @@ class Stops:
 
     @property
     def count_when_typed(self) -> int:
-        """The count when the input was read that is being carried out; without one, `count`."""
+        """The value of `count` when the input was read that is being carried out now."""
         typed_at = self._typed_at.get()
         return self.count if typed_at is None else typed_at
 
@@ -104,7 +104,7 @@ class Stops:
             self._typed_at.reset(before)
 
     def set_typed_at(self, count: int | None) -> None:
-        """Set what `typed_at` sets, until the next call in this context."""
+        """Set the count at which this input was read, until the next call in this context."""
         self._typed_at.set(count)
 
     def is_void(self, count: int) -> bool:
@@ -112,7 +112,7 @@ class Stops:
         return count < self.count
 
     def gate(self) -> Gate:
-        """Return the last check of a request that comes from what is being carried out."""
+        """Return the last check for a request that the present input causes."""
         return Gate(self, self.count_when_typed, self.sent_elsewhere)
 
 
@@ -136,7 +136,7 @@ class Gate(NamedTuple):
         return self.stops.is_void(self.count_when_typed) or is_stopped_elsewhere
 
     def __call__(self) -> None:
-        """Check.
+        """Pass the gate just before the request is sent.
 
         Raises:
             Void: The gate is shut.
@@ -146,7 +146,7 @@ class Gate(NamedTuple):
 
 
 class RateLimit:
-    """Two STOPs a second at most, while nothing else is requested between them."""
+    """A limit of two STOPs a second, for STOPs with nothing else requested between them."""
 
     def __init__(self) -> None:
         self._sent = deque([-MIN_INTERVAL] * 2, maxlen=2)  # Monotonic seconds of the last two.

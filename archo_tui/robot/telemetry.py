@@ -81,7 +81,7 @@ class _Subscription(NamedTuple):
     subscription: Any = None
 
 
-class Kept(NamedTuple):
+class SavedReadings(NamedTuple):
     """All readings at one moment, to return to."""
 
     battery: Battery
@@ -170,15 +170,16 @@ class Telemetry:
         self.faults = faults
 
     def _make_readers(self) -> Iterator[_Reader]:
+        """Yield a reader for each reading that the robot file names."""
         battery, motion = self._robot.battery, self._robot.motion
         if battery is not None:
-            types = {kind: _given(fields) for kind, fields in battery.types.items()}
+            types = {kind: _named_fields(fields) for kind, fields in battery.types.items()}
             yield _Reader("battery", battery.topic, types, self._on_battery)
         if motion is not None:
-            types = {kind: _given(fields) for kind, fields in motion.types.items()}
+            types = {kind: _named_fields(fields) for kind, fields in motion.types.items()}
             yield _Reader("motion", motion.topic, types, self._on_motion)
         if (pose := self._robot.pose) is not None:
-            types = {kind: _given(fields) for kind, fields in pose.types.items()}
+            types = {kind: _named_fields(fields) for kind, fields in pose.types.items()}
             yield _Reader("pose", pose.topic, types, self._on_pose)
         if topic := self._robot.diagnostics:
             yield _Reader("diagnostics", topic, {diagnostics.TYPE: {}}, self._on_diagnostics)
@@ -216,9 +217,9 @@ class Telemetry:
             reading._replace(period=known.get(place)) for place, reading in enumerate(self.gauges)
         )
 
-    def kept(self) -> Kept:
-        """Return all readings, for `put_back`."""
-        return Kept(
+    def saved(self) -> SavedReadings:
+        """Return a copy of all readings, for `restore`."""
+        return SavedReadings(
             self.battery,
             self.motion,
             self.pose,
@@ -228,11 +229,11 @@ class Telemetry:
             dict(self._periods),
         )
 
-    def put_back(self, kept: Kept) -> None:
-        """Restore readings that `kept` returned."""
-        self.battery, self.motion, self.pose, self.gauges = kept[:4]
-        self.diagnostics, self.charge = kept.diagnostics.copy(), kept.charge
-        self._periods = dict(kept.periods)
+    def restore(self, saved: SavedReadings) -> None:
+        """Set all readings to those that `saved` returned."""
+        self.battery, self.motion, self.pose, self.gauges = saved[:4]
+        self.diagnostics, self.charge = saved.diagnostics.copy(), saved.charge
+        self._periods = dict(saved.periods)
 
     def _usable(
         self, reader: _Reader, publishers: Sequence[Any], faults: dict[str, str]
@@ -368,6 +369,7 @@ class Telemetry:
         return _news(last, new, *_GAUGE)
 
     def _measured(self, key: object, now: float) -> float | None:
+        """Count a message at `now`, and return the typical interval; both in seconds."""
         self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
         return self._periods[key].typical
 
@@ -378,6 +380,7 @@ class Telemetry:
         return self._periods.get(key, Period()).grace
 
     def _fixed(self, topic: Any) -> float | None:
+        """Return the period in seconds that the robot file gives; None if it gives none."""
         return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
@@ -402,8 +405,8 @@ def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter
     return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
 
 
-def _given(fields: Any) -> dict[str, Fields]:
-    """Return the fields that a message type has, by the name of the value."""
+def _named_fields(fields: Any) -> dict[str, Fields]:
+    """Return the fields that the robot file names, by reading; it may leave some out."""
     return {name: field for name, field in vars(fields).items() if field is not None}
 
 

@@ -31,7 +31,7 @@ def mapping(text: str) -> dict[str, Any]:
 
 
 def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str, Any]:
-    """Parse `field=value ...`, or one YAML mapping.
+    """Return the request that was typed: `field=value ...`, or one YAML mapping.
 
     Args:
         service: The name of the service, for errors.
@@ -51,7 +51,7 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
     return forms.parse_all(fields, {}, texts)
 
 
-def written(request: Request) -> str:
-    """Return a request as it is typed: `e_stop_on=true`."""
+def as_typed(request: Request) -> str:
+    """Return a request of the robot file as an operator types it: `e_stop_on=true`."""
     texts = {name: str(v).lower() if isinstance(v, bool) else v for name, v in request.items()}
     return " ".join(f"{name}={text}" for name, text in texts.items())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from archo_tui.robot.state import Snapshot
-from archo_tui.robot.typed_request import typed_request, written
+from archo_tui.robot.typed_request import as_typed, typed_request
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import Verb
@@ -79,7 +79,7 @@ def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Calle
     if len(meant) > 1:
         raise ValueError(f"{service} is called by several: type {_either(meant)}")
     if not meant:
-        ways = " or ".join(f"{written(verb.request)} ({verb.id})" for verb in found)
+        ways = " or ".join(f"{as_typed(verb.request)} ({verb.id})" for verb in found)
         raise ValueError(f"{service} needs {ways}")
     return meant[0]
 

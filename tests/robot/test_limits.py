@@ -28,7 +28,7 @@ def shelves(value: Any) -> Parameter:
 def said(
     limits: Limits, now: float, *parameters: Parameter, nodes: Any = (MOTOR,)
 ) -> list[tuple[str, str]]:
-    return list(limits.unknown(now, OFFERED, "/", nodes, parameters))
+    return list(limits.unknown_limits(now, OFFERED, "/", nodes, parameters))
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_it_is_said_again_when_it_was_known_meanwhile() -> None:
 def test_of_a_goal_that_nobody_serves_nothing_is_said() -> None:
     limits = Limits(ARCHO)
     for now in (0.0, 10.0):
-        assert list(limits.unknown(now, (), "/", (), ())) == []
+        assert list(limits.unknown_limits(now, (), "/", (), ())) == []
 
 
 def test_a_node_that_is_named_from_the_root_is_not_of_the_namespace() -> None:
@@ -79,7 +79,7 @@ def test_a_node_that_is_named_from_the_root_is_not_of_the_namespace() -> None:
     form = {"shelf_number": FormField("Shelf", high=ParameterRef("/fleet", "racks"))}
     limits = Limits(replace(ARCHO, goals=(replace(shelf, form=form),)))
     for now in (0.0, 10.0):
-        told = list(limits.unknown(now, OFFERED, "/tb1", (), ()))
+        told = list(limits.unknown_limits(now, OFFERED, "/tb1", (), ()))
     assert [line for _, line in told] == [
         "Shelf has no upper limit yet: fleet is no node of the namespace /tb1 ()"
     ]

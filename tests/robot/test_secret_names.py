@@ -30,21 +30,21 @@ OPEN = [
 
 @pytest.mark.parametrize("name", SECRET)
 def test_words_of_a_name_make_it_a_secret(name: str) -> None:
-    assert SecretNames().fit(name)
+    assert SecretNames().matches(name)
 
 
 @pytest.mark.parametrize("name", OPEN)
 def test_parts_of_words_do_not(name: str) -> None:
-    assert not SecretNames().fit(name)
+    assert not SecretNames().matches(name)
 
 
 def test_a_file_adds_words(tmp_path: Path) -> None:
     file = tmp_path / "secret_names.txt"
-    assert not load(file).fit("door_pin")  # nor is a file needed
+    assert not load(file).matches("door_pin")  # nor is a file needed
     file.write_text("# ours\nPIN  # of doors\nwifi ssid\nSchlüssel\n\n", encoding="utf-8")
     names = load(file)
-    assert all(map(names.fit, ("door_pin", "wifi_ssid", "home.wifiSsid", "schlüssel", "token")))
-    assert not any(map(names.fit, ("spin", "ssid", "wifi_channel", "of", "ours")))
+    assert all(map(names.matches, ("door_pin", "wifi_ssid", "home.wifiSsid", "schlüssel", "token")))
+    assert not any(map(names.matches, ("spin", "ssid", "wifi_channel", "of", "ours")))
 
 
 def test_a_list_that_cannot_be_read_is_said(tmp_path: Path) -> None:
