@@ -156,7 +156,7 @@ class HostedNode:
         The constructor may spin the node and never return.
         """
         with contextlib.suppress(Exception):  # The constructor may not have come that far.
-            return tuple(sorted({name for node in self._begun for name in _served(node)}))
+            return tuple(sorted({name for node in self._begun for name in _served_names(node)}))
         return ()
 
     def wait(self) -> bool:
@@ -247,7 +247,7 @@ class HostedNode:
         name = self.node.get_fully_qualified_name()
         self._executor, self._workers = self._main_executor(name)
         self._executor.add_node(self.node)
-        serves = _served(self.node)
+        serves = _served_names(self.node)
         self.state = self.state._replace(name=name, life=Life.UP, serves=serves)
         self._name = name
 
@@ -267,7 +267,10 @@ class HostedNode:
         return multi_threaded(self._context, self.make.threads, name, begin)
 
     def _on_added(self, node: Node) -> None:
-        """React to user code that is about to spin a node, by `rclpy.spin` and its like."""
+        """Stop a node that its constructor is about to spin, or warn of a nested spin.
+
+        Called before user code spins a node, by `rclpy.spin` and the like.
+        """
         if not self._is_over.is_set():
             if self._begun and not self._has_returned:
                 self._on_early(self)
@@ -456,8 +459,8 @@ def _destroy(node: Node) -> None:
     node.destroy_node()
 
 
-def _served(node: Node) -> tuple[str, ...]:
-    """Return the services and actions of a node, without the services of its parameters."""
+def _served_names(node: Node) -> tuple[str, ...]:
+    """Return the full names of a node's services and actions, without those of its parameters."""
     own = f"{node.get_fully_qualified_name()}/"
     names = {service.service_name for service in node.services}
     services = {name for name in names if not name.startswith(own) and "/_action/" not in name}
@@ -516,7 +519,7 @@ class Host:
             self.nodes.append(hosted)
 
     def _hosted(self, make: Callable[..., Any], rename: str = "") -> HostedNode:
-        callbacks = self._on_crashed, self._on_event, self._on_made_late, self._tell_stop_early
+        callbacks = self._on_crashed, self._on_event, self._on_made_late, self._carry_out_stop_early
         return HostedNode(make, self._context, *callbacks, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
@@ -667,11 +670,11 @@ class Host:
         Returns:
             What became of the STOP; the text goes on after `NODE started`.
         """
-        outcome = self._tell_stop(new)
+        outcome = self._carry_out_stop(new)
         new.start()
         return outcome
 
-    def _tell_stop(self, new: HostedNode) -> Outcome:
+    def _carry_out_stop(self, new: HostedNode) -> Outcome:
         """Make a new node carry out a STOP that is not released, if it serves it.
 
         Returns:
@@ -688,14 +691,14 @@ class Host:
         self._on_early_stop(new.name)
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
-    def _tell_stop_early(self, new: HostedNode) -> None:
+    def _carry_out_stop_early(self, new: HostedNode) -> None:
         """Make a node carry out a STOP that is not released before its constructor spins it.
 
         This is done at the first spin behind that STOP; later the node gets the request itself.
         """
         is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
-            self._tell_stop(new)
+            self._carry_out_stop(new)
 
     def _on_made_late(self, hosted: HostedNode) -> None:
         """Start a late node, which may replace a node of the robot's own of the same name.

@@ -43,9 +43,12 @@ _OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the 
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the first line of an error's text, or what it means if rcl does not say that."""
+    """Return the first line of an error's text; explain a topic that has two types in a process.
+
+    Fast DDS reports the two types as an incompatible type or an invalid allocator.
+    """
     text = (str(error).splitlines() or [""])[0]
-    if any(two in text for two in _TWO_TYPES):
+    if any(sign in text for sign in _TWO_TYPES):
         return f"{text.partition(':')[0]}: {_ONE_TYPE}"
     return text
 
@@ -120,35 +123,37 @@ class FileNode:
         try:
             node.__init__(*self._call.args, **given)  # type: ignore[misc]
         except BaseException as error:
-            why = None if _is_made(node) else self._why_unmade(error)
+            why = None if _is_made(node) else self._constructor_fault(error)
             if why is not None:
                 raise why from error
             with contextlib.suppress(Exception):  # The constructor may not have come that far.
                 node.destroy_node()  # Otherwise half of it stays on the graph, with its name.
             raise
         if not _is_made(node):
-            raise self._unmade()
+            raise self._missing_super_error()
         return node
 
-    def _why_unmade(self, error: BaseException) -> NodeFileError | None:
-        """Return what was done wrong if rclpy's `__init__` did not run.
+    def _constructor_fault(self, error: BaseException) -> NodeFileError | None:
+        """Return an error that explains why a constructor failed before rclpy's `__init__` ran.
+
+        The class does not call that `__init__`, or its own needs other arguments.
 
         Args:
             error: The error of the constructor.
 
         Returns:
-            The error to raise instead; None if the error says by itself what is wrong.
+            The error to raise instead; None if the constructor's error explains itself.
         """
         stack = traceback.extract_tb(error.__traceback__)
         own = [self.file.is_own(frame.filename) for frame in stack]
         # rclpy lacks an attribute that its __init__ would have made.
         if isinstance(error, AttributeError) and not own[-1]:
-            return self._unmade()
+            return self._missing_super_error()
         if not isinstance(error, TypeError) or any(own):
             return None
         init = code_of(self._node_class.__init__)
         if init is None or not self.file.is_own(init.co_filename):
-            return self._unmade()
+            return self._missing_super_error()
         if self._call.line:
             where, call = f"{self.file}:{self._call.line}", self._call.text
             return NodeFileError(f"{where}: TypeError: {error}, in: {call}")
@@ -156,7 +161,8 @@ class FileNode:
         hint = f"a node is made without arguments, as {self._node_class.__name__}()"
         return NodeFileError(f"{where}: TypeError: {error}: {hint}")
 
-    def _unmade(self) -> NodeFileError:
+    def _missing_super_error(self) -> NodeFileError:
+        """Return the error for a class that does not call the `__init__` of Node."""
         line, what = self.file.source.missing_super_init(self._node_class.__name__)
         return NodeFileError(f"{self.file}:{line}: {what}")
 
@@ -231,14 +237,14 @@ class NodeFile:
         try:
             nodes = self._run_limited(self._run, IMPORT_TIME, "its import")
         except ArchoError:
-            for name in self._own(known):
+            for name in self._imported_modules(known):
                 del sys.modules[name]
             sys.modules.update(before)
             self._failed = True
             raise
         else:
             self._before = before
-            self._modules = {name: sys.modules[name] for name in self._own(known)}
+            self._modules = {name: sys.modules[name] for name in self._imported_modules(known)}
         finally:
             self.loaded = self.current_stamps()
         return nodes
@@ -252,8 +258,8 @@ class NodeFile:
         self._failed = True
         self.loaded = self.current_stamps()
 
-    def _own(self, known: set[str]) -> list[str]:
-        """Return the names of the modules in the file's folder that are not in `known`."""
+    def _imported_modules(self, known: set[str]) -> list[str]:
+        """Return the names of imported modules from the file's folder that are not in `known`."""
         return [
             name
             for name, module in list(sys.modules.items())

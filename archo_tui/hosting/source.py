@@ -194,6 +194,7 @@ class Source:
                         yield alias.asname or alias.name.partition(".")[0]
 
     def _calls(self, *roots: ast.AST) -> Iterator[ast.Call]:
+        """Yield every call in parts of the tree."""
         for root in roots:
             for node in ast.walk(root):
                 if isinstance(node, ast.Call):
