@@ -263,7 +263,7 @@ class Plain:
             while True:
                 await self._conditions.wait(may_go_on)
                 if is_slow() and not running.done():
-                    self._let_run_beside(running)
+                    self._run_beside_later_lines(running)
                     return
                 if running.done() or (cancel := self._input.take()) is None:
                     break
@@ -280,8 +280,8 @@ class Plain:
         has_goal = self._station.running_goal is not None
         return has_goal and self._input.is_cancel_next and not self._is_asking
 
-    def _let_run_beside(self, running: asyncio.Future[None]) -> None:
-        """Have the end wait for a line that later lines no longer wait for."""
+    def _run_beside_later_lines(self, running: asyncio.Future[None]) -> None:
+        """Let a slow line run beside later lines; the end of the input still waits for it."""
         self._running_beside += 1
         self._tasks.add(running)
 
@@ -436,15 +436,15 @@ class Plain:
     # What the station calls (`station.Frontend`).
 
     def carry_out(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work as a task beside the others."""
+        """Run work as a task beside the others; the end of the input does not wait for it."""
         self._start(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work as `carry_out` does: the end waits for neither."""
+        """Run work exactly as `carry_out` does."""
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print why a goal of the queue was refused: no line waits for its answer."""
+        """Print why a goal of the queue was refused, which no line waits to hear."""
         if not outcome.ok:
             self._print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()

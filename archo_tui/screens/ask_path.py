@@ -68,6 +68,7 @@ class AskPath(Form):
         self.field.fill(self._default if self._index < 0 else self._recent[self._index])
 
     def submit(self, typed: str) -> None:
+        """Begin the work with the typed path, or show why it is no path."""
         try:
             path = typed_path(typed.strip())
         except ArchoError as error:

@@ -41,6 +41,7 @@ class Choice(NamedTuple):
 
 
 def _harmless(choices: Sequence[Choice]) -> list[Choice]:
+    """Return the choices with titles that are safe to show."""
     return [choice._replace(title=harmless(choice.title)) for choice in choices]
 
 
@@ -129,6 +130,7 @@ class Choose(Dialog[None]):
         self._show_matches()
 
     def _matches(self) -> Sequence[Choice]:
+        """Return the choices that match the typed text."""
         return matching_rows(
             self._narrow.value, self._all, lambda choice: (choice.title, choice.words)
         )

@@ -86,7 +86,7 @@ class Help(Dialog[None]):
         self.call_after_refresh(self._draw)
 
     def show_view(self, view: View) -> None:
-        """Show the present reasons."""
+        """Show the present reasons why commands cannot run."""
         entries = self._list_entries()
         if entries != self._entries:
             self._entries = entries

@@ -266,15 +266,17 @@ class MainScreen(Base[None]):
         self.call_after_refresh(self._show_focused)
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
+        """Keep Textual from setting all styles again before the first layout."""
         if not self._is_laid_out:
-            event.refresh_styles = False  # All of them were just set.
+            event.refresh_styles = False
 
     def _screen_resized(self, size: Size) -> None:
-        # Otherwise the layout for this size is done, and was not drawn yet.
+        """Lay out the screen, unless the first layout was already made for this size."""
         if self._is_laid_out or size != self.outer_size:
             super()._screen_resized(size)
 
     def on_resize(self) -> None:
+        """Decide which panels have room, and draw and scroll once they are laid out."""
         self._fit()
         self.call_after_refresh(self._after_layout)
 
@@ -302,7 +304,7 @@ class MainScreen(Base[None]):
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Focus what had the focus before a field, or the parameters if that is not possible."""
+        """Focus the widget that had the focus before a field; the parameters if it has no room."""
         before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
         if isinstance(self.focused, Search):
@@ -358,6 +360,7 @@ class MainScreen(Base[None]):
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
+        """Draw a panel again for its new size."""
         if self._view is not None and self._is_filled:
             self._show_panel(message.panel, self._view)
 

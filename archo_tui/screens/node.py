@@ -25,7 +25,10 @@ _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
 class NodeDialog(Dialog[None]):
-    """A text that the arrows scroll, and a button for each log level, which tab reaches."""
+    """The details of a node, and a button for each level of its log.
+
+    The arrows scroll the details; tab reaches the buttons.
+    """
 
     BINDINGS = [
         ("escape,enter,q", "close", "Close"),
@@ -95,6 +98,7 @@ class NodeDialog(Dialog[None]):
             start_worker(self, self._ask, _GROUP)
 
     async def _ask(self) -> None:
+        """Ask the graph and the node for the details, and show them."""
         await self._show(await self._describe())
 
     async def _show(self, answer: NodeInfo | Outcome) -> None:
