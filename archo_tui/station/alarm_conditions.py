@@ -235,6 +235,7 @@ def _motion_conditions(snapshot: Snapshot, now: float) -> _Conditions:
 
 
 def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
+    """Yield an alarm for each gauge whose reading is beyond a limit, while it is not old."""
     for reading in snapshot.gauges:
         if reading.warns and not reading.is_old(now):
             title, unit = reading.gauge.title, reading.gauge.unit

@@ -79,4 +79,5 @@ class Ledger:
 
 
 def _goals(snapshot: Snapshot) -> list[Goal]:
+    """Return the goal of a snapshot, and those that have ended."""
     return [goal for goal in (snapshot.goal, *snapshot.history) if goal is not None]

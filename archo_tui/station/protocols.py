@@ -18,10 +18,10 @@ class Frontend(Protocol):
     """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work whose answer the end of the frontend waits for."""
+        """Start work that the operator wants; the app waits for its answer before it ends."""
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work that the end of the frontend does not wait for."""
+        """Start work of another program; no front end waits for it before it ends."""
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
         """Show how the robot answered a goal of the queue, which no verb waits for any more."""

@@ -532,10 +532,10 @@ class Station:
                 await self.cancel()
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Cancel our goal, on its way or running.
+        """Cancel the goal of this console, on its way or running.
 
         Args:
-            another: Also cancel a goal that another client sent.
+            another: True to cancel the running goal of another client, not one of this console.
         """
         if self.ledger.goal is None or self.ledger.is_handed_over:
             return await self.robot.cancel(another=another)

@@ -144,4 +144,5 @@ class UndoList:
 
 
 def _values(snapshot: Snapshot, node: str) -> dict[str, Any]:
+    """Return the values of a node's parameters by name."""
     return {p.name: p.value for p in snapshot.parameters if p.node == node}
