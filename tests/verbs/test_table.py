@@ -41,6 +41,7 @@ WORDS = {
     "save": "/dev/null/x", "load": "/dev/null/x", "shelve": "stopped", "ack": "",
     "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
     "log_level": "motor_controller debug",
+    "lifecycle": "motor_controller activate",
 }  # fmt: skip
 
 
