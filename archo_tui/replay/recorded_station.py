@@ -8,7 +8,17 @@ from typing import Any, NoReturn, cast
 from archo_tui.clock import Clock
 from archo_tui.replay.player import Player
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import ACTION, SERVICE, TOPIC, Hosted, Names, NodeInfo, Snapshot
+from archo_tui.robot.state import (
+    ACTION,
+    SERVICE,
+    TOPIC,
+    Hosted,
+    Names,
+    NodeInfo,
+    Snapshot,
+    TopicEnd,
+    TopicInfo,
+)
 from archo_tui.robot.stops import Stops
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
@@ -44,6 +54,15 @@ class RecordedRobot:
     async def emergency_stop(self) -> Outcome:
         """Refuse, since a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)
+
+    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
+        """Return who published a topic and which ends did not fit, as far as it was recorded."""
+        resource = next((r for r in self.snapshot.resources if r.name == topic), None)
+        if resource is None:
+            return Outcome(Code.REFUSED, "not on the graph")
+        types = ", ".join(resource.types)
+        ends = tuple(TopicEnd(node, types, "QoS not recorded") for node in resource.nodes)
+        return TopicInfo(ends, (), resource.mismatches)
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
         """Return what a node published and served, as far as it was recorded."""

@@ -27,6 +27,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot import audit_records, message_classes, messages, ros2_command, services
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import own_name
+from archo_tui.robot.endpoints import topic_info
 from archo_tui.robot.fields import filled
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_watcher import GoalWatcher
@@ -58,6 +59,7 @@ from archo_tui.robot.state import (
     Latch,
     NodeInfo,
     Snapshot,
+    TopicInfo,
     TypedField,
     values_text,
 )
@@ -527,6 +529,27 @@ class Robot:
             return Outcome(Code.TIMEOUT, _NO_ANSWER)
         except Exception as error:  # rclpy raises a dozen types, as for names that DDS allows.
             return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
+        """Return the publishers and subscriptions of a topic, or why they are not known.
+
+        Args:
+            topic: Its full name.
+        """
+
+        async def there() -> TopicInfo:
+            node = self._node
+            return topic_info(
+                topic,
+                node.get_publishers_info_by_topic(topic),
+                node.get_subscriptions_info_by_topic(topic),
+                node.get_fully_qualified_name(),
+            )
+
+        try:
+            return await self._thread.run(there, _QUESTION_TIMEOUT)
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
 
     async def _describe(self, node: str) -> NodeInfo | None:
         found = await self._nodes.describe(node)

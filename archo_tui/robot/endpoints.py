@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from archo_tui.robot.state import in_namespace
+from archo_tui.robot.state import TopicEnd, TopicInfo, in_namespace
 from archo_tui.ros_names import package_of
 
 # A policy with the values of a subscription and of a publisher that DDS does not match.
@@ -44,6 +44,27 @@ def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def topic_info(
+    topic: str, publishers: Sequence[Any], subscriptions: Sequence[Any], console: str
+) -> TopicInfo:
+    """Return all ends of a topic, and those that do not fit.
+
+    The arguments are those of `mismatches`.
+    """
+    shown = [end for end in subscriptions if "/_" not in _node(end) or _node(end) == console]
+    return TopicInfo(
+        tuple(sorted(map(_end, publishers))),
+        tuple(sorted(map(_end, shown))),
+        mismatches(topic, publishers, subscriptions, console),
+    )
+
+
+def _end(info: Any) -> TopicEnd:
+    qos = info.qos_profile
+    words = f"{qos.reliability.name}, {qos.durability.name}"
+    return TopicEnd(_node(info), info.topic_type, words)
 
 
 def mismatches(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from archo_tui.robot.state import TOPIC, Resource
+from archo_tui.robot.state import TOPIC, Resource, TopicInfo
 from archo_tui.ros_names import base_name
 from archo_tui.station.view import View
+from archo_tui.words.state import OLD, PLAIN, WARN, Spans
 
 SILENT = "silent"
 
@@ -59,8 +60,24 @@ class ResourceRow(NamedTuple):
             lines.append(f"{does:<14}nobody")
         if is_topic:
             lines.append(f"{'rate':<14}{self.rate or 'not measured by this console'}")
-            lines += [f"{'mismatch':<14}{mismatch}" for mismatch in self.resource.mismatches]
         return "\n".join(lines)
+
+
+def topic_lines(info: TopicInfo) -> Spans:
+    """Return who publishes and who subscribes, each with type and QoS, and what does not fit."""
+    parts = {"publishers": info.publishers, "subscribers": info.subscriptions}
+    width = max((len(end.node) for ends in parts.values() for end in ends), default=0)
+    types = max((len(end.type) for ends in parts.values() for end in ends), default=0)
+    spans: list[tuple[str, str]] = []
+    for title, ends in parts.items():
+        lines = "".join(f"  {end.node:<{width}}  {end.type:<{types}}  {end.qos}\n" for end in ends)
+        spans += [(f"{title}\n", OLD), (lines or "  none\n", PLAIN)]
+    if info.mismatches:
+        spans.append(("does not fit\n", OLD))
+        spans.append(("".join(f"  {text}\n" for text in info.mismatches), WARN))
+    elif info.publishers and info.subscriptions:
+        spans.append(("types and QoS of all of them fit\n", PLAIN))
+    return tuple(spans)
 
 
 def resource_rows(view: View) -> tuple[ResourceRow, ...]:

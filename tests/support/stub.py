@@ -12,7 +12,7 @@ from unittest.mock import patch
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot
+from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot, TopicEnd, TopicInfo
 from archo_tui.robot.stops import Stops
 from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME
@@ -74,6 +74,10 @@ class StubRobot:
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
         return MOTOR if node == "/motor_controller" else Outcome(Code.REFUSED, "not on the graph")
+
+    async def topic_info(self, topic: str) -> TopicInfo:
+        end = TopicEnd("/battery_monitor", "std_msgs/msg/Float32", "RELIABLE, VOLATILE")
+        return TopicInfo((end,), (end._replace(node="/dashboard"),))
 
     def __getattr__(self, verb: str) -> Any:
         async def refuse(*_: Any, **__: Any) -> Outcome:

@@ -18,6 +18,7 @@ from archo_tui.robot.state.resource import ACTION, SERVICE, TOPIC, Resource
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
 from archo_tui.robot.state.telemetry import Battery, Motion, Pose, Reading
+from archo_tui.robot.state.topic_info import TopicEnd, TopicInfo
 from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
@@ -47,6 +48,8 @@ __all__ = [
     "Resource",
     "Snapshot",
     "StopAnswer",
+    "TopicEnd",
+    "TopicInfo",
     "TypedField",
     "in_namespace",
     "level_word",
