@@ -259,7 +259,7 @@ class Session:
 
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
         """Return the user's own files, with what happens when they are saved."""
-        from archo_tui.hosting.host import HostedFile
+        from archo_tui.hosting.hosted_file import HostedFile
 
         kept, note = self.station.edits.values_set, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]

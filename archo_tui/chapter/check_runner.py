@@ -13,7 +13,7 @@ from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from archo_tui.hosting.host import HostedNode
+from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.hosting.node_files import WORDLESS, code_of
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import stack_of

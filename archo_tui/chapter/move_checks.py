@@ -12,7 +12,7 @@ from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from archo_tui.chapter import near_names
 from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
-from archo_tui.hosting.host import HostedNode
+from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.robot import message_classes
 
 MOVE = "move_to_shelf"

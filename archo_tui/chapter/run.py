@@ -61,9 +61,9 @@ def run(
         with Session(given) as session:
             # These import rclpy, so the engine must have been chosen.
             from archo_tui.chapter.checks import run_checks
-            from archo_tui.hosting import host
+            from archo_tui.hosting import hosted_node
 
-            late = session.host.wait_longer(host.CONSTRUCTION_TIME)
+            late = session.host.wait_longer(hosted_node.CONSTRUCTION_TIME)
             if late:
                 raise ArchoError(late[0])
             return run_checks(session, _RADIUS, printed, print_line)

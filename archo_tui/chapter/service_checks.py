@@ -11,7 +11,7 @@ from rclpy.node import Node
 from archo_tui.chapter import near_names
 from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
-from archo_tui.hosting.host import HostedNode
+from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code
 from archo_tui.ros_names import base_name

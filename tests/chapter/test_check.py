@@ -112,7 +112,7 @@ def test_a_learner_is_told(
     expected = Expected(name)
     if "did not return" in expected.refused:
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
-        monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", limit)
+        monkeypatch.setattr("archo_tui.hosting.hosted_node.CONSTRUCTION_TIME", limit)
     monkeypatch.chdir(FOLDER)
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
     code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])

@@ -98,7 +98,7 @@ def hosting(*files: Path, **options: Any) -> Iterator[Session]:
 @pytest.fixture(autouse=True)
 def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = 0.3 if chosen.ENGINE == "embedded" else 3.0
-    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr("archo_tui.hosting.hosted_node.CONSTRUCTION_TIME", limit)
 
 
 def state(session: Session, name: str) -> Hosted:
@@ -125,7 +125,7 @@ def test_a_constructor_is_answered_by_a_node_of_a_later_file() -> None:
 def test_a_constructor_that_waits_for_others_holds_up_nobody(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", 10.0)
+    monkeypatch.setattr("archo_tui.hosting.hosted_node.CONSTRUCTION_TIME", 10.0)
     with hosting(written("lamp.py", LAMP), written("asker.py", ASKER)) as session:
         wait_until(is_up(session, "/asker"))
         waits = "asker.py:14: Asker.__init__ waits for other nodes, in: rclpy.spin_until_future"

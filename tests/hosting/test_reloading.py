@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Static
 
-from archo_tui.hosting.host import HostedNode
+from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.robot.state import Event, Life
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
@@ -260,7 +260,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limit = 3.0 if chosen.ENGINE == "embedded" else 8.0
-    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr("archo_tui.hosting.hosted_node.CONSTRUCTION_TIME", limit)
     # while it is waited for it takes all of a core, from other tests too
     monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
     file = here / "talker.py"
