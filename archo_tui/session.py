@@ -360,7 +360,7 @@ class Session:
                 if name not in taken:
                     self.host.add(kind)
         except expected as error:
-            from archo_tui.hosting.node_files import reason_of
+            from archo_tui.hosting.explain import reason_of
 
             said = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{said}: --only leaves the robot's own nodes out") from None

@@ -13,8 +13,8 @@ from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from archo_tui.hosting.explain import WORDLESS, code_of
 from archo_tui.hosting.hosted_node import HostedNode
-from archo_tui.hosting.node_files import WORDLESS, code_of
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import stack_of
 from archo_tui.robot.state import Life, logger_node
@@ -107,7 +107,7 @@ class CheckRunner:
         for hosted in nodes:
             for thread in hosted.threads():
                 if hosted.file is not None:
-                    where, line = hosted.file.place(stack_of(thread))
+                    where, line = hosted.file.code.place(stack_of(thread))
                     if line:
                         return f"{where}{line}"
         return ""
@@ -128,8 +128,8 @@ class CheckRunner:
         """Return `FILE:LINE: ` of a callback in the nodes' files, or ""."""
         code = code_of(callback)
         for hosted in self._host.nodes:
-            if code and hosted.file is not None and hosted.file.is_own(code.co_filename):
-                return f"{hosted.file.display_name(code.co_filename)}:{code.co_firstlineno}: "
+            if code and hosted.file is not None and hosted.file.code.is_own(code.co_filename):
+                return f"{hosted.file.code.display_name(code.co_filename)}:{code.co_firstlineno}: "
         return ""
 
     def last_exception(self, since: int) -> str:
@@ -149,8 +149,8 @@ class CheckRunner:
             frame = _FRAME.match(line)
             if frame is not None:
                 for hosted in self._host.nodes:
-                    if hosted.file is not None and hosted.file.is_own(frame[1]):
-                        where = f"{hosted.file.display_name(frame[1])}:{frame[2]}"
+                    if hosted.file is not None and hosted.file.code.is_own(frame[1]):
+                        where = f"{hosted.file.code.display_name(frame[1])}:{frame[2]}"
                         text = linecache.getline(frame[1], int(frame[2])).strip()
             elif where and line[:1].strip():
                 yield f"{where}: {WORDLESS.get(line, line)}, in: {text}"

@@ -21,6 +21,7 @@ from rclpy.parameter import Parameter
 import archo_tui
 from archo_tui.errors import in_one_line
 from archo_tui.hosting import global_executor
+from archo_tui.hosting.explain import explain
 from archo_tui.hosting.global_executor import GlobalExecutor
 from archo_tui.hosting.node_files import FileNode, NodeFile, NodeFileError
 from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_limited, stack_of
@@ -138,7 +139,7 @@ class HostedNode:
         state = self.state
         if state.life is not Life.STARTING or self.file is None:
             return state
-        where, line = self.file.place(stack_of(self._thread))
+        where, line = self.file.code.place(stack_of(self._thread))
         place = without_file_name(self.file, f"{where}{line}")
         return state._replace(name=self.name, error=place, serves=self._serves_by_now())
 
@@ -189,7 +190,7 @@ class HostedNode:
     def lateness_text(self) -> str:
         """Return in words where the constructor of a late node is, and what it waits for."""
         assert isinstance(self.make, FileNode)
-        where, line = self.make.file.place(stack_of(self._thread))
+        where, line = self.make.file.code.place(stack_of(self._thread))
         limit = f"did not return within {CONSTRUCTION_TIME:g} s"
         does = limit if self.is_overdue else "waits for other nodes"
         return f"{where}: {self.make.class_name}.__init__ {does}{line}"
@@ -274,7 +275,7 @@ class HostedNode:
         if node.executor is not self._executor or self._was_taken or self.file is None:
             return
         self._was_taken = True
-        where, line = self.file.place(extract_stack())
+        where, line = self.file.code.place(extract_stack())
         name = node.get_name()
         what = f"takes {name} from the executor of main(), which calls nothing of {name} any more"
         self._on_event("WARN", name, f"{where}: {what}: pass executor=self.executor{line}")
@@ -366,7 +367,7 @@ class HostedNode:
         if isinstance(error, NodeFileError):
             self.crash, report = str(error), error.report
         elif self.file is not None:
-            self.crash = self.file.explain(error)[0]
+            self.crash = explain(error, self.file.code, self.file.source)[0]
         if self.file is not None:
             text = without_file_name(self.file, self.crash)
         name = self.name

@@ -11,46 +11,25 @@ import sys
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from traceback import StackSummary
-from types import CodeType, ModuleType
+from types import ModuleType
 from typing import Any, TypeVar
 
-import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
-import archo_tui
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
+from archo_tui.hosting.explain import code_of, explain
 from archo_tui.hosting.main_function import ComputedError, MainFunction, NodeCall, SkippedCall
+from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import Interrupted, TookTooLong, run_limited
-from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps, stamps
 
 T = TypeVar("T")
 
 IMPORT_TIME = 10.0  # Seconds that a file may take to be imported.
-# Errors that rclpy raises without a text, and what they mean.
-WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
-# The texts of rcl for a topic that has another type in this process already, as Fast DDS refuses.
-# The second text is a subscription's, whose own reason rcl overwrites.
-_TWO_TYPES = ("with incompatible type", "Failed to create subscription: invalid allocator")
-_ONE_TYPE = "another node of this process has the topic with another type, and Fast DDS allows one"
-_INTERFACE_SUFFIXES = ("_msgs", "_srvs", "_interfaces")  # Of the names of interface packages.
-_NOT_CALLED = "give the callback itself: self.name, not self.name()"
 _OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the file is.
-
-
-def reason_of(error: BaseException) -> str:
-    """Return the first line of an error's text; explain a topic that has two types in a process.
-
-    Fast DDS reports the two types as an incompatible type or an invalid allocator.
-    """
-    text = (str(error).splitlines() or [""])[0]
-    if any(sign in text for sign in _TWO_TYPES):
-        return f"{text.partition(':')[0]}: {_ONE_TYPE}"
-    return text
 
 
 class NodeFileError(ArchoError):
@@ -145,19 +124,19 @@ class FileNode:
             The error to raise instead; None if the constructor's error explains itself.
         """
         stack = traceback.extract_tb(error.__traceback__)
-        own = [self.file.is_own(frame.filename) for frame in stack]
+        own = [self.file.code.is_own(frame.filename) for frame in stack]
         # rclpy lacks an attribute that its __init__ would have made.
         if isinstance(error, AttributeError) and not own[-1]:
             return self._missing_super_error()
         if not isinstance(error, TypeError) or any(own):
             return None
         init = code_of(self._node_class.__init__)
-        if init is None or not self.file.is_own(init.co_filename):
+        if init is None or not self.file.code.is_own(init.co_filename):
             return self._missing_super_error()
         if self._call.line:
             where, call = f"{self.file}:{self._call.line}", self._call.text
             return NodeFileError(f"{where}: TypeError: {error}, in: {call}")
-        where = f"{self.file.display_name(init.co_filename)}:{init.co_firstlineno}"
+        where = f"{self.file.code.display_name(init.co_filename)}:{init.co_firstlineno}"
         hint = f"a node is made without arguments, as {self._node_class.__name__}()"
         return NodeFileError(f"{where}: TypeError: {error}: {hint}")
 
@@ -181,6 +160,7 @@ class NodeFile:
 
     Attributes:
         path: The path of the file.
+        code: Its code, and that of its folder, as messages name it.
         loaded: The stamps of the text that was last loaded, or could not be loaded.
         source: The text that was last loaded.
         not_run: One line about the calls of its `main()` that are not made here; "" if there are
@@ -198,6 +178,7 @@ class NodeFile:
         """
         self._given = given
         self.path, self._name = _find(given)
+        self.code = OwnCode(given, self.path)
         self._modules: dict[str, ModuleType] = {}  # The file's own, by their names.
         self._before: dict[str, ModuleType] = {}  # Those of the text before.
         self.loaded: Stamps = {}
@@ -265,7 +246,7 @@ class NodeFile:
             for name, module in list(sys.modules.items())
             if name not in known
             and not name.startswith(_OURS)
-            and self.is_own(getattr(module, "__file__", None) or "")
+            and self.code.is_own(getattr(module, "__file__", None) or "")
         ]
 
     def _run(self) -> list[FileNode]:
@@ -342,7 +323,7 @@ class NodeFile:
         try:
             return self.run_explained(lambda: run_limited(work, seconds, f"/{self.path.stem}"))
         except TookTooLong as error:
-            where, line = self.place(error.stack)
+            where, line = self.code.place(error.stack)
             raise NodeFileError(f"{where}: {what} {error}{line}") from None
 
     def run_explained(self, work: Callable[[], T]) -> T:
@@ -356,118 +337,7 @@ class NodeFile:
         except (ArchoError, Interrupted, TookTooLong):
             raise
         except BaseException as error:
-            raise NodeFileError(*self.explain(error)) from None
-
-    def explain(self, error: BaseException) -> tuple[str, str]:
-        """Describe an error of the file's code for the person who wrote it.
-
-        Returns:
-            `FILE:LINE: TypeError: ..., in: x = y + 1` with the last line that ran of the file or
-            its modules, and the traceback without the frames of the engine.
-        """
-        name, why = type(error).__name__, reason_of(error)
-        report = own_frames(error, rclpy, archo_tui)
-        if isinstance(error, SyntaxError) and self.is_own(error.filename or ""):
-            place = f"{self.display_name(error.filename or '')}:{error.lineno}"
-            return f"{place}: {name}: {error.msg}{_quoted(error.text or '')}", report
-        if isinstance(error, ModuleNotFoundError):
-            why += f" (looked for it in {self.path.parent} and where Python looks)"
-            if (error.name or "").partition(".")[0].endswith(_INTERFACE_SUFFIXES):
-                why += ": --interfaces DIR takes the package with its .msg files"
-        if "must only be called once" in why:
-            why = "rclpy.init() runs here already: call it in main() only"
-        stack = traceback.extract_tb(error.__traceback__)
-        where, line = self.place(stack)
-        if line:
-            why = self._in_plain_words(where, why)
-        else:
-            where, why = self._place_of_callback(error, where, why)
-        text = f"{name}: {why}".rstrip(": ")
-        return f"{where}: {WORDLESS.get(text, text)}{line}", report
-
-    def place(self, stack: StackSummary) -> tuple[str, str]:
-        """Return where the file's code is in a stack.
-
-        Returns:
-            `FILE:LINE` of the last frame of the file or its modules, and `, in: x = y + 1` with the
-            text of that line; the name of the file and "" if there is no such frame.
-        """
-        frames = [frame for frame in stack if self.is_own(frame.filename)]
-        if not frames:
-            return str(self), ""
-        last = frames[-1]
-        return f"{self.display_name(last.filename)}:{last.lineno}", _quoted(last.line or "")
-
-    def _in_plain_words(self, where: str, why: str) -> str:
-        """Return how to mend a wrong call of rclpy, for errors that do not say so themselves.
-
-        Args:
-            where: `FILE:LINE` of the call.
-            why: The text of the error.
-        """
-        early = self.source.called_too_early()
-        if "callback" in why and where == f"{self}:{early}":
-            return _NOT_CALLED
-        if "_TYPE_SUPPORT" in why or "resolve_name(): incompatible" in why:
-            return "the type comes first, then the name, as in Float32, 'battery_level'"
-        if "__init__() takes 1 positional argument but" in why:
-            return f"{why}: name the fields, as in Float32(data=87.5)"
-        return why
-
-    def _place_of_callback(self, error: BaseException, where: str, why: str) -> tuple[str, str]:
-        """Find the callback of the file that an error within rclpy is about.
-
-        Args:
-            error: The error, which has no frame of the file.
-            where: The place so far.
-            why: The text so far.
-
-        Returns:
-            `FILE:LINE` of the callback and what is wrong with it, or `where` and `why` as they are.
-        """
-        # A timer whose callback is None raises UnboundLocalError in rclpy's own code.
-        if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:
-            line = self.source.called_too_early()
-            if line is not None:
-                return f"{self}:{line}", _NOT_CALLED
-        for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):
-            for value in frame.f_locals.values():
-                code = code_of(value)
-                if code is not None and self.is_own(code.co_filename):
-                    named, line = self.display_name(code.co_filename), code.co_firstlineno
-                    lacks = named == str(self) and self.source.missing_return(line)
-                    if lacks:
-                        why = f"{code.co_name} returns nothing: end it with return {lacks}"
-                    elif isinstance(error, TypeError) and code.co_varnames[:1] != ("self",):
-                        why += ": its first parameter must be self" if _is_method(value) else ""
-                    return f"{named}:{line}", why
-        return where, why
-
-    def is_own(self, filename: str) -> bool:
-        """Return whether a path is the file itself, or in its folder and not in site-packages."""
-        if not filename:  # Built-in code has none.
-            return False
-        path = Path(filename).resolve()
-        beside = self.path.parent in path.parents and "site-packages" not in path.parts
-        return path == self.path or beside
-
-    def display_name(self, filename: str) -> str:
-        """Return the name of a file for people: of this file as typed, of others without folder."""
-        path = Path(filename).resolve()
-        return str(self) if path == self.path else path.name
-
-
-def code_of(value: Any) -> CodeType | None:
-    """Return the code of a callback, or of the callback of a timer or service; else None."""
-    with contextlib.suppress(Exception):  # A property of the user's may raise anything.
-        callback = getattr(value, "callback", value)
-        code = getattr(getattr(callback, "__func__", callback), "__code__", None)
-        return code if isinstance(code, CodeType) else None
-    return None
-
-
-def _is_method(value: Any) -> bool:
-    return hasattr(getattr(value, "callback", value), "__self__")
+            raise NodeFileError(*explain(error, self.code, self.source)) from None
 
 
 def _not_run_text(file: str, calls: list[SkippedCall]) -> str:
@@ -481,10 +351,6 @@ def _not_run_text(file: str, calls: list[SkippedCall]) -> str:
     if len(lines) > 1:
         more = f", nor are lines {', '.join(map(str, lines))}"
     return f"{file}:{line}: {by} calls {text}, which is not run here{more}"
-
-
-def _quoted(line: str) -> str:
-    return f", in: {line.strip()}" if line.strip() else ""
 
 
 def _find(given: str) -> tuple[Path, str]:

@@ -1,0 +1,57 @@
+"""The code of a user's file, and of what it imports from its folder, as messages name it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from traceback import StackSummary
+
+
+class OwnCode:
+    """The code of a file and of its folder.
+
+    Attributes:
+        path: The path of the file.
+    """
+
+    def __init__(self, given: str, path: Path) -> None:
+        """Create it.
+
+        Args:
+            given: The file as the user typed it.
+            path: The path of the file.
+        """
+        self._given, self.path = given, path
+
+    def __str__(self) -> str:
+        return self._given
+
+    def is_own(self, filename: str) -> bool:
+        """Return whether a path is the file itself, or in its folder and not in site-packages."""
+        if not filename:  # Built-in code has none.
+            return False
+        path = Path(filename).resolve()
+        beside = self.path.parent in path.parents and "site-packages" not in path.parts
+        return path == self.path or beside
+
+    def display_name(self, filename: str) -> str:
+        """Return the name of a file for people: of this file as typed, of others without folder."""
+        path = Path(filename).resolve()
+        return self._given if path == self.path else path.name
+
+    def place(self, stack: StackSummary) -> tuple[str, str]:
+        """Return where the file's code is in a stack.
+
+        Returns:
+            `FILE:LINE` of the last frame of the file or its modules, and `, in: x = y + 1` with the
+            text of that line; the name of the file and "" if there is no such frame.
+        """
+        frames = [frame for frame in stack if self.is_own(frame.filename)]
+        if not frames:
+            return self._given, ""
+        last = frames[-1]
+        return f"{self.display_name(last.filename)}:{last.lineno}", quoted_line(last.line or "")
+
+
+def quoted_line(line: str) -> str:
+    """Return a line of code as messages end with it: `, in: x = y + 1`; "" for a blank one."""
+    return f", in: {line.strip()}" if line.strip() else ""
