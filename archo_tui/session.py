@@ -6,13 +6,11 @@ import contextlib
 import gc
 import io
 import os
-import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
@@ -22,13 +20,13 @@ from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched
 from archo_tui.parameters import files
 from archo_tui.paths import config_file, journal_file, state_file
-from archo_tui.recording.box import BUDGET
 from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
 from archo_tui.robot_file import load as robot_files
 from archo_tui.ros_names import base_name
-from archo_tui.shutdown import CANCEL, LEAVE
-from archo_tui.station.journal import Journal, RepeatFilter, unreleased_stop
+from archo_tui.session_options import Options, check_options
+from archo_tui.station.event_journal import EventJournal
+from archo_tui.station.journal import Journal, unreleased_stop
 from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
@@ -40,44 +38,9 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
     from archo_tui.robot.state import Event
 
-_KINDS = {
-    "YOU": "command",
-    "SHELL": "command",
-    "AI": "command",
-    "GOAL": "goal",
-    "PEER": "other console",
-}  # Other levels are events.
-# The counts of a repeated event that the journal notes.
-_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
-
-
-class Options(NamedTuple):
-    """The options of the command line."""
-
-    engine: str = "embedded"
-    params_files: Sequence[Path] = ()
-    use_sim: bool = False
-    namespace: str = "/"
-    ros_args: Sequence[str] = ()
-    attach: bool = False  # Host no nodes, and operate those on the graph.
-    on_disconnect: str = CANCEL  # CANCEL or LEAVE a goal that runs at the end.
-    domain_id: int | None = None
-    node_makers: Sequence[Any] = ()  # Replace the robot's own nodes.
-    node_files: Sequence[Path | str] = ()  # The user's node files, or modules by dotted names.
-    only: bool = False  # Host none of the robot's own nodes.
-    watch: bool = False  # Send no command.
-    quiet_alarms: bool = False  # Ring no bell.
-    robot: Path | None = None  # A robot file; None means ARCHO's.
-    interfaces: Sequence[Path] = ()  # Folders with the user's interface packages.
-    recordings_limit: int = BUDGET  # Bytes of all recordings together.
-    record: Path | None = None  # The folder to which everything is recorded.
-    remote: bool = False  # Open a socket for other programs of this user.
-
-
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
 _LEAST = 0.2  # Seconds of these that a recording gets in any case.
-_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.
 
 
 class Session:
@@ -99,16 +62,23 @@ class Session:
         Raises:
             ArchoError: Something that the user can mend is wrong; nothing runs then.
         """
-        _check(options)
+        check_options(options)
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
         interfaces = self._activate()
-        self._init_rclpy()
-        self.journal, self._repeat_filter = Journal(journal_file()), RepeatFilter()
+        # It imports rclpy, so the engine must have been activated.
+        from archo_tui.rclpy_context import RclpyContext
+
+        self._rclpy = RclpyContext(
+            self._ros_args(), options.domain_id, hosts_files=bool(options.node_files)
+        )
+        self._context = self._rclpy.context
+        self.journal = Journal(journal_file())
         self._place = self._journal_place()
+        self._event_journal = EventJournal(self.journal, self._place)
         self._make_nodes()
         self.station = Station(
             self.robot,
@@ -169,35 +139,6 @@ class Session:
             own, self._mistakes = own_interfaces.find_all(options.interfaces, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
-
-    def _init_rclpy(self) -> None:
-        import rclpy
-        from rclpy.context import Context
-        from rclpy.signals import SignalHandlerOptions
-        from rclpy.utilities import get_default_context
-
-        # A textbook's node is made without a context, so in the default one.
-        self._default = bool(self.options.node_files)
-        self._context = get_default_context() if self._default else Context()
-        try:
-            rclpy.init(
-                args=self._ros_args(),
-                context=self._context,
-                domain_id=self.options.domain_id,
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
-        except Exception as error:  # ROS has a dozen exceptions for bad arguments.
-            said = (str(error).splitlines() or [repr(error)])[0]
-            if said.startswith("["):  # rcl only lists the unknown arguments.
-                said = f"unknown ROS arguments: {said}"
-            raise ArchoError(said) from None
-        self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
-        self._uninstall: Callable[[], None] | None = None
-        if self._default:
-            from archo_tui.hosting import global_executor
-
-            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
-            self._uninstall = global_executor.install()
 
     def _make_nodes(self) -> None:
         """Make the client's node, and those that run in this process."""
@@ -274,42 +215,12 @@ class Session:
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         self.journal.close()
-        self._shutdown_rclpy()
-
-    def _shutdown_rclpy(self) -> None:
-        import rclpy
-
-        rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
-        if self._uninstall is not None:
-            self._uninstall()
-        # rclpy makes a new default context unless this one is named.
-        rclpy.try_shutdown(context=None if self._default else self._context)
+        self._rclpy.shutdown()
 
     def _record_event(self, event: Event) -> None:
-        """Give an event to the recorder, and to the journal if it is a command, a warning or worse.
-
-        Of an event that repeats, the journal gets some of the counts; of a flood, few. Called on
-        the robot's thread.
-        """
+        """Give an event to the recorder and to the journal. Called on the robot's thread."""
         self._console_recorder.record_event(event)
-        if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
-            kind = _KINDS.get(event.level, "event")
-            by_node = kind == "event" and event.source != "console"
-            is_new = by_node and event.count == 1
-            if is_new and not self._repeat_filter.passes(event.source, event.text):
-                return
-            what: dict[str, Any] = {
-                "level": event.level,
-                "source": event.source,
-                "text": event.text,
-            }
-            if event.command:
-                what["command"] = event.command
-            if event.audit_record is not None:
-                what |= event.audit_record._asdict()
-                if event.audit_record.verb in ("stop", "release"):
-                    what["place"] = self._place
-            self.journal.write(event.time, kind, **what, count=event.count)
+        self._event_journal.record(event)
 
     def _journal_place(self) -> dict[str, Any]:
         """Return what tells in the journal which robot a STOP was for."""
@@ -425,7 +336,7 @@ class Session:
         stuck = self.host.stop()
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
-        self._shutdown_rclpy()
+        self._rclpy.shutdown()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck
@@ -436,53 +347,6 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _check(options: Options) -> None:
-    """Raise ArchoError for options that are wrong, or do not go together."""
-    if not options.namespace.startswith("/"):
-        raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
-    if not _NAMESPACE.fullmatch(options.namespace):
-        raise ArchoError(
-            f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
-            "and no digit first"
-        )
-    if options.record is not None:
-        _check_record(options.record)
-    if options.attach:
-        _check_attach(options)
-    elif options.on_disconnect == LEAVE:
-        raise ArchoError(
-            "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
-        )
-
-
-def _check_record(path: Path) -> None:
-    try:
-        is_there = path.exists()
-    except (OSError, ValueError) as error:  # A path that is too long, for example.
-        why = getattr(error, "strerror", None) or error
-        raise ArchoError(f"--record {path}: {why}") from None
-    if is_there:
-        raise ArchoError(f"--record {path}: it is there already: name a bag that is not")
-    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-        raise ArchoError(f"--record {path}: nothing can be written to {path.parent}")
-
-
-def _refuse_shutdown(**_: Any) -> NoReturn:
-    """Raise instead of `rclpy.shutdown`, which in a textbook's node would end the console."""
-    raise RuntimeError("rclpy.shutdown() would end every node here: call it in main() only")
-
-
-def _check_attach(options: Options) -> None:
-    if options.engine == engine.EMBEDDED:
-        raise ArchoError(
-            "--attach needs --engine ros2: the embedded engine exists in this process only"
-        )
-    if options.node_files or options.only:
-        raise ArchoError("--attach hosts no nodes: --node and --only have no effect")
-    if options.params_files or options.use_sim:
-        raise ArchoError("--attach hosts no nodes: --params-file and --use-sim have no effect")
 
 
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:

@@ -34,7 +34,8 @@ asyncio.BaseEventLoop.add_signal_handler = refuse
 FAST = ["--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0"]
 CONSOLE = f"""
 from archo_tui.app import ArchoApp
-from archo_tui.session import Options, Session
+from archo_tui.session_options import Options
+from archo_tui.session import Session
 from archo_tui.shutdown import heed_signals
 from archo_tui.terminal.stderr import guarded_stderr, log_file
 

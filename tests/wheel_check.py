@@ -4,7 +4,8 @@ import asyncio
 import sys
 
 from archo_tui.app import ArchoApp
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 
 
 async def main() -> int:

@@ -16,7 +16,8 @@ from pathlib import Path
 from archo_tui import engine
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 
 _RADIUS = 0.07  # In m; the chapter's listing declares another value.
 

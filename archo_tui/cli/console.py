@@ -42,7 +42,8 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
     from archo_tui.hosting.node_output import HarmlessOutput
-    from archo_tui.session import Options, Session
+    from archo_tui.session import Session
+    from archo_tui.session_options import Options
     from archo_tui.shutdown import ignore_signals
 
     if options.plain and sys.stdout is None:

@@ -28,7 +28,8 @@ def describe_robot(options: Namespace) -> int:
 
     from archo_tui.parameters.save_load import write_atomically
     from archo_tui.robot_file.proposal import SeveralRobots
-    from archo_tui.session import Options, Session
+    from archo_tui.session import Session
+    from archo_tui.session_options import Options
 
     if options.engine != "ros2":
         raise ArchoError("robot looks at a ROS 2 graph, which the embedded engine has not")

@@ -52,7 +52,8 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
     if options.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant)
     from archo_tui.remote.without_console import attached
-    from archo_tui.session import Options, Session
+    from archo_tui.session import Session
+    from archo_tui.session_options import Options
 
     robot = Path(options.robot) if options.robot else None
     there = Options(engine="ros2", namespace=options.namespace, attach=True, robot=robot)

@@ -29,7 +29,8 @@ from archo_bringup.motor_controller import MotorController  # noqa: E402
 from archo_tui.app import ArchoApp  # noqa: E402
 from archo_tui.keyed_app import HELD  # noqa: E402
 from archo_tui.remote import socket_files  # noqa: E402
-from archo_tui.session import Options, Session  # noqa: E402
+from archo_tui.session import Session  # noqa: E402
+from archo_tui.session_options import Options  # noqa: E402
 from tests.support.console import send  # noqa: E402
 
 _STOPS = 25

@@ -8,7 +8,8 @@ import pytest
 
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_files import NodeFile
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 

@@ -13,7 +13,8 @@ import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_files import IMPORT_TIME, NodeFile
 from archo_tui.safe_text import HIDDEN
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 from tests.support import chosen, clock
 from tests.support.console import console
 

@@ -15,7 +15,8 @@ from textual.widgets import Static
 
 from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.robot.state import Event, Life
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing

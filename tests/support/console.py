@@ -20,7 +20,8 @@ from textual.screen import Screen
 from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
 from archo_tui.robot.state import Snapshot
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows
 from tests.support import chosen, clock

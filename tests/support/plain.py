@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.plain.plain import Plain
-from archo_tui.session import Options, Session
+from archo_tui.session import Session
+from archo_tui.session_options import Options
 from archo_tui.station.station import Station
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet

@@ -1,0 +1,69 @@
+"""The rclpy context of a session: its initialization and its shutdown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn
+
+import rclpy
+from rclpy.context import Context
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_default_context
+
+from archo_tui.errors import ArchoError
+from archo_tui.hosting import global_executor
+
+
+class RclpyContext:
+    """An initialized context. Where users' nodes are hosted, `rclpy.shutdown` raises meanwhile.
+
+    Attributes:
+        context: The context.
+    """
+
+    def __init__(
+        self, ros_args: Sequence[str], domain_id: int | None, *, hosts_files: bool
+    ) -> None:
+        """Initialize rclpy.
+
+        Args:
+            ros_args: The ROS arguments of all nodes.
+            domain_id: The ROS domain; None means that of the environment.
+            hosts_files: True if nodes of the user's files are hosted. A textbook's node is made
+                without a context, so in the default one, which is taken then.
+
+        Raises:
+            ArchoError: The arguments are wrong.
+        """
+        self._is_default = hosts_files
+        self.context = get_default_context() if hosts_files else Context()
+        try:
+            rclpy.init(
+                args=[*ros_args],
+                context=self.context,
+                domain_id=domain_id,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        except Exception as error:  # ROS has a dozen exceptions for bad arguments.
+            text = (str(error).splitlines() or [repr(error)])[0]
+            if text.startswith("["):  # rcl only lists the unknown arguments.
+                text = f"unknown ROS arguments: {text}"
+            raise ArchoError(text) from None
+        self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
+        self._uninstall: Callable[[], None] | None = None
+        if hosts_files:
+            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
+            self._uninstall = global_executor.install()
+
+    def shutdown(self) -> None:
+        """Shut the context down."""
+        rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
+        if self._uninstall is not None:
+            self._uninstall()
+        # rclpy makes a new default context unless this one is named.
+        rclpy.try_shutdown(context=None if self._is_default else self.context)
+
+
+def _refuse_shutdown(**_: Any) -> NoReturn:
+    """Raise instead of `rclpy.shutdown`, which in a textbook's node would end the console."""
+    raise RuntimeError("rclpy.shutdown() would end every node here: call it in main() only")

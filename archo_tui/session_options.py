@@ -1,0 +1,82 @@
+"""The options of a session, and the check that they go together."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from archo_tui import engine
+from archo_tui.errors import ArchoError
+from archo_tui.recording.box import BUDGET
+from archo_tui.shutdown import CANCEL, LEAVE
+
+
+class Options(NamedTuple):
+    """The options of the command line."""
+
+    engine: str = "embedded"
+    params_files: Sequence[Path] = ()
+    use_sim: bool = False
+    namespace: str = "/"
+    ros_args: Sequence[str] = ()
+    attach: bool = False  # Host no nodes, and operate those on the graph.
+    on_disconnect: str = CANCEL  # CANCEL or LEAVE a goal that runs at the end.
+    domain_id: int | None = None
+    node_makers: Sequence[Any] = ()  # Replace the robot's own nodes.
+    node_files: Sequence[Path | str] = ()  # The user's node files, or modules by dotted names.
+    only: bool = False  # Host none of the robot's own nodes.
+    watch: bool = False  # Send no command.
+    quiet_alarms: bool = False  # Ring no bell.
+    robot: Path | None = None  # A robot file; None means ARCHO's.
+    interfaces: Sequence[Path] = ()  # Folders with the user's interface packages.
+    recordings_limit: int = BUDGET  # Bytes of all recordings together.
+    record: Path | None = None  # The folder to which everything is recorded.
+    remote: bool = False  # Open a socket for other programs of this user.
+
+
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.
+
+
+def check_options(options: Options) -> None:
+    """Raise ArchoError for options that are wrong, or do not go together."""
+    if not options.namespace.startswith("/"):
+        raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
+    if not _NAMESPACE.fullmatch(options.namespace):
+        raise ArchoError(
+            f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
+            "and no digit first"
+        )
+    if options.record is not None:
+        _check_record(options.record)
+    if options.attach:
+        _check_attach(options)
+    elif options.on_disconnect == LEAVE:
+        raise ArchoError(
+            "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
+        )
+
+
+def _check_record(path: Path) -> None:
+    try:
+        is_there = path.exists()
+    except (OSError, ValueError) as error:  # A path that is too long, for example.
+        why = getattr(error, "strerror", None) or error
+        raise ArchoError(f"--record {path}: {why}") from None
+    if is_there:
+        raise ArchoError(f"--record {path}: it is there already: name a bag that is not")
+    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+        raise ArchoError(f"--record {path}: nothing can be written to {path.parent}")
+
+
+def _check_attach(options: Options) -> None:
+    if options.engine == engine.EMBEDDED:
+        raise ArchoError(
+            "--attach needs --engine ros2: the embedded engine exists in this process only"
+        )
+    if options.node_files or options.only:
+        raise ArchoError("--attach hosts no nodes: --node and --only have no effect")
+    if options.params_files or options.use_sim:
+        raise ArchoError("--attach hosts no nodes: --params-file and --use-sim have no effect")
