@@ -175,7 +175,7 @@ class Quit(Command):
         if not goal.mine:
             self._leave_another(console)
             return None
-        answers: Answers = {"Cancel it and quit": partial(self._end, console, CANCEL)}
+        answers: Answers = {"Cancel goal and quit": partial(self._end, console, CANCEL)}
         if station.attached:
             answers = {**answers, "Leave it running and quit": partial(self._end, console, LEAVE)}
         console.confirm("Quit", f"The robot is {activity(goal)}.", "Stay", answers)

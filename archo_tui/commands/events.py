@@ -20,7 +20,7 @@ class NextLevel(_InEvents):
 
 class SearchEvents(_InEvents):
     id, key = "search", "slash"
-    help = "Filter the events: shows those whose source or text contains your text"
+    help = "Search the events: shows those whose source or text contains your text"
 
     def run(self, console: Console) -> None:
         console.main.events.search.open()

@@ -51,7 +51,7 @@ TYPED = {
     "Start another copy": ("copy node", "another", "duplicate"),
     "Show the selected node": ("details", "traceback", "crash"),
     "Choose the lowest level": ("level", "debug", "severity"),
-    "Filter the events": ("search", "find events", "grep"),
+    "Search the events": ("search", "find events", "grep"),
     "Copy the ros2 command": ("ros2", "clipboard", "copy command"),
     "Show the events on the full": ("full screen", "log", "zoom"),
     "Show the selected event": ("selected event", "in full", "open event"),

@@ -71,7 +71,7 @@ async def test_while_a_question_is_asked_no_other_is() -> None:
     it = Asked()
     async with it.app.run_test(size=(120, 36)):
         await it.press("q")
-        assert "Cancel it and quit" in await it.press("ctrl+z")
+        assert "Cancel goal and quit" in await it.press("ctrl+z")
         assert len(it.app.screen_stack) == 2
 
 

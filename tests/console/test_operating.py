@@ -164,7 +164,7 @@ async def test_quitting_with_a_goal_running_asks_cancels_and_goes() -> None:
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
         await op.press("ctrl+q")
-        await op.until("Cancel it and quit")
+        await op.until("Cancel goal and quit")
         await op.press("tab", "enter")
         await op.until(lambda: not op.app.is_running)
         goal = op.session.robot.snapshot.goal

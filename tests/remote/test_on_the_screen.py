@@ -81,7 +81,7 @@ async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_qui
         one.send({"id": 1, "words": ["go", "12", "7"], "wait": True})
         await op.until("MOVING")
         await op.press(how)
-        await op.until("Cancel it and quit")
+        await op.until("Cancel goal and quit")
         await op.press("tab", "enter")
         said = await one.result()
         assert (said["code"], said["text"]) == ("cancelled", "Cancelled mid-route")

@@ -469,16 +469,16 @@ async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
     )
     assert code == 0, said
     lines = said.splitlines()
-    assert lines[0] == "motor_controller logs INFO and above, as its process"
+    assert lines[0] == "motor_controller logs INFO and above, the level of its process"
     assert "log level of motor_controller WARN: WARN and above, was INFO" in said
     assert "motor_controller logs WARN and above" in lines
-    assert "UNSET: INFO and above, as its process, was WARN and above" in said
+    assert "UNSET: INFO and above, the level of its process, was WARN and above" in said
 
 
 async def test_what_became_of_a_log_level_is_said_once() -> None:
     code, said = await plain("log_level dashboard debug\nlog_level dashboard unset\n")
     assert code == 0, said
-    assert said.count("DEBUG and above, was INFO and above, as its process") == 1
+    assert said.count("DEBUG and above, was INFO and above, the level of its process") == 1
 
 
 async def test_what_is_no_node_or_no_level_of_its_log_is_said() -> None:
@@ -497,5 +497,5 @@ async def test_whoever_watches_sees_the_level_of_a_log_and_sets_none() -> None:
         "log_level dashboard\nlog_level dashboard debug\nlog_level dashboard\n", watch=True
     )
     assert code == 1
-    assert said.count("dashboard logs INFO and above, as its process") == 2
+    assert said.count("dashboard logs INFO and above, the level of its process") == 2
     assert f"failed: log_level: {WATCHING}" in said

@@ -46,7 +46,7 @@ async def test_it_has_topics_services_and_actions_with_their_types() -> None:
 async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
     async with console(*FAST) as op:
         await opened(op, "/battery_monitor")
-        await op.until("log level   INFO and above, as its process")
+        await op.until("log level   INFO and above, the level of its process")
         await op.press("tab", "right", "right", "right", "right", "enter")
         await op.until("log level   ERROR and above")
         await op.press("escape")
@@ -58,7 +58,7 @@ async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
         assert "battery_monitor" not in sources
         await opened(op, "/battery_monitor")
         await op.press("tab", "enter")
-        await op.until("log level   INFO and above, as its process")
+        await op.until("log level   INFO and above, the level of its process")
         await op.press("escape", "c")
         await op.until(
             lambda: "battery_monitor" in [event.source for event in op.app.view.snapshot.events]
@@ -110,10 +110,10 @@ async def test_a_node_without_the_services_of_its_log_says_so() -> None:
 async def test_whoever_watches_sees_the_level_and_sets_none() -> None:
     async with console(*FAST, watch=True) as op:
         await opened(op, "/dashboard")
-        await op.until("log level   INFO and above, as its process")
+        await op.until("log level   INFO and above, the level of its process")
         await op.press("tab", "right", "enter")
         await op.until(WATCHING)
-        await op.until("log level   INFO and above, as its process")
+        await op.until("log level   INFO and above, the level of its process")
 
 
 async def test_a_node_that_was_stopped_is_not_on_the_graph() -> None:

@@ -52,8 +52,8 @@ class LogLevel(NamedTuple):
 
     @property
     def text(self) -> str:
-        """`DEBUG and above`, or `INFO and above, as its process`."""
-        process = ", as its process" if self.own == "UNSET" else ""
+        """`DEBUG and above`, or `INFO and above, the level of its process`."""
+        process = ", the level of its process" if self.own == "UNSET" else ""
         return f"{self.in_force} and above{process}"
 
 
