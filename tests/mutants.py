@@ -115,7 +115,7 @@ FAULTS = [
     Fault("robot/graph.py", "self.silent_consoles = frozenset(self.consoles)", "self.silent_consoles = frozenset()", CONSOLE + "/test_others_goals.py"),
     Fault("station/event_journal.py", "        if event.audit_record is not None:", "        if False:", "tests/station/test_journal.py"),
     Fault("robot/events.py", "event.audit_record.json_safe()", "event.audit_record", ROBOT + "/test_audit_records.py"),
-    Fault("robot/client.py", "Code.HELD if queued else Code.CANCELLED, NOT_SENT", "Code.CANCELLED, NOT_SENT", ROBOT + "/test_stop_and_goals.py"),
+    Fault("robot/goal_verbs.py", "Code.HELD if queued else Code.CANCELLED, NOT_SENT", "Code.CANCELLED, NOT_SENT", ROBOT + "/test_stop_and_goals.py"),
     Fault("robot/interface_checks.py", "                checked(kinds[field], value, field)", "                pass", ROBOT + "/test_odd_robots.py"),
     Fault("robot/stopping.py", "filled(srv_type.Request(), stop.request)", "srv_type.Request()", ROBOT + "/test_stop_with_a_request.py"),
     Fault("robot/goals.py", "            if tracked.is_void:\n", "            if False:\n", ROBOT + "/test_stop_and_goals.py"),

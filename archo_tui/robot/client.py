@@ -1,7 +1,8 @@
 """The robot as its front ends see it: snapshots to show, and verbs to operate it.
 
 Verbs are coroutines for the asyncio loop. Each ends within a deadline: done, refused with the
-reason, or without an answer. What is done on the ROS thread is in the other files of this folder.
+reason, or without an answer. They are in `stop_verbs.py`, `goal_verbs.py`, `service_verbs.py` and
+`node_verbs.py`; what is done on the ROS thread is in the other files of this folder.
 """
 
 from __future__ import annotations
@@ -23,25 +24,24 @@ from rclpy.context import Context
 from std_msgs.msg import String
 
 from archo_tui.clock import Clock
-from archo_tui.errors import in_one_line
-from archo_tui.robot import audit_records, message_classes, messages, ros2_command, services
+from archo_tui.robot import audit_records, message_classes, messages, services
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import own_name
-from archo_tui.robot.endpoints import topic_info
-from archo_tui.robot.fields import filled
 from archo_tui.robot.goal_guard import GoalGuard
+from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
 from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
 from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.lifecycle import CHANGE_TIMEOUT, Lifecycles
+from archo_tui.robot.lifecycle import Lifecycles
 from archo_tui.robot.listener import Listener, MessageCallback
 from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.message_handlers import MessageHandlers
 from archo_tui.robot.motion_publishers import MotionPublishers
-from archo_tui.robot.nodes import Nodes, set_level_command
-from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
+from archo_tui.robot.node_verbs import NodeVerbs
+from archo_tui.robot.nodes import Nodes
+from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
@@ -50,30 +50,25 @@ from archo_tui.robot.resources import SEND
 from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.service_caller import ServiceCaller
-from archo_tui.robot.services import Services
+from archo_tui.robot.service_verbs import ServiceVerbs
+from archo_tui.robot.services import QUESTION_TIMEOUT, Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
-    ACTION,
     Event,
     Goal,
-    Latch,
     NodeInfo,
     Snapshot,
     TopicInfo,
     TypedField,
-    values_text,
 )
-from archo_tui.robot.stopping import FIRST_FOUND, Stopping
-from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
+from archo_tui.robot.stop_verbs import StopVerbs
+from archo_tui.robot.stopping import Stopping
+from archo_tui.robot.stops import Stops
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
-from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
-from archo_tui.robot_file import mismatch, model
-
-_QUESTION_TIMEOUT = 2 * services.DEADLINE  # Seconds for a question to the graph or to a node.
-_NO_ANSWER = f"no answer in {_QUESTION_TIMEOUT:g} s from the console's own node"
+from archo_tui.robot_file import model
 
 
 class Robot:
@@ -113,7 +108,6 @@ class Robot:
         self.file = file
         self._secrets = secrets or SecretNames()
         self._clock = clock
-        self._begun = clock.monotonic()
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
@@ -150,8 +144,7 @@ class Robot:
             self._on_parameter_change,
             self._secrets,
         )
-        self._nodes = Nodes(node, self._services)
-        self._caller = ServiceCaller(node, steady, self._services, self._graph, checks)
+        caller = ServiceCaller(node, steady, self._services, self._graph, checks)
         self._services.answered = self._on_answer
         if file.stop is not None:
             stops.set_service(file.stop, checks.full(file.stop.service))
@@ -165,7 +158,7 @@ class Robot:
             self._snapshots.send,
             self._reporter.stop_result,
         )
-        self._lifecycles = Lifecycles(
+        lifecycles = self._lifecycles = Lifecycles(
             node,
             clock,
             self._services,
@@ -180,7 +173,7 @@ class Robot:
             checks,
             self._telemetry,
             recorded_topics,
-            self._lifecycles,
+            lifecycles,
             self._parameters,
             motion_publishers,
             self._stopping.latch,
@@ -215,7 +208,7 @@ class Robot:
             self._telemetry,
             self._snapshots,
         )
-        self._goal_guard = GoalGuard(
+        goal_guard = GoalGuard(
             file, self._graph, self._stopping, self._telemetry, lambda: self._poller.faults
         )
         for kind in file.goals:
@@ -224,7 +217,40 @@ class Robot:
         self._runner = VerbRunner(
             self._thread, clock, stops, self._reporter, self._snapshots, watching=watching
         )
-        for text in self._interface_checks.unfit.values():
+        self._stop_verbs = StopVerbs(
+            file,
+            clock,
+            self._runner,
+            caller,
+            self._services,
+            self._graph,
+            checks,
+            self._goals,
+            stops,
+            self._stopping,
+        )
+        self._goal_verbs = GoalVerbs(
+            file,
+            self._runner,
+            self._services,
+            self._graph,
+            checks,
+            self._goals,
+            goal_guard,
+            self._goal_watcher,
+            self._stopping,
+            lifecycles,
+        )
+        self._service_verbs = ServiceVerbs(clock, self._runner, caller, checks, self._reporter)
+        self._node_verbs = NodeVerbs(
+            self._thread,
+            self._runner,
+            Nodes(node, self._services),
+            self._parameters,
+            lifecycles,
+            self._secrets,
+        )
+        for text in checks.unfit.values():
             self._reporter.warn(text)
         self._snapshots.send()  # What the robot file says is known before any message comes.
 
@@ -254,114 +280,38 @@ class Robot:
         return self._snapshots.mailbox.latest
 
     async def emergency_stop(self) -> Outcome:
-        """Stop the robot at once, until the STOP is released.
-
-        If the robot file names no STOP, every goal is cancelled. That is no STOP, so the code of
-        its outcome is NOT_OFFERED.
-        """
-        stop = self.file.stop
-        self.stops.superseded = False
-        try:
-            if stop is None:
-                return await self._cancel_instead_of_stop()
-            command = self._interface_checks.call_command(stop.service, stop.request)
-            return await self._runner.run(
-                "stop", {}, "STOP", command, lambda _: self._stopping.send()
-            )
-        finally:
-            self.stops.answered = self.stops.count
-
-    async def _cancel_instead_of_stop(self) -> Outcome:
-        """Cancel every goal of every action on the graph, for a robot that has no STOP."""
-
-        async def cancel(_: Gate) -> Outcome:
-            outcome = await self._goals.cancel_all(self._graph.actions, self._begun + FIRST_FOUND)
-            reason = f"{self.file.name} {model.NO_STOP}"
-            return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
-
-        return await self._runner.run(
-            "stop", {}, "cancel every goal", self._cancel_commands(), cancel
-        )
-
-    def _cancel_commands(self) -> str:
-        """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
-        names = [self._interface_checks.full(kind.action) for kind in self.file.goals]
-        return "; ".join(ros2_command.cancel(name) for name in names)
+        """Send STOP; for a robot that has none, cancel every goal: see `StopVerbs`."""
+        return await self._stop_verbs.emergency_stop()
 
     async def release_emergency_stop(self) -> Outcome:
         """Release the STOP: the robot may move again, but continues no goal by itself."""
-        stop = self.file.stop
-        if stop is None or not stop.release:
-            return Outcome(Code.NOT_OFFERED, f"{self.file.name} has no service to release a stop")
-        name, request = stop.release, stop.release_request
+        return await self._stop_verbs.release_emergency_stop()
 
-        async def call(gate: Gate) -> Outcome:
-            turn = self._services.turn()
-            outcome = await self._caller.call_named(name, request, gate, late)
-            if outcome.ok:
-                self._stopping.accepted(turn)
-            return outcome
+    async def give_up_stop(self) -> Outcome:
+        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
+        return await self._stop_verbs.give_up_stop()
 
-        ros2 = self._interface_checks.call_command(name, request)
-        late = self._runner.late_report("release stop", "release")
-        return await self._runner.run("release", {}, "release stop", ros2, call)
+    def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
+        """Return the call that makes a starting node carry out an earlier STOP: see `StopVerbs`."""
+        return self._stop_verbs.early_stop_request()
 
-    async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
-        """Call the service of a command in the robot file.
-
-        Args:
-            command: The command.
-            on: For a toggle, the value that it is set to.
-        """
-        title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
-        verb = command.id if on else command.off_word
-        name, fields = command.service, dict.fromkeys(command.toggle, on)
-        ros2 = self._interface_checks.call_command(name, fields)
-        late = self._runner.late_report(title, verb)
-        return await self._runner.run(
-            verb, {}, title, ros2, lambda gate: self._caller.call_named(name, fields, gate, late)
-        )
+    def early_stop_confirmed(self, node: str) -> None:
+        """Record that a starting node has confirmed the STOP before it spins. Any thread."""
+        self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
     ) -> Outcome:
-        """Send a goal; return when the robot has accepted or refused it, or has not answered.
+        """Send a goal; return when it was accepted or refused: see `GoalVerbs`."""
+        return await self._goal_verbs.send(kind, values, queued=queued)
 
-        Args:
-            kind: The kind of goal.
-            values: The values by dotted path.
-            queued: True for a goal of the queue, which is held behind a STOP, not sent.
-        """
-        length = self._goal_watcher.length(kind)
-        title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
+    async def cancel(self, *, another: bool = False) -> Outcome:
+        """Request the cancel of the running goal: see `GoalVerbs`."""
+        return await self._goal_verbs.cancel(another=another)
 
-        async def go(gate: Gate) -> Outcome:
-            turn = self._services.turn()
-            refusal = self._goal_guard.refusal(kind, gate, queued=queued)
-            if refusal is not None:
-                return refusal
-            try:
-                outcome = await self._goals.send(kind, values, length, gate)
-            except Void:
-                return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
-            if outcome.ok:
-                self._stopping.accepted(turn)
-            return self._with_inactive_server(kind.action, outcome)
-
-        ros2 = self._interface_checks.goal_command(kind, values)
-        return await self._runner.run(*self._verb_of(kind, values), title, ros2, go)
-
-    def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
-        """Add to a refusal which managed node serves the action and is not active."""
-        full = self._interface_checks.full(action)
-        nodes = [
-            n for r in self._graph.resources if (r.kind, r.name) == (ACTION, full) for n in r.nodes
-        ]
-        states = {node: self._lifecycles.word(node) for node in nodes}
-        idle = [f"{node} is {word}" for node, word in states.items() if word not in ("", "active")]
-        if outcome.code is not Code.REFUSED or not idle:
-            return outcome
-        return outcome._replace(text=f"{outcome.text}: {', '.join(idle)}")
+    async def cancel_all(self) -> Outcome:
+        """Request the cancel of every goal of the robot's actions, whoever sent it."""
+        return await self._goal_verbs.cancel_all()
 
     async def stop_sending_goals(self) -> None:
         """Send no goal from now on, also none that was typed before: the console ends."""
@@ -371,45 +321,43 @@ class Robot:
 
         await self._thread.run(there, services.DEADLINE)
 
+    async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
+        """Call the service of a command in the robot file: see `ServiceVerbs`."""
+        return await self._service_verbs.command(command, on)
+
     async def call(
-        self,
-        service: str,
-        type_name: str,
-        values: Mapping[str, Any],
-        wait: float = CALL_WAIT,
+        self, service: str, type_name: str, values: Mapping[str, Any], wait: float = CALL_WAIT
     ) -> Outcome:
-        """Call any service; the outcome holds the answer.
+        """Call any service; the outcome holds the answer: see `ServiceVerbs`."""
+        return await self._service_verbs.call(service, type_name, values, wait)
 
-        Args:
-            service: The full name of the service.
-            type_name: Its type: `package/srv/Name`.
-            values: The values of the request by dotted path; other fields keep their defaults.
-            wait: The seconds to wait for the answer; a later one is an event.
-        """
-        srv_type = message_classes.load(type_name)
-        if srv_type is None:
-            return Outcome(Code.REFUSED, mismatch.not_installed(service, type_name))
-        try:
-            request = filled(srv_type.Request(), values)
-        except ValueError as error:
-            return Outcome(Code.MISUSE, str(error))
+    async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
+        """Set parameters of a node, all or none of them: see `NodeVerbs`."""
+        return await self._node_verbs.set_parameters(node, values)
 
-        requester = current_requester()
+    async def describe(self, node: str) -> NodeInfo | Outcome:
+        """Return what a node has on the graph, or an outcome that tells why it is not known."""
+        return await self._node_verbs.describe(node)
 
-        def on_slow() -> None:
-            text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
-            self._reporter.add(Event(self._clock.now(), requester.level, requester.source, text))
+    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
+        """Return the publishers and subscriptions of a topic, or why they are not known."""
+        return await self._node_verbs.topic_info(topic)
 
-        async def work(gate: Gate) -> Outcome:
-            return await self._caller.call_any(
-                srv_type, service, request, gate, wait, on_slow, late
-            )
+    async def log_level(self, node: str) -> Outcome:
+        """Ask a node for the level of its log; the text of the outcome names it."""
+        return await self._node_verbs.log_level(node)
 
-        arguments = {"service": service, "values": values}
-        command = ros2_command.service_call(service, type_name, request)
-        title = f"call {service.lstrip('/')}"
-        late = self._runner.late_report(title, "call", arguments)
-        return await self._runner.run("call", arguments, title, command, work, wait)
+    async def set_log_level(self, node: str, level: str) -> Outcome:
+        """Set the level of a node's log: see `NodeVerbs`."""
+        return await self._node_verbs.set_log_level(node, level)
+
+    async def change_lifecycle(self, node: str, transition: str) -> Outcome:
+        """Have a managed node make a transition: see `NodeVerbs`."""
+        return await self._node_verbs.change_lifecycle(node, transition)
+
+    async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
+        """Return the words of the transitions that a managed node can make now; () if silent."""
+        return await self._node_verbs.lifecycle_transitions(node)
 
     def form(self, type_name: str) -> tuple[TypedField, ...] | None:
         """Return the fields of a goal or a request, for a form.
@@ -443,7 +391,7 @@ class Robot:
             return tuple(kind.removesuffix("_SendGoal") for kind in served)
 
         try:
-            return await self._thread.run(there, _QUESTION_TIMEOUT)
+            return await self._thread.run(there, QUESTION_TIMEOUT)
         except TimeoutError:
             return ()
 
@@ -461,153 +409,12 @@ class Robot:
         async def begin() -> Sampling:
             return Sampling(self._node, self._clock, topics)
 
-        sampling = await self._thread.run(begin, _QUESTION_TIMEOUT)
+        sampling = await self._thread.run(begin, QUESTION_TIMEOUT)
         try:
             await self._clock.sleep(seconds)
         finally:
             self._thread.submit(sampling.end)
         return sampling.samples
-
-    async def give_up_stop(self) -> Outcome:
-        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
-
-        async def call(gate: Gate) -> Outcome:
-            gate()
-            self._stopping.close()
-            return Outcome(Code.DONE, "given up; the robot has not confirmed it")
-
-        return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
-
-    async def cancel(self, *, another: bool = False) -> Outcome:
-        """Request the cancel of the running goal.
-
-        Args:
-            another: True to cancel another client's goal, False for one of this console.
-        """
-        goal, command = self._goals.goal, ""
-        if goal is not None:
-            command = ros2_command.cancel(self._interface_checks.full(goal.kind.action))
-        return await self._runner.run(
-            "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
-        )
-
-    async def cancel_all(self) -> Outcome:
-        """Request the cancel of every goal of the robot's actions, whoever sent it."""
-        return await self._runner.run(
-            "cancel",
-            {"all": True},
-            "cancel every goal",
-            self._cancel_commands(),
-            lambda _: self._goals.cancel_all(),
-        )
-
-    async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none of them.
-
-        Args:
-            node: The full name of the node.
-            values: The values by name, of the Python types that fit.
-        """
-        shown = self._secrets.masked(values)
-        has_secret = any(map(self._secrets.matches, values))
-        command = "" if has_secret else ros2_command.set_parameters(node, values)
-        texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
-        return await self._runner.run(
-            "set",
-            {"node": node, "values": shown},
-            f"set {node.lstrip('/')} {texts}",
-            command,
-            lambda gate: self._parameters.set(node, values, gate),
-        )
-
-    async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node has on the graph, or an outcome that tells why it is not known."""
-        try:
-            found = await self._thread.run(lambda: self._describe(node), _QUESTION_TIMEOUT)
-            return found or Outcome(Code.REFUSED, "not on the graph")
-        except TimeoutError:
-            return Outcome(Code.TIMEOUT, _NO_ANSWER)
-        except Exception as error:  # rclpy raises a dozen types, as for names that DDS allows.
-            return Outcome(Code.REFUSED, in_one_line(error))
-
-    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
-        """Return the publishers and subscriptions of a topic, or why they are not known.
-
-        Args:
-            topic: Its full name.
-        """
-
-        async def there() -> TopicInfo:
-            node = self._node
-            return topic_info(
-                topic,
-                node.get_publishers_info_by_topic(topic),
-                node.get_subscriptions_info_by_topic(topic),
-                node.get_fully_qualified_name(),
-            )
-
-        try:
-            return await self._thread.run(there, _QUESTION_TIMEOUT)
-        except TimeoutError:
-            return Outcome(Code.TIMEOUT, _NO_ANSWER)
-
-    async def _describe(self, node: str) -> NodeInfo | None:
-        found = await self._nodes.describe(node)
-        if found is None or not self._lifecycles.word(node):
-            return found
-        return found._replace(transitions=await self._lifecycles.transitions(node))
-
-    async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log; the text of the outcome names it."""
-        try:
-            return await self._thread.run(lambda: self._nodes.level(node), _QUESTION_TIMEOUT)
-        except TimeoutError:
-            return Outcome(Code.TIMEOUT, _NO_ANSWER)
-        except Exception as error:
-            return Outcome(Code.REFUSED, in_one_line(error))
-
-    async def set_log_level(self, node: str, level: str) -> Outcome:
-        """Set the level of a node's log.
-
-        Args:
-            node: The full name of the node.
-            level: One of LEVELS; UNSET for the level of its process.
-        """
-        return await self._runner.run(
-            "log_level",
-            {"node": node, "level": level},
-            f"log level of {node.lstrip('/')} {level}",
-            set_level_command(node, level),
-            lambda gate: self._nodes.set_level(node, level, gate),
-        )
-
-    async def change_lifecycle(self, node: str, transition: str) -> Outcome:
-        """Have a managed node make a transition.
-
-        Args:
-            node: The full name of the node.
-            transition: Its word: configure, activate, deactivate, cleanup or shutdown.
-        """
-        title = f"lifecycle {node.lstrip('/')} {transition}"
-        arguments = {"node": node, "transition": transition}
-        late = self._runner.late_report(title, "lifecycle", arguments)
-        return await self._runner.run(
-            "lifecycle",
-            arguments,
-            title,
-            ros2_command.change_lifecycle(node, transition),
-            lambda gate: self._lifecycles.change(node, transition, gate, late),
-            CHANGE_TIMEOUT,
-        )
-
-    async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
-        """Return the words of the transitions that a managed node can make now; () if silent."""
-        try:
-            return await self._thread.run(
-                lambda: self._lifecycles.transitions(node), _QUESTION_TIMEOUT
-            )
-        except TimeoutError:
-            return ()
 
     def node_gone(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.
@@ -620,22 +427,6 @@ class Robot:
             self._goals.node_gone(lambda kind: self._interface_checks.full(kind.action) in served)
 
         self._thread.submit(end)
-
-    def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the call that makes a starting node carry out an earlier STOP. Any thread.
-
-        Returns:
-            The full name of the service, "" if no STOP is unreleased, and the request.
-        """
-        stop, stopping = self.file.stop, self._stopping
-        holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
-        if stop is None or (not holds and self.stops.are_answered):
-            return "", {}
-        return self._interface_checks.full(stop.service), stop.request
-
-    def early_stop_confirmed(self, node: str) -> None:
-        """Record that a starting node has confirmed the STOP before it spins. Any thread."""
-        self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
 
     def note(
         self,
@@ -670,15 +461,6 @@ class Robot:
 
     # All below runs on the ROS thread.
 
-    def _verb_of(
-        self, kind: model.GoalKind, values: Mapping[str, Any]
-    ) -> tuple[str, Mapping[str, Any]]:
-        """Return the verb that sends a goal, and its arguments, for the audit record."""
-        if kind not in self.file.goals:
-            action = self._interface_checks.full(kind.action)
-            return "send_goal", {"action": action, "values": values}
-        return "go" if kind == self.file.goals[0] else kind.id, values
-
     def _poll(self) -> None:
         self._poller.poll_if_due()
         if self._stopping.must_repeat and self._telemetry.is_robot_heard():
@@ -712,7 +494,8 @@ class Robot:
     def _goal_ended(self, goal: Goal, text: str) -> None:
         """Report how a goal ended."""
         assert goal.code is not None  # It has ended.
-        record = AuditRecord(*self._verb_of(goal.kind, goal.fields), goal.code)
+        verb = verb_of(self.file, self._interface_checks, goal.kind, goal.fields)
+        record = AuditRecord(*verb, goal.code)
         self._reporter.add(
             Event(self._clock.now(), "GOAL", goal.kind.action, text, audit_record=record)
         )

@@ -95,6 +95,11 @@ class InterfaceChecks:
             yield stop.service, stop.request
             yield stop.release, stop.release_request
 
+    def cancel_commands(self) -> str:
+        """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
+        names = [self.full(kind.action) for kind in self._robot.goals]
+        return "; ".join(ros2_command.cancel(name) for name in names)
+
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
         """Return the `ros2` command line for a call; "" if the service's type does not fit."""
         full = self.full(name)

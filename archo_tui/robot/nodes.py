@@ -15,10 +15,11 @@ from rclpy.action import (
 from rclpy.node import Node
 
 from archo_tui.robot import ros2_command, services
+from archo_tui.robot.endpoints import topic_info
 from archo_tui.robot.graph import is_hidden, is_of_every_node
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import LEVELS, LogLevel, Names, NodeInfo
+from archo_tui.robot.state import LEVELS, LogLevel, Names, NodeInfo, TopicInfo
 from archo_tui.robot.stops import Gate
 
 _GET, _SET = "get_logger_levels", "set_logger_levels"
@@ -53,6 +54,13 @@ class Nodes:
         silent = f"no answer in {services.DEADLINE:g} s"
         why = "" if level else silent if offers else "not offered by the node"
         return found._replace(level=level, no_level=why)
+
+    def topic_info(self, topic: str) -> TopicInfo:
+        """Return all ends of a topic, by its full name."""
+        node = self._node
+        publishers = node.get_publishers_info_by_topic(topic)
+        subscriptions = node.get_subscriptions_info_by_topic(topic)
+        return topic_info(topic, publishers, subscriptions, node.get_fully_qualified_name())
 
     def _has_levels(self, name: str) -> bool:
         """Return True if the node has the services that get and set its log level."""

@@ -18,6 +18,7 @@ from archo_tui.robot.stops import Gate
 LATE = 20.0  # Seconds in which a late answer to a STOP is still received.
 MOST_UNANSWERED = 1000  # Requests of an operator whose answers are received however late.
 DEADLINE = 2.0  # Seconds for an answer.
+QUESTION_TIMEOUT = 2 * DEADLINE  # Seconds for a question that the ROS thread asks a node.
 _EARLY = 1e-3  # Seconds by which a timer may fire early.
 
 

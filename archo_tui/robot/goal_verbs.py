@@ -1,0 +1,138 @@
+"""The verbs about goals: send and cancel them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from archo_tui.robot import ros2_command
+from archo_tui.robot.goal_guard import GoalGuard
+from archo_tui.robot.goal_watcher import GoalWatcher
+from archo_tui.robot.goals import Goals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.lifecycle import Lifecycles
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.services import Services
+from archo_tui.robot.state import ACTION, values_text
+from archo_tui.robot.stopping import Stopping
+from archo_tui.robot.stops import NOT_SENT, Gate, Void
+from archo_tui.robot.verb_runner import VerbRunner
+from archo_tui.robot_file.model import GoalKind, RobotFile
+
+
+class GoalVerbs:
+    """The verbs about goals. Called on the event loop."""
+
+    def __init__(
+        self,
+        file: RobotFile,
+        runner: VerbRunner,
+        pending: Services,
+        graph: Graph,
+        checks: InterfaceChecks,
+        goals: Goals,
+        guard: GoalGuard,
+        watcher: GoalWatcher,
+        stopping: Stopping,
+        lifecycles: Lifecycles,
+    ) -> None:
+        """Send nothing yet.
+
+        Args:
+            file: The robot file.
+            runner: Runs the verbs on the ROS thread.
+            pending: Numbers the requests in the order in which they leave.
+            graph: Tells the nodes that serve an action.
+            checks: Tell full names, and the `ros2` command lines.
+            goals: Sends and cancels the goals.
+            guard: Decides whether a goal may be sent.
+            watcher: Tells the lengths of ways.
+            stopping: Told that a goal was accepted, which ends an earlier STOP.
+            lifecycles: Tell the states of managed nodes.
+        """
+        self._file, self._runner, self._services = file, runner, pending
+        self._graph, self._checks, self._goals = graph, checks, goals
+        self._goal_guard, self._goal_watcher = guard, watcher
+        self._stopping, self._lifecycles = stopping, lifecycles
+
+    async def send(
+        self, kind: GoalKind, values: Mapping[str, Any], *, queued: bool = False
+    ) -> Outcome:
+        """Send a goal; return when the robot has accepted or refused it, or has not answered.
+
+        Args:
+            kind: The kind of goal.
+            values: The values by dotted path.
+            queued: True for a goal of the queue, which is held behind a STOP, not sent.
+        """
+        length = self._goal_watcher.length(kind)
+        title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
+
+        async def go(gate: Gate) -> Outcome:
+            turn = self._services.turn()
+            refusal = self._goal_guard.refusal(kind, gate, queued=queued)
+            if refusal is not None:
+                return refusal
+            try:
+                outcome = await self._goals.send(kind, values, length, gate)
+            except Void:
+                return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
+            if outcome.ok:
+                self._stopping.accepted(turn)
+            return self._with_inactive_server(kind.action, outcome)
+
+        ros2 = self._checks.goal_command(kind, values)
+        verb = verb_of(self._file, self._checks, kind, values)
+        return await self._runner.run(*verb, title, ros2, go)
+
+    def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
+        """Add to a refusal which managed node serves the action and is not active."""
+        full = self._checks.full(action)
+        nodes = [
+            n for r in self._graph.resources if (r.kind, r.name) == (ACTION, full) for n in r.nodes
+        ]
+        states = {node: self._lifecycles.word(node) for node in nodes}
+        idle = [f"{node} is {word}" for node, word in states.items() if word not in ("", "active")]
+        if outcome.code is not Code.REFUSED or not idle:
+            return outcome
+        return outcome._replace(text=f"{outcome.text}: {', '.join(idle)}")
+
+    async def cancel(self, *, another: bool = False) -> Outcome:
+        """Request the cancel of the running goal.
+
+        Args:
+            another: True to cancel another client's goal, False for one of this console.
+        """
+        goal, command = self._goals.goal, ""
+        if goal is not None:
+            command = ros2_command.cancel(self._checks.full(goal.kind.action))
+        return await self._runner.run(
+            "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
+        )
+
+    async def cancel_all(self) -> Outcome:
+        """Request the cancel of every goal of the robot's actions, whoever sent it."""
+        return await self._runner.run(
+            "cancel",
+            {"all": True},
+            "cancel every goal",
+            self._checks.cancel_commands(),
+            lambda _: self._goals.cancel_all(),
+        )
+
+
+def verb_of(
+    file: RobotFile, checks: InterfaceChecks, kind: GoalKind, values: Mapping[str, Any]
+) -> tuple[str, Mapping[str, Any]]:
+    """Return the verb that sends a goal, and its arguments, for the audit record.
+
+    Args:
+        file: The robot file.
+        checks: Tell the full name of an action.
+        kind: The kind of goal, in the robot file or not.
+        values: The values by dotted path.
+    """
+    if kind not in file.goals:
+        return "send_goal", {"action": checks.full(kind.action), "values": values}
+    return "go" if kind == file.goals[0] else kind.id, values

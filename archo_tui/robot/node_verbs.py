@@ -1,0 +1,149 @@
+"""The verbs about a node: its parameters, its log level, its lifecycle, what it has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from archo_tui.errors import in_one_line
+from archo_tui.robot import ros2_command
+from archo_tui.robot.lifecycle import CHANGE_TIMEOUT, Lifecycles
+from archo_tui.robot.nodes import Nodes, set_level_command
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.secret_names import SecretNames
+from archo_tui.robot.services import QUESTION_TIMEOUT
+from archo_tui.robot.state import NodeInfo, TopicInfo
+from archo_tui.robot.thread import RosThread
+from archo_tui.robot.values import text_of
+from archo_tui.robot.verb_runner import VerbRunner
+
+_NO_ANSWER = f"no answer in {QUESTION_TIMEOUT:g} s from the console's own node"
+
+
+class NodeVerbs:
+    """The verbs about a node. Called on the event loop."""
+
+    def __init__(
+        self,
+        thread: RosThread,
+        runner: VerbRunner,
+        nodes: Nodes,
+        parameters: Parameters,
+        lifecycles: Lifecycles,
+        secrets: SecretNames,
+    ) -> None:
+        """Ask nothing yet.
+
+        Args:
+            thread: The ROS thread, for questions.
+            runner: Runs the verbs that change something.
+            nodes: Asks the graph and the nodes.
+            parameters: Sets parameters.
+            lifecycles: Changes the states of managed nodes.
+            secrets: Decides which parameters are secret.
+        """
+        self._thread, self._runner, self._nodes = thread, runner, nodes
+        self._parameters, self._lifecycles, self._secrets = parameters, lifecycles, secrets
+
+    async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
+        """Set parameters of a node, all or none of them.
+
+        Args:
+            node: The full name of the node.
+            values: The values by name, of the Python types that fit.
+        """
+        shown = self._secrets.masked(values)
+        has_secret = any(map(self._secrets.matches, values))
+        command = "" if has_secret else ros2_command.set_parameters(node, values)
+        texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
+        return await self._runner.run(
+            "set",
+            {"node": node, "values": shown},
+            f"set {node.lstrip('/')} {texts}",
+            command,
+            lambda gate: self._parameters.set(node, values, gate),
+        )
+
+    async def describe(self, node: str) -> NodeInfo | Outcome:
+        """Return what a node has on the graph, or an outcome that tells why it is not known."""
+        try:
+            found = await self._thread.run(lambda: self._describe(node), QUESTION_TIMEOUT)
+            return found or Outcome(Code.REFUSED, "not on the graph")
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
+        except Exception as error:  # rclpy raises a dozen types, as for names that DDS allows.
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def _describe(self, node: str) -> NodeInfo | None:
+        found = await self._nodes.describe(node)
+        if found is None or not self._lifecycles.word(node):
+            return found
+        return found._replace(transitions=await self._lifecycles.transitions(node))
+
+    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
+        """Return the publishers and subscriptions of a topic, or why they are not known.
+
+        Args:
+            topic: Its full name.
+        """
+
+        async def there() -> TopicInfo:
+            return self._nodes.topic_info(topic)
+
+        try:
+            return await self._thread.run(there, QUESTION_TIMEOUT)
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
+
+    async def log_level(self, node: str) -> Outcome:
+        """Ask a node for the level of its log; the text of the outcome names it."""
+        try:
+            return await self._thread.run(lambda: self._nodes.level(node), QUESTION_TIMEOUT)
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _NO_ANSWER)
+        except Exception as error:
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def set_log_level(self, node: str, level: str) -> Outcome:
+        """Set the level of a node's log.
+
+        Args:
+            node: The full name of the node.
+            level: One of LEVELS; UNSET for the level of its process.
+        """
+        return await self._runner.run(
+            "log_level",
+            {"node": node, "level": level},
+            f"log level of {node.lstrip('/')} {level}",
+            set_level_command(node, level),
+            lambda gate: self._nodes.set_level(node, level, gate),
+        )
+
+    async def change_lifecycle(self, node: str, transition: str) -> Outcome:
+        """Have a managed node make a transition.
+
+        Args:
+            node: The full name of the node.
+            transition: Its word: configure, activate, deactivate, cleanup or shutdown.
+        """
+        title = f"lifecycle {node.lstrip('/')} {transition}"
+        arguments = {"node": node, "transition": transition}
+        late = self._runner.late_report(title, "lifecycle", arguments)
+        return await self._runner.run(
+            "lifecycle",
+            arguments,
+            title,
+            ros2_command.change_lifecycle(node, transition),
+            lambda gate: self._lifecycles.change(node, transition, gate, late),
+            CHANGE_TIMEOUT,
+        )
+
+    async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
+        """Return the words of the transitions that a managed node can make now; () if silent."""
+        try:
+            return await self._thread.run(
+                lambda: self._lifecycles.transitions(node), QUESTION_TIMEOUT
+            )
+        except TimeoutError:
+            return ()

@@ -1,0 +1,125 @@
+"""The verbs about STOP: send it, release it, give it up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from archo_tui.clock import Clock
+from archo_tui.robot.goals import Goals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.service_caller import ServiceCaller
+from archo_tui.robot.services import Services
+from archo_tui.robot.state import Latch
+from archo_tui.robot.stopping import FIRST_FOUND, Stopping
+from archo_tui.robot.stops import Gate, Stops
+from archo_tui.robot.verb_runner import VerbRunner
+from archo_tui.robot_file.model import NO_STOP, RobotFile
+
+
+class StopVerbs:
+    """The verbs about STOP. All but `early_stop_request` are called on the event loop."""
+
+    def __init__(
+        self,
+        file: RobotFile,
+        clock: Clock,
+        runner: VerbRunner,
+        caller: ServiceCaller,
+        pending: Services,
+        graph: Graph,
+        checks: InterfaceChecks,
+        goals: Goals,
+        stops: Stops,
+        stopping: Stopping,
+    ) -> None:
+        """Send nothing yet.
+
+        Args:
+            file: The robot file.
+            clock: The console's clock.
+            runner: Runs the verbs on the ROS thread.
+            caller: Calls the service that releases a STOP.
+            pending: Numbers the requests in the order in which they leave.
+            graph: Tells the actions on the graph.
+            checks: Tell full names, and the `ros2` command lines.
+            goals: Are cancelled for a robot that has no STOP.
+            stops: The STOPs that were read.
+            stopping: Sends STOP.
+        """
+        self._file, self._runner, self._caller, self._services = file, runner, caller, pending
+        self._graph, self._checks, self._goals = graph, checks, goals
+        self._stops, self._stopping = stops, stopping
+        self._begun = clock.monotonic()
+
+    async def emergency_stop(self) -> Outcome:
+        """Stop the robot at once, until the STOP is released.
+
+        If the robot file names no STOP, every goal is cancelled. That is no STOP, so the code of
+        its outcome is NOT_OFFERED.
+        """
+        stop = self._file.stop
+        self._stops.superseded = False
+        try:
+            if stop is None:
+                return await self._cancel_instead_of_stop()
+            command = self._checks.call_command(stop.service, stop.request)
+            return await self._runner.run(
+                "stop", {}, "STOP", command, lambda _: self._stopping.send()
+            )
+        finally:
+            self._stops.answered = self._stops.count
+
+    async def _cancel_instead_of_stop(self) -> Outcome:
+        """Cancel every goal of every action on the graph, for a robot that has no STOP."""
+
+        async def cancel(_: Gate) -> Outcome:
+            outcome = await self._goals.cancel_all(self._graph.actions, self._begun + FIRST_FOUND)
+            reason = f"{self._file.name} {NO_STOP}"
+            return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
+
+        return await self._runner.run(
+            "stop", {}, "cancel every goal", self._checks.cancel_commands(), cancel
+        )
+
+    async def release_emergency_stop(self) -> Outcome:
+        """Release the STOP: the robot may move again, but continues no goal by itself."""
+        stop = self._file.stop
+        if stop is None or not stop.release:
+            return Outcome(Code.NOT_OFFERED, f"{self._file.name} has no service to release a stop")
+        name, request = stop.release, stop.release_request
+
+        async def call(gate: Gate) -> Outcome:
+            turn = self._services.turn()
+            outcome = await self._caller.call_named(name, request, gate, late)
+            if outcome.ok:
+                self._stopping.accepted(turn)
+            return outcome
+
+        ros2 = self._checks.call_command(name, request)
+        late = self._runner.late_report("release stop", "release")
+        return await self._runner.run("release", {}, "release stop", ros2, call)
+
+    async def give_up_stop(self) -> Outcome:
+        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
+
+        async def call(gate: Gate) -> Outcome:
+            gate()
+            self._stopping.close()
+            return Outcome(Code.DONE, "given up; the robot has not confirmed it")
+
+        return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
+
+    def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
+        """Return the call that makes a starting node carry out an earlier STOP. Any thread.
+
+        Returns:
+            The full name of the service, "" if no STOP is unreleased, and the request.
+        """
+        stop, stopping = self._file.stop, self._stopping
+        holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
+        if stop is None or (not holds and self._stops.are_answered):
+            return "", {}
+        return self._checks.full(stop.service), stop.request
