@@ -130,11 +130,13 @@ def serve(descriptor: int) -> None:
     import importlib
 
     from archo_tui import engine
+    from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 
     run = int(os.environ["ARCHO_TESTS_RUN"])
     engine.activate("embedded")
     for name in _LOADED:
         importlib.import_module(name)
+    import_the_rest(("archo_tui.cli", *OF_ALL, *OF_THE_SCREEN))
     gc.collect()
     gc.freeze()
     listener = socket.socket(fileno=descriptor)
