@@ -6,7 +6,9 @@ import gc
 import itertools
 import os
 import re
+import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from functools import lru_cache, wraps
@@ -106,6 +108,7 @@ def pytest_sessionfinish() -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     _set_terminal()
+    _share_bytecode(config)
     os.environ["TZ"] = "UTC"  # times of day are part of pictures, and some texts are kept
     if sys.platform != "win32":
         time.tzset()
@@ -125,6 +128,17 @@ def pytest_configure(config: pytest.Config) -> None:
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
     # the textbook's listings say `warn`, of which rclpy warns
     config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor:DeprecationWarning")
+
+
+def _share_bytecode(config: pytest.Config) -> None:
+    """Where no bytecode is to be written beside sources, let programs share it in a folder.
+
+    Each program that a test starts would compile all modules of the console for itself.
+    """
+    if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+        folder = tempfile.mkdtemp()
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+        os.environ["PYTHONPYCACHEPREFIX"] = folder
 
 
 def _set_terminal() -> None:
