@@ -25,12 +25,20 @@ class Alone(Node):
     ("line", "said"),
     [
         ("reset", "failed: reset: reset_encoder is not offered by any node"),
-        ("go 12", "failed: go: move_to_shelf is not offered by any node"),
-        ("release --yes", "failed: release: release_emergency_stop is not offered by any node"),
-        ("call blink", "failed: call: no service is on the graph"),
-        ("send_goal reach", "failed: send_goal: no action is on the graph"),
-        ("cancel", "failed: cancel: no goal is running"),
-        ("continue", "failed: continue: no queue is held"),
+        *(
+            pytest.param(*line_and_said, marks=pytest.mark.waits)
+            for line_and_said in (
+                ("go 12", "failed: go: move_to_shelf is not offered by any node"),
+                (
+                    "release --yes",
+                    "failed: release: release_emergency_stop is not offered by any node",
+                ),
+                ("call blink", "failed: call: no service is on the graph"),
+                ("send_goal reach", "failed: send_goal: no action is on the graph"),
+                ("cancel", "failed: cancel: no goal is running"),
+                ("continue", "failed: continue: no queue is held"),
+            )
+        ),
     ],
 )
 async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(

@@ -146,6 +146,7 @@ async def test_a_call_that_runs_is_an_event_and_lines_behind_it_go_on(bare: Path
     assert person.said.count("running") == 1
 
 
+@pytest.mark.waits
 async def test_a_slow_call_that_fails_behind_other_lines_counts_at_the_end(bare: Path) -> None:
     made: list[Mapper] = []
     async with operated(making(made, Mapper), robot=bare) as person:

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 ENGINE = "embedded"
 
-# DDS allows for little more than 100 domains; each of six workers has its part of them
-_EACH = 16
+# DDS allows for little more than 100 domains; each of twelve workers has its part of them
+_EACH = 8
 _domains: Iterator[int]
 
 
@@ -20,7 +20,7 @@ def use_domains_of(worker: int) -> None:
         worker: The number of this process among those that run tests.
     """
     global _domains
-    first = 1 + _EACH * (worker % 6)
+    first = 1 + _EACH * (worker % 12)
     _domains = itertools.cycle(range(first, first + _EACH))
 
 
