@@ -126,6 +126,7 @@ def _list(array: re.Match[str], value: Any, where: str) -> list[Any]:
 
 
 def _message(nested: re.Match[str], value: Any, where: str) -> Any:
+    """Return the message of a nested type with the values of a mapping."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{where}: {_shown(value)} is not the fields of {nested[0]}")
     message_class = load_nested(nested[0])
@@ -160,6 +161,7 @@ def _single(kind: str, value: Any) -> Any:
 
 
 def _whole(value: Any, low: int, high: int) -> int:
+    """Return a value that is a whole number within low .. high; raise ValueError otherwise."""
     if not isinstance(value, int) or isinstance(value, bool):
         raise ValueError("is not a whole number")
     if not low <= value <= high:

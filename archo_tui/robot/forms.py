@@ -85,7 +85,7 @@ def check_range(field: TypedField, given: FormField, value: Any, shown: str) -> 
     """
     label = given.label or field.path
     low, high = INTEGERS.get(field.type, (None, None))
-    low, high = _known(given.low, low), _known(given.high, high)
+    low, high = _number_of(given.low, low), _number_of(given.high, high)
     # In this form the comparison also refuses NaN.
     if low is not None and not value >= low:
         raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
@@ -108,8 +108,8 @@ def check_ranges(
         check_range(field, form.get(field.path, FormField()), value, text_of(value))
 
 
-def _known(given: Limit, otherwise: float | None) -> float | None:
-    """Return a limit of the robot file; `otherwise` if it is a parameter that nobody reports."""
+def _number_of(given: Limit, otherwise: float | None) -> float | None:
+    """Return a limit as a number; `otherwise` for none, or for a parameter that is not reported."""
     return otherwise if given is None or isinstance(given, ParameterRef) else given
 
 

@@ -26,6 +26,13 @@ class InterfaceChecks:
     """
 
     def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
+        """Compare the goals of the robot file with the types that are installed.
+
+        Args:
+            node: The console's node.
+            robot: The robot file.
+            graph: Tells the types of the servers.
+        """
         self._node, self._robot, self._graph = node, robot, graph
         made = {kind.id: _form(kind) for kind in robot.goals}
         self.forms = {name: form for name, form in made.items() if form is not None}

@@ -73,11 +73,11 @@ def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) ->
     made = action_type.Goal()
     for path, value in itertools.chain(kind.fixed.items(), values.items()):
         given = kind.form.get(path)
-        put(made, path, _turned(path, value) if given is not None and given.convert else value)
+        put(made, path, _quaternion(path, value) if given is not None and given.convert else value)
     return made
 
 
-def _turned(path: str, degrees: Any) -> dict[str, float]:
+def _quaternion(path: str, degrees: Any) -> dict[str, float]:
     """Return the quaternion of a yaw in degrees; `path` is for errors."""
     half = math.radians(finite(path, degrees)) / 2
     return {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
