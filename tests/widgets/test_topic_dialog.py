@@ -32,7 +32,7 @@ async def test_ends_that_do_not_fit_are_named_with_the_side_to_change() -> None:
     async with console(node_makers=[Lidar, Viewer], wait=False) as op:
         await op.until(lambda: any(r.name == "/scan" for r in op.app.view.snapshot.resources))
         await op.press("8")
-        while op.app.main.graph.selected.resource.name != "/scan":
+        while not (row := op.app.main.graph.selected) or row.resource.name != "/scan":
             await op.press("down")
         await op.press("enter")
         await op.until("does not fit")
@@ -46,7 +46,7 @@ async def test_ends_that_do_not_fit_are_named_with_the_side_to_change() -> None:
 async def test_ends_that_fit_are_said_to_fit() -> None:
     async with console() as op:
         await op.press("8")
-        while op.app.main.graph.selected.resource.name != "/battery_level":
+        while not (row := op.app.main.graph.selected) or row.resource.name != "/battery_level":
             await op.press("down")
         await op.press("enter")
         await op.until("types and QoS of all of them fit")
