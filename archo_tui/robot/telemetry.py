@@ -18,7 +18,7 @@ from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, Period
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read, yaw
-from archo_tui.robot.state import Battery, Motion, Pose, Reading, in_namespace
+from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose, in_namespace
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
 from archo_tui.safe_text import harmless
@@ -87,7 +87,7 @@ class SavedReadings(NamedTuple):
     battery: Battery
     motion: Motion
     pose: Pose
-    gauges: tuple[Reading, ...]
+    gauges: tuple[GaugeReading, ...]
     diagnostics: Diagnostics
     charge: tuple[tuple[float, float], ...]
     periods: Mapping[object, Period]
@@ -138,7 +138,7 @@ class Telemetry:
         self.motion = Motion()
         self.pose = Pose()
         self.diagnostics = Diagnostics()
-        self.gauges = tuple(Reading(gauge) for gauge in robot.gauges)
+        self.gauges = tuple(GaugeReading(gauge) for gauge in robot.gauges)
         self.charge: tuple[tuple[float, float], ...] = ()
 
     def resubscribe(self) -> None:
@@ -364,7 +364,7 @@ class Telemetry:
         if unreadable and not last.unreadable:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
         period, grace = self._measured(place, now), self._grace(place)
-        new = Reading(gauge, reading, now, period, unreadable, grace)
+        new = GaugeReading(gauge, reading, now, period, unreadable, grace)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
         return _news(last, new, *_GAUGE)
 

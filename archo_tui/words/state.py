@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from archo_tui.robot.state import Latch, Reading, Snapshot
+from archo_tui.robot.state import GaugeReading, Latch, Snapshot
 from archo_tui.station.alarm_conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
@@ -204,7 +204,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     return (word, (f"   no STOP: {no_stop}", BAD)) if no_stop else (word,)
 
 
-def gauge_line(reading: Reading, now: float) -> Spans:
+def gauge_line(reading: GaugeReading, now: float) -> Spans:
     """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own.
 
     A value beyond a limit, an old one and one that is no number are marked.

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Battery, Latch, Motion, Parameter, Phase, Reading, Snapshot
+from archo_tui.robot.state import Battery, GaugeReading, Latch, Motion, Parameter, Phase, Snapshot
 from archo_tui.robot_file.model import Gauge, MessageField
 from archo_tui.station.reason import Reason, limits, obstacles
 from tests.support.archo import ARCHO
 from tests.support.states import BATTERY, MOVING, STATES
 
 THERE = Snapshot(file=ARCHO, offered=frozenset({"move_to_shelf"}), battery=BATTERY)
-HOT = Reading(Gauge("Temperature", "heat", "std_msgs/msg/Float32", MessageField("data")), 71.0)
+HOT = GaugeReading(Gauge("Temperature", "heat", "std_msgs/msg/Float32", MessageField("data")), 71.0)
 
 
 def shelves(count: int) -> tuple[Parameter, ...]:

@@ -17,7 +17,7 @@ from archo_tui.robot.state.parameter import Parameter, linked_number
 from archo_tui.robot.state.resource import ACTION, SERVICE, TOPIC, Resource
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
-from archo_tui.robot.state.telemetry import Battery, Motion, Pose, Reading
+from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot.state.topic_info import TopicEnd, TopicInfo
 from archo_tui.robot.state.typed_field import TypedField
 
@@ -31,6 +31,7 @@ __all__ = [
     "Diagnostic",
     "DiagnosticLevel",
     "Event",
+    "GaugeReading",
     "Goal",
     "Hosted",
     "Latch",
@@ -44,7 +45,6 @@ __all__ = [
     "Parameter",
     "Phase",
     "Pose",
-    "Reading",
     "Resource",
     "Snapshot",
     "StopAnswer",

@@ -16,7 +16,7 @@ from archo_tui.robot.state.node import NodeState
 from archo_tui.robot.state.parameter import Parameter, linked_number
 from archo_tui.robot.state.resource import Resource
 from archo_tui.robot.state.stop import Latch, OpenStop
-from archo_tui.robot.state.telemetry import Battery, Motion, Pose, Reading
+from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot.state.typed_field import TypedField
 from archo_tui.robot_file.model import FormField, GoalKind, Limit, ParameterRef, RobotFile
 
@@ -68,7 +68,7 @@ class Snapshot(NamedTuple):
     motion: Motion = Motion()
     pose: Pose = Pose()
     diagnostics: tuple[Diagnostic, ...] = ()
-    gauges: tuple[Reading, ...] = ()
+    gauges: tuple[GaugeReading, ...] = ()
     goal: Goal | None = None
     running: int = 0
     history: tuple[Goal, ...] = ()

@@ -92,7 +92,7 @@ class Pose(NamedTuple):
         return is_silent(self.received, self.period, now, self.grace)
 
 
-class Reading(NamedTuple):
+class GaugeReading(NamedTuple):
     """The last number of one of the robot's gauges.
 
     Attributes:
