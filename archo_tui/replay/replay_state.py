@@ -17,6 +17,7 @@ from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.graph import is_hidden
 from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.state import (
     OWN_LEVELS,
     TOPIC,
@@ -28,8 +29,7 @@ from archo_tui.robot.state import (
     level_word,
     logger_node,
 )
-from archo_tui.robot.telemetry import News, Telemetry
-from archo_tui.robot.telemetry import SavedReadings as Readings
+from archo_tui.robot.telemetry import SavedReadings, Telemetry
 from archo_tui.robot.tracked_goal import feedback_changes
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
@@ -62,7 +62,7 @@ class Checkpoint(NamedTuple):
         evaluated_until: Unix time of the last evaluation of alarms.
     """
 
-    readings: Readings
+    readings: SavedReadings
     state_json: str
     goal: Goal | None
     log: EventLog

@@ -43,6 +43,7 @@ from archo_tui.robot.node_verbs import NodeVerbs
 from archo_tui.robot.nodes import Nodes
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot.parameters import Parameters, without_secrets
+from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requester import YOU, current_requester
@@ -64,7 +65,7 @@ from archo_tui.robot.state import (
 from archo_tui.robot.stop_verbs import StopVerbs
 from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.stops import Stops
-from archo_tui.robot.telemetry import News, Telemetry
+from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot.verb_runner import VerbRunner

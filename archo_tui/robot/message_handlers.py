@@ -13,12 +13,12 @@ from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event, Motion, level_word, logger_node
 from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.stops import Stops
-from archo_tui.robot.telemetry import News
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot_file.model import RobotFile
 

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from enum import Enum, auto
 from functools import partial
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
-
 from archo_tui.clock import Clock
-from archo_tui.robot import diagnostics, message_classes, messages
+from archo_tui.robot import diagnostics
 from archo_tui.robot.diagnostics import Diagnostics
-from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
-from archo_tui.robot.period import LEAST_SILENCE, Period
+from archo_tui.robot.period import Period
+from archo_tui.robot.reading_subscriptions import News, Reader, ReadingSubscriptions
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read, yaw
-from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose, in_namespace
-from archo_tui.robot_file import mismatch
-from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
+from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot_file.model import Gauge, RobotFile
 from archo_tui.safe_text import harmless
 
 _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
@@ -39,48 +35,6 @@ _POSE = attrgetter("frame", "period"), attrgetter("x", "y", "yaw")
 _GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
-class News(Enum):
-    """The difference between a message and the one before; a larger value weighs more."""
-
-    NONE = auto()  # Only its time differs.
-    NUMBERS = auto()  # Readings differ, as they do all the time.
-    WORDS = auto()  # Something on which a person acts: it is stopped, or cannot be read.
-
-
-# If one message has several readings, the weightiest difference is passed on.
-_WEIGHT = attrgetter("value")
-
-
-class _Reader(NamedTuple):
-    """A reading and its topic.
-
-    Attributes:
-        key: "battery", "motion", or the index of a gauge.
-        topic: The topic as the robot file names it.
-        types: The fields to read, by message type and name of the value.
-        callback: Called with a message and the fields of its type; returns what is new.
-    """
-
-    key: object
-    topic: str
-    types: Mapping[str, Mapping[str, Fields]]
-    callback: Callable[[Any, Mapping[str, Fields]], News]
-
-
-class _Subscription(NamedTuple):
-    """A subscription and what it was made for.
-
-    Attributes:
-        qos: Its reliability and its durability.
-        keys: The keys of its readers.
-        subscription: rclpy's object.
-    """
-
-    qos: tuple[ReliabilityPolicy, DurabilityPolicy]
-    keys: tuple[object, ...]
-    subscription: Any = None
-
-
 class SavedReadings(NamedTuple):
     """All readings at one moment, to return to."""
 
@@ -97,7 +51,6 @@ class Telemetry:
     """The last readings, from the topics and fields that the robot file names.
 
     Attributes:
-        faults: Why a topic or one of its publishers is not read, by topic.
         battery: The last reading of the battery.
         motion: The last reading of the motion.
         pose: The last reading of the pose.
@@ -123,17 +76,11 @@ class Telemetry:
             on_reading: Called after each message with the topic and what is new.
             warn: Called with a line about what cannot be read.
         """
-        self._node, self._robot, self._clock = node, robot, clock
-        self._on_reading = on_reading
+        self._robot, self._clock = robot, clock
         self._warn = warn
-        self._readers = tuple(self._make_readers())
-        # By the full name of the topic, and its type.
-        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
+        readers = tuple(self._make_readers())
+        self._subscriptions = ReadingSubscriptions(node, readers, on_reading, warn)
         self._periods: dict[object, Period] = {}
-        # See `Battery.grace`; of a reading that is not here its period decides.
-        self._graces: dict[object, float | None] = {}
-        self._publishers: dict[object, frozenset[str]] = {}  # The full names of the nodes.
-        self.faults: dict[str, str] = {}
         self.battery = Battery()
         self.motion = Motion()
         self.pose = Pose()
@@ -141,51 +88,38 @@ class Telemetry:
         self.gauges = tuple(GaugeReading(gauge) for gauge in robot.gauges)
         self.charge: tuple[tuple[float, float], ...] = ()
 
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """The reasons why a topic or one of its publishers is not read, by topic."""
+        return self._subscriptions.faults
+
     def resubscribe(self) -> None:
         """Subscribe to what is published now, with its types and QoS, and update the faults."""
-        faults: dict[str, str] = {}
-        wanted: dict[tuple[str, str], list[_Reader]] = {}  # By full topic and type.
-        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
-        for reader in self._readers:
-            topic = self._node.resolve_topic_name(reader.topic)
-            if topic not in published:
-                published[topic] = self._node.get_publishers_info_by_topic(topic)
-            if (kind := self._usable(reader, published[topic], faults)) is not None:
-                wanted.setdefault((topic, kind), []).append(reader)
-        for key in [key for key in self._subscriptions if key not in wanted]:
-            # A topic without publishers keeps its subscription: they may come back.
-            if published[key[0]]:
-                self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
-        for key, readers in wanted.items():
-            self._subscribe(key, readers, published[key[0]])
+        self._subscriptions.update()
         self.battery = self.battery._replace(grace=self._grace("battery"))
         self.motion = replace(self.motion, grace=self._grace("motion"))
         self.pose = self.pose._replace(grace=self._grace("pose"))
         self.gauges = tuple(
             reading._replace(grace=self._grace(place)) for place, reading in enumerate(self.gauges)
         )
-        for topic, fault in faults.items():
-            if self.faults.get(topic) != fault:
-                self._warn(fault)
-        self.faults = faults
 
-    def _make_readers(self) -> Iterator[_Reader]:
+    def _make_readers(self) -> Iterator[Reader]:
         """Yield a reader for each reading that the robot file names."""
         battery, motion = self._robot.battery, self._robot.motion
         if battery is not None:
             types = {kind: _named_fields(fields) for kind, fields in battery.types.items()}
-            yield _Reader("battery", battery.topic, types, self._on_battery)
+            yield Reader("battery", battery.topic, types, self._on_battery)
         if motion is not None:
             types = {kind: _named_fields(fields) for kind, fields in motion.types.items()}
-            yield _Reader("motion", motion.topic, types, self._on_motion)
+            yield Reader("motion", motion.topic, types, self._on_motion)
         if (pose := self._robot.pose) is not None:
             types = {kind: _named_fields(fields) for kind, fields in pose.types.items()}
-            yield _Reader("pose", pose.topic, types, self._on_pose)
+            yield Reader("pose", pose.topic, types, self._on_pose)
         if topic := self._robot.diagnostics:
-            yield _Reader("diagnostics", topic, {diagnostics.TYPE: {}}, self._on_diagnostics)
+            yield Reader("diagnostics", topic, {diagnostics.TYPE: {}}, self._on_diagnostics)
         for place, gauge in enumerate(self._robot.gauges):
             types = {gauge.type: {"value": gauge.field}}
-            yield _Reader(place, gauge.topic, types, partial(self._on_gauge, place))
+            yield Reader(place, gauge.topic, types, partial(self._on_gauge, place))
 
     def is_robot_heard(self) -> bool:
         """Return True while battery or motion is received; always, if the robot has neither."""
@@ -205,7 +139,7 @@ class Telemetry:
             new: Its present value.
         """
         for key, period in self._periods.items():
-            is_its = node in self._publishers.get(key, ())
+            is_its = node in self._subscriptions.publishers.get(key, ())
             self._periods[key] = period.measured_again(old if is_its else None, new)
         known = {key: period.typical for key, period in self._periods.items()}
         fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
@@ -234,69 +168,6 @@ class Telemetry:
         self.battery, self.motion, self.pose, self.gauges = saved[:4]
         self.diagnostics, self.charge = saved.diagnostics.copy(), saved.charge
         self._periods = dict(saved.periods)
-
-    def _usable(
-        self, reader: _Reader, publishers: Sequence[Any], faults: dict[str, str]
-    ) -> str | None:
-        """Return the type on its topic that a reader can read; None if there is none.
-
-        Args:
-            reader: The reader, whose publishers and grace are recorded.
-            publishers: The publishers of its topic.
-            faults: Gets what is wrong, by topic.
-        """
-        self._publishers[reader.key] = frozenset(
-            in_namespace(info.node_namespace, info.node_name) for info in publishers
-        )
-        if not publishers:
-            self._graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
-            return None
-        kinds: list[str] = sorted({info.topic_type for info in publishers})
-        types = reader.types
-        known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
-        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
-        usable = [kind for kind in known if not lacking[kind]]
-        fault = next(filter(None, lacking.values()), "")
-        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
-        if fault:
-            faults.setdefault(reader.topic, fault)
-        if not usable:
-            return None
-        # A latched message may be sent once, and holds as long as its publisher is there.
-        if is_latched(publishers):
-            self._graces[reader.key] = None
-        else:
-            self._graces.pop(reader.key, None)
-        return usable[0]
-
-    def _subscribe(
-        self, key: tuple[str, str], readers: Sequence[_Reader], publishers: Sequence[Any]
-    ) -> None:
-        """Make one subscription for all readers of a topic and type, with a QoS that fits.
-
-        With two, each message would be recorded and counted twice.
-        """
-        topic, kind = key
-        qos = fitting_qos(publishers)
-        made = _Subscription(
-            (qos.reliability, qos.durability), tuple(reader.key for reader in readers)
-        )
-        old = self._subscriptions.get(key)
-        if old is not None and old[:2] == made[:2]:
-            return
-        if old is not None:
-            self._node.destroy_subscription(old.subscription)
-
-        def on_message(message: Any) -> None:
-            news: dict[str, News] = {}  # By the topic's name in the robot file.
-            for reader in readers:
-                new = reader.callback(message, reader.types[kind])
-                news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
-            for name, new in news.items():
-                self._on_reading(name, new)
-
-        subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
-        self._subscriptions[key] = made._replace(subscription=subscription)
 
     def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> News:
         assert self._robot.battery is not None
@@ -375,8 +246,8 @@ class Telemetry:
 
     def _grace(self, key: object) -> float | None:
         """Return the seconds of silence allowed while a period is not known; None for any."""
-        if key in self._graces:
-            return self._graces[key]
+        if key in self._subscriptions.graces:
+            return self._subscriptions.graces[key]
         return self._periods.get(key, Period()).grace
 
     def _fixed(self, topic: Any) -> float | None:
@@ -408,15 +279,6 @@ def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter
 def _named_fields(fields: Any) -> dict[str, Fields]:
     """Return the fields that the robot file names, by reading; it may leave some out."""
     return {name: field for name, field in vars(fields).items() if field is not None}
-
-
-def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
-    """Return why a type cannot be read: not installed, or without a named field; or ""."""
-    if message_class is None:
-        return mismatch.not_installed(topic, kind)
-    named = [field for given in fields.values() for field in fields_of(given)]
-    wanted = [(field.where, field.field) for field in named]
-    return mismatch.unknown_field(kind, wanted, messages.paths(message_class))
 
 
 def _range(gauge: Gauge) -> tuple[float, float]:

@@ -1,0 +1,189 @@
+"""The subscriptions to the topics with readings: one for each topic, of its type and QoS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum, auto
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from archo_tui.robot import message_classes, messages
+from archo_tui.robot.endpoints import fitting_qos, is_latched
+from archo_tui.robot.listener import Listener
+from archo_tui.robot.period import LEAST_SILENCE
+from archo_tui.robot.readings import Fields
+from archo_tui.robot.state import in_namespace
+from archo_tui.robot_file import mismatch
+from archo_tui.robot_file.model import fields_of
+
+
+class News(Enum):
+    """The difference between a message and the one before; a larger value weighs more."""
+
+    NONE = auto()  # Only its time differs.
+    NUMBERS = auto()  # Readings differ, as they do all the time.
+    WORDS = auto()  # Something on which a person acts: it is stopped, or cannot be read.
+
+
+# If one message has several readings, the weightiest difference is passed on.
+_WEIGHT = attrgetter("value")
+
+
+class Reader(NamedTuple):
+    """A reading and its topic.
+
+    Attributes:
+        key: "battery", "motion", or the index of a gauge.
+        topic: The topic as the robot file names it.
+        types: The fields to read, by message type and name of the value.
+        callback: Called with a message and the fields of its type; returns what is new.
+    """
+
+    key: object
+    topic: str
+    types: Mapping[str, Mapping[str, Fields]]
+    callback: Callable[[Any, Mapping[str, Fields]], News]
+
+
+class _Subscription(NamedTuple):
+    """A subscription and what it was made for.
+
+    Attributes:
+        qos: Its reliability and its durability.
+        keys: The keys of its readers.
+        subscription: rclpy's object.
+    """
+
+    qos: tuple[ReliabilityPolicy, DurabilityPolicy]
+    keys: tuple[object, ...]
+    subscription: Any = None
+
+
+class ReadingSubscriptions:
+    """Subscribes to the topics of readings as they are published. ROS thread only.
+
+    Attributes:
+        faults: Why a topic or one of its publishers is not read, by topic.
+        publishers: The full names of the nodes that publish each reading, by key.
+        graces: The silence in seconds that is allowed without a period, by key; None for any. For
+            a key that is missing, the period decides.
+    """
+
+    def __init__(
+        self,
+        node: Listener,
+        readers: Sequence[Reader],
+        on_reading: Callable[[str, News], None],
+        warn: Callable[[str], None],
+    ) -> None:
+        """Subscribe to nothing yet.
+
+        Args:
+            node: The console's node.
+            readers: The readings of the robot file.
+            on_reading: Called after each message with the topic and what is new.
+            warn: Called with a line about what cannot be read.
+        """
+        self._node, self._readers = node, tuple(readers)
+        self._on_reading, self._warn = on_reading, warn
+        # By the full name of the topic, and its type.
+        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
+        self.faults: dict[str, str] = {}
+        self.publishers: dict[object, frozenset[str]] = {}
+        self.graces: dict[object, float | None] = {}
+
+    def update(self) -> None:
+        """Subscribe to what is published now, with its types and QoS, and update the faults."""
+        faults: dict[str, str] = {}
+        wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
+        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
+        for reader in self._readers:
+            topic = self._node.resolve_topic_name(reader.topic)
+            if topic not in published:
+                published[topic] = self._node.get_publishers_info_by_topic(topic)
+            if (kind := self._usable(reader, published[topic], faults)) is not None:
+                wanted.setdefault((topic, kind), []).append(reader)
+        for key in [key for key in self._subscriptions if key not in wanted]:
+            # A topic without publishers keeps its subscription: they may come back.
+            if published[key[0]]:
+                self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
+        for key, readers in wanted.items():
+            self._subscribe(key, readers, published[key[0]])
+        for topic, fault in faults.items():
+            if self.faults.get(topic) != fault:
+                self._warn(fault)
+        self.faults = faults
+
+    def _usable(
+        self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
+    ) -> str | None:
+        """Return the type on its topic that a reader can read; None if there is none.
+
+        Args:
+            reader: The reader, whose publishers and grace are recorded.
+            publishers: The publishers of its topic.
+            faults: Gets what is wrong, by topic.
+        """
+        self.publishers[reader.key] = frozenset(
+            in_namespace(info.node_namespace, info.node_name) for info in publishers
+        )
+        if not publishers:
+            self.graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
+            return None
+        kinds: list[str] = sorted({info.topic_type for info in publishers})
+        types = reader.types
+        known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
+        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
+        usable = [kind for kind in known if not lacking[kind]]
+        fault = next(filter(None, lacking.values()), "")
+        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
+        if fault:
+            faults.setdefault(reader.topic, fault)
+        if not usable:
+            return None
+        # A latched message may be sent once, and holds as long as its publisher is there.
+        if is_latched(publishers):
+            self.graces[reader.key] = None
+        else:
+            self.graces.pop(reader.key, None)
+        return usable[0]
+
+    def _subscribe(
+        self, key: tuple[str, str], readers: Sequence[Reader], publishers: Sequence[Any]
+    ) -> None:
+        """Make one subscription for all readers of a topic and type, with a QoS that fits.
+
+        With two, each message would be recorded and counted twice.
+        """
+        topic, kind = key
+        qos = fitting_qos(publishers)
+        made = _Subscription(
+            (qos.reliability, qos.durability), tuple(reader.key for reader in readers)
+        )
+        old = self._subscriptions.get(key)
+        if old is not None and old[:2] == made[:2]:
+            return
+        if old is not None:
+            self._node.destroy_subscription(old.subscription)
+
+        def on_message(message: Any) -> None:
+            news: dict[str, News] = {}  # By the topic's name in the robot file.
+            for reader in readers:
+                new = reader.callback(message, reader.types[kind])
+                news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
+            for name, new in news.items():
+                self._on_reading(name, new)
+
+        subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
+        self._subscriptions[key] = made._replace(subscription=subscription)
+
+
+def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
+    """Return why a type cannot be read: not installed, or without a named field; or ""."""
+    if message_class is None:
+        return mismatch.not_installed(topic, kind)
+    named = [field for given in fields.values() for field in fields_of(given)]
+    wanted = [(field.where, field.field) for field in named]
+    return mismatch.unknown_field(kind, wanted, messages.paths(message_class))
