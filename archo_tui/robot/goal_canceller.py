@@ -154,4 +154,5 @@ class GoalCanceller:
         return future.result() if await in_time else None
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Begin a coroutine function as a task of the node's executor, and return the task."""
         return self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]

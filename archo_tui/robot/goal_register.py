@@ -67,7 +67,7 @@ class GoalRegister:
         return next(self._numbers)
 
     def prepare(self, goal: Goal, goal_id: bytes, action: GoalAction) -> TrackedGoal:
-        """Return a tracked goal whose changes will be recorded here; `add` it once it was sent."""
+        """Return a tracked goal that reports its changes here; `add` it just before it is sent."""
         return TrackedGoal(goal, goal_id, action, self._clock, self._goal_changed)
 
     def add(self, tracked: TrackedGoal) -> None:
@@ -76,6 +76,7 @@ class GoalRegister:
         self._on_change(True)
 
     def _goal_changed(self, tracked: TrackedGoal, before: Goal) -> None:
+        """Move a goal that has just ended to the history, and report each change."""
         goal = tracked.goal
         if before.is_running and not goal.is_running:
             self.running.pop(tracked.id, None)
