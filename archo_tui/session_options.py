@@ -66,7 +66,7 @@ def _check_record(path: Path) -> None:
         why = getattr(error, "strerror", None) or error
         raise ArchoError(f"--record {path}: {why}") from None
     if is_there:
-        raise ArchoError(f"--record {path}: it is there already: name a bag that is not")
+        raise ArchoError(f"--record {path}: it exists already: name another bag")
     if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
         raise ArchoError(f"--record {path}: nothing can be written to {path.parent}")
 

@@ -428,7 +428,9 @@ class Plain:
         is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_news
         is_read = shown_at is not None and read_at - shown_at >= READING_TIME
         if not is_read or not is_alone or not self._output.is_done:
-            return Outcome(Code.REFUSED, "read it first, then answer, by a line alone")
+            return Outcome(
+                Code.REFUSED, "read the request first, then answer it in a line of its own"
+            )
         outcome = self._station.answer_request(number, allowed=word == "allow")
         self._conditions.check_again()
         return outcome

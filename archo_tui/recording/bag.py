@@ -248,7 +248,7 @@ def read_info(folder: Path) -> BagInfo:
             int(number) if _NUMBER.fullmatch(number) else 0,
         )
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
-        raise ValueError(f"{folder.name}: {METADATA} is not one of a bag") from None
+        raise ValueError(f"{folder.name}: {METADATA} does not describe a bag") from None
 
 
 def _checked_count(value: Any) -> int:

@@ -93,7 +93,7 @@ class Assistants:
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):
             kinds = ", ".join(v.id for v in self._verbs.values() if isinstance(v, Go)) or "none"
-            raise ValueError(f"kind: this robot has {kinds}")
+            raise ValueError(f"kind: the goals of this robot are {kinds}")
         if self._station.robot.watching:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._values(verb, wanted.get("values"))
@@ -110,7 +110,9 @@ class Assistants:
         typed = [value for value in values.values() if isinstance(value, str)]
         # Otherwise the person would see another goal than the one that is sent.
         if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
-            raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
+            raise ValueError(
+                f"values: more than {_LONGEST_TEXT} characters, or some that are invisible"
+            )
         try:
             one = self._station.request_approval(QueuedGoal(verb.kind, values), text)
         except ValueError as error:
@@ -143,7 +145,7 @@ class Assistants:
         texts: dict[str, str] = {}
         for path in paths:
             if isinstance(given[path], (dict, list)) or given[path] is None:
-                raise ValueError(f"values: {path} is no number, text, true or false")
+                raise ValueError(f"values: {path} is not a number, a text, true or false")
             texts[path] = typed_text(given[path])
         return forms.parse_all(fields, verb.kind.form, texts)
 

@@ -57,7 +57,7 @@ def words_of(request: dict[str, Any]) -> list[str]:
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
         raise ValueError('expected {"id": ..., "words": ["status"]}')
     if any(map(has_lone_surrogate, words)):
-        raise ValueError("words: half a character, a lone surrogate, is in them")
+        raise ValueError("words: they contain a lone surrogate, half of a character")
     return words
 
 

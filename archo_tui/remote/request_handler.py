@@ -259,7 +259,7 @@ class RequestHandler:
             return await self._assistants.obey(session.requester, request)
         if request.get("follow"):
             if words_of(request) != ["events"]:
-                raise ValueError("only events, and nothing behind it, can be followed")
+                raise ValueError("only events can be followed, without further words")
             await follow(self._station, session.client.tell, number)
         word, *rest = words_of(request)
         if word == "wait":

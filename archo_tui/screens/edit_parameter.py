@@ -96,7 +96,7 @@ class EditParameter(Form):
             if typed == self._text:
                 return self._offered
             if HIDDEN in typed:
-                raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it anew")
+                raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it again")
         return parse(self._parameter, typed)
 
     async def _set(self, value: Any) -> None:

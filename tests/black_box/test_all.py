@@ -66,7 +66,7 @@ def test_a_place_that_cannot_be_is_one_line(
 ) -> None:
     (tmp_path / "there").mkdir()
     for name, said in (
-        ("there", "it is there already: name a bag that is not"),
+        ("there", "it exists already: name another bag"),
         ("nowhere/bag", "nothing can be written to "),
         ("n" * 300, "File name too long"),
     ):
@@ -78,7 +78,7 @@ def test_a_place_that_cannot_be_is_one_line(
 
 def test_an_empty_path_is_not_taken_for_none(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--record", ""]) == 2
-    assert "--record .: it is there already" in capsys.readouterr().err
+    assert "--record .: it exists already" in capsys.readouterr().err
 
 
 def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None:

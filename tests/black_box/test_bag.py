@@ -89,7 +89,7 @@ def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
     written(tmp_path, [("/battery_level", BatteryStatus())] * 3)
     assert bag.read_info(tmp_path) == bag.BagInfo(1e9, 0.002, 3, "a test", False)
     (tmp_path / bag.METADATA).write_text("rosbag2_bagfile_information: [1")
-    with pytest.raises(ValueError, match=r"metadata\.yaml is not one of a bag"):
+    with pytest.raises(ValueError, match=r"metadata\.yaml does not describe a bag"):
         bag.read_info(tmp_path)
 
 

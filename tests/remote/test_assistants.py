@@ -437,12 +437,12 @@ async def test_it_has_no_other_verbs() -> None:
 
 
 MISUSED = [
-    (None, "kind: this robot has go"),
-    ({"kind": "fly"}, "kind: this robot has go"),
+    (None, "kind: the goals of this robot are go"),
+    ({"kind": "fly"}, "kind: the goals of this robot are go"),
     ({"kind": "go"}, "values: expected an object, by name"),
     ({"kind": "go", "values": {}}, "values: shelf_number is missing"),
     ({"kind": "go", "values": {"shelf": 1}}, "values: no 'shelf'; there are shelf_number"),
-    ({"kind": "go", "values": {"shelf_number": [1]}}, "is no number"),
+    ({"kind": "go", "values": {"shelf_number": [1]}}, "is not a number"),
     ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
     ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
     ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
@@ -544,11 +544,11 @@ async def test_in_plain_a_person_at_the_terminal_answers() -> None:
         await asks(assistant)
         await heard(person, "wants: go to shelf 12 (allow 1 or deny 1, within 60 s)")
         person.type("deny 1\n")
-        await heard(person, "read it first, then answer")
+        await heard(person, "read the request first")
         since = seconds()
         await until(lambda: seconds() > since + 1.1)
         person.type("status\nallow 1\n")  # as a paste comes
-        await until(lambda: person.said.count("read it first, then answer") == 2)
+        await until(lambda: person.said.count("read the request first") == 2)
         since = seconds()
         await until(lambda: seconds() > since + 0.5)
         person.type("allow 1\n")
@@ -592,7 +592,9 @@ async def test_in_plain_what_stands_behind_an_answer_is_read_first(
         await until(lambda: person._plain._input.last[0] > since)
         await until(lambda: not person._plain._input._waiting)
         goes_on.set()
-        await heard(person, "failed: allow: read it first, then answer, by a line alone")
+        await heard(
+            person, "failed: allow: read the request first, then answer it in a line of its own"
+        )
         assert "accepted" not in person.said
         assistant.close()
 
@@ -610,6 +612,8 @@ async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
         with monkeypatch.context() as patch:
             patch.setattr(Output, "is_done", False)  # as after ctrl+s
             person.type("allow 1\n")
-            await heard(person, "failed: allow: read it first, then answer, by a line alone")
+            await heard(
+                person, "failed: allow: read the request first, then answer it in a line of its own"
+            )
         assert "accepted" not in person.said
         assistant.close()

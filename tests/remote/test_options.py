@@ -31,7 +31,7 @@ MISUSED = [
     ("status --wait", "status has no --wait: it sends no goals"),
     ("wait idle --wait", "wait has no --wait"),
     ("go 3 --timeout soon", "--timeout: not a time in s: soon"),
-    ("events 3 --follow", "only events, and nothing behind it, can be followed"),
+    ("events 3 --follow", "only events can be followed, without further words"),
     ("go 3 --nosuch", "not a whole number: --nosuch"),
 ]
 

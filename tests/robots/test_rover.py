@@ -232,7 +232,7 @@ async def test_what_an_assistant_writes_hides_nothing_and_looks_like_no_other_va
             "\u00ad\u034f\u115f\u2800\u3164\ufe0f\u00a0\u3000\u200b\u202e\ufeff\U000e0100\n\x1b"
         )
         for text in (*(f"ma{char}p" for char in unseen), "map ", " map", "m  ap"):
-            assert "or some that hide" in await asks(text), ascii(text)
+            assert "or some that are invisible" in await asks(text), ascii(text)
         said = await asks("map, x 9")
         assert said.endswith('go to pose frame "map, x 9", x 1.5, y 1.5, yaw 0.0')
         await op.press("A")

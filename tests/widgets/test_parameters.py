@@ -469,7 +469,7 @@ async def test_what_cannot_be_shown_is_not_sent_as_its_mark() -> None:
         op.send("home", *["down"] * names.index("label"), "enter")
         await op.until(lambda: op.app.screen.query("#value"))
         await op.press("end", "!", "enter")
-        await op.until("stands for what cannot be shown: type it anew")
+        await op.until("stands for what cannot be shown: type it again")
         assert op.app.view.snapshot.parameter("label").value == "two\nlines"  # type: ignore[union-attr]
 
 
