@@ -8,19 +8,18 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from archo_tui.remote.api import (
+    from archo_tui.remote.api import Robot
+    from archo_tui.remote.api_errors import (
         Aborted,
         Cancelled,
-        Goal,
-        GoalHandle,
         Misused,
         NotDone,
         RanOut,
         Refused,
-        Robot,
-        Status,
         Unreached,
     )
+    from archo_tui.remote.api_status import Goal, Status
+    from archo_tui.remote.goal_handle import GoalHandle
 
 __all__ = [
     "Aborted",
@@ -92,9 +91,10 @@ def __getattr__(name: str) -> Any:
     """Load an error or a type of `connect()` when it is first named, not with every start."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from archo_tui.remote import api
+    from archo_tui.remote import api, api_errors, api_status, goal_handle
 
-    return getattr(api, name)
+    modules = api, api_errors, api_status, goal_handle
+    return next(getattr(module, name) for module in modules if hasattr(module, name))
 
 
 def __dir__() -> list[str]:

@@ -21,8 +21,9 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unreached
 from archo_tui.errors import ArchoError
-from archo_tui.remote import api, client, finder, socket_files
+from archo_tui.remote import api, api_request, client, finder, socket_files
 from archo_tui.remote.api import Robot
+from archo_tui.remote.goal_handle import GoalHandle
 from archo_tui.remote.request_handler import RequestHandler
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
@@ -419,7 +420,7 @@ async def test_what_is_sent_after_its_time_is_not_sent() -> None:
 
 
 async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(api, "_SILENCE", 0.5)
+    monkeypatch.setattr(api_request, "_SILENCE", 0.5)
     asked: list[float] = []
     reach = finder.reach
 
@@ -463,7 +464,7 @@ def test_without_a_console_nothing_is_reached() -> None:
 
 def test_help_explains_each_argument_that_is_public() -> None:
     assert "/north" in pydoc.render_doc(archo_tui.connect)
-    for kind in (api.Robot, api.GoalHandle):
+    for kind in (api.Robot, GoalHandle):
         for name, method in vars(kind).items():
             if name.startswith("_") or not callable(method):
                 continue

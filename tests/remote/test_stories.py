@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pytest
 
 import archo_tui
-from archo_tui.remote.api import NotDone
+from archo_tui.remote.api_errors import NotDone
 from archo_tui.station.station import Station
 from tests.support.console import FAST, console
 from tests.support.night import corners

@@ -23,7 +23,7 @@ from archo_tui.assistant.reading_tools import StatusTool
 from archo_tui.assistant.stop_tool import StopTool
 from archo_tui.assistant.tool_answer import ToolAnswer
 from archo_tui.remote import finder, server, shell, socket_files
-from archo_tui.remote.api import Unreached
+from archo_tui.remote.api_errors import Unreached
 from archo_tui.remote.client import Unreached as NotReached
 from archo_tui.remote.shell import consoles
 from tests.assistant.support import FakeConsole

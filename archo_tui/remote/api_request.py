@@ -1,0 +1,108 @@
+"""A request of a Python program, on a connection of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from archo_tui.remote import client, finder
+from archo_tui.remote.api_errors import Unreached, unreached
+from archo_tui.remote.protocol import LONGEST_WAIT
+
+_SILENCE = 10.0  # s without a message after which the console is asked whether it still answers
+_ANSWERED = 5.0  # s after `timeout`: a console calls off for 3 s, and says then that it is over
+
+
+class Request:
+    """A request on a connection of its own, which is closed at the end or by any exception."""
+
+    def __init__(self, path: str, timeout: float | None, asked: Mapping[str, Any]) -> None:
+        """Connect; `begin` sends the request.
+
+        Args:
+            path: The socket of the console.
+            timeout: Seconds after which the console ends it; None: never.
+            asked: The names and values of the request, as docs/protocol.md lists them.
+
+        Raises:
+            Unreached: The console has gone, or does not say hello.
+        """
+        self._path, self._timeout, self._asked = path, timeout, asked
+        self._end: float | None = None  # monotonic time, in s
+        with unreached():
+            self._console = finder.reach(path)
+
+    def __enter__(self) -> Request:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, at: object) -> None:
+        if error is not None:
+            self.give_up()
+        self.close()
+
+    def __del__(self) -> None:
+        if hasattr(self, "_console"):  # an iterator over events that was never begun
+            self.close()
+
+    def begin(self) -> None:
+        """Send the request. Raises Unreached."""
+        if self._timeout is not None:
+            self._end = time.monotonic() + self._timeout + _ANSWERED
+        with unreached():
+            self._say({"id": 1, "timeout": self._timeout, **self._asked})
+
+    def messages(self) -> Iterator[dict[str, Any]]:
+        """Yield all that the console says, the result last.
+
+        Raises:
+            Unreached: The console has gone or no longer answers, or `timeout` passed without a
+                result.
+        """
+        said: dict[str, Any] = {}
+        while "code" not in said:
+            left = LONGEST_WAIT if self._end is None else self._end - time.monotonic()
+            try:
+                said = next(self._console.remaining_replies(min(max(left, 0.0), _SILENCE)))
+            except client.Silent as error:
+                if left <= _SILENCE:
+                    raise Unreached("unreached", str(error)) from None
+                self._check_that_it_answers()
+                continue
+            except client.Unreached as error:
+                raise Unreached("unreached", str(error)) from None
+            yield said
+
+    def result(self) -> dict[str, Any]:
+        """Return the result. Raises what `messages` raises."""
+        said: dict[str, Any] = {}
+        for said in self.messages():  # noqa: B007  # the last one is wanted
+            pass
+        return said
+
+    def give_up(self) -> None:
+        """Call off what was asked for, without waiting until that is done."""
+        with contextlib.suppress(client.Unreached):
+            self._say({"give_up": True})
+
+    def close(self) -> None:
+        """Close the connection: the console calls off what is still underway."""
+        self._console.close()
+
+    def shut(self) -> None:
+        """End the connection under a thread that reads it, which then closes it."""
+        if self._console.socket is not None:
+            with contextlib.suppress(OSError):  # it is closed already
+                self._console.socket.shutdown(socket.SHUT_RDWR)
+
+    def _say(self, said: dict[str, Any]) -> None:
+        assert self._console.socket is not None
+        if self._console.socket.fileno() >= 0:  # not closed
+            self._console.send(said)
+
+    def _check_that_it_answers(self) -> None:
+        """Raise Unreached when the console takes no other connection either."""
+        with unreached():
+            finder.reach(self._path, _SILENCE).close()

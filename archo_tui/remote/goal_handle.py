@@ -1,0 +1,122 @@
+"""The handle of a goal that the robot has accepted."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+from archo_tui.remote.api_errors import (
+    ERRORS,
+    NotDone,
+    RanOut,
+    Unreached,
+    checked_timeout,
+    data_of,
+)
+from archo_tui.remote.api_request import Request
+from archo_tui.remote.api_status import Goal, from_reply
+from archo_tui.remote.protocol import GONE
+
+CANCEL_TIMEOUT = 5.0  # s in which the end of a goal that is called off is confirmed
+PARENTS_GOAL = "the goal is of the process that forked this one; the robot may still be moving"
+
+
+class GoalHandle:
+    """A goal that the robot has accepted, or several that it drives one after the other.
+
+    Every method may be called from any thread, also at the same time. `Robot.go` makes it.
+    """
+
+    def __init__(self, request: Request) -> None:
+        self._request = request
+        self._is_accepted, self._has_ended = threading.Event(), threading.Event()
+        self._result: dict[str, Any] = {"code": "lost", "text": GONE}
+        self._state: Goal | None = None
+        threading.Thread(target=self._read, name="goal", daemon=True).start()
+
+    def wait(self, timeout: float | None = None) -> Goal:
+        """Wait until the goal has ended.
+
+        Any other exception here, ctrl+c too, cancels the goal.
+
+        Args:
+            timeout: Seconds to wait; None: until it has ended. The goal goes on behind it.
+
+        Returns:
+            The goal at its end, of several the last one.
+
+        Raises:
+            Aborted: It ended, and the robot has not arrived.
+            Cancelled: It was cancelled, by whomever, or is held in the queue.
+            RanOut: `timeout` seconds passed, and it still runs; or the time given to `go` is over.
+            Unreached: The console has gone or no longer answers: the robot may still be moving.
+        """
+        try:
+            has_ended = self._has_ended.wait(checked_timeout(timeout))
+        except BaseException:
+            self._request.give_up()
+            raise
+        if not has_ended:
+            raise RanOut("ran_out", f"not within {timeout:g} s: the goal still runs")
+        return from_reply(Goal, data_of(self._result))
+
+    def cancel(self, timeout: float = CANCEL_TIMEOUT) -> None:
+        """Cancel the goal, and those behind it in the same `go`; does nothing once it has ended.
+
+        Args:
+            timeout: Seconds to wait for the end.
+
+        Raises:
+            RanOut: The end was not confirmed in that time: the robot may still be moving.
+            Unreached: The console has gone or no longer answers: the robot may still be moving.
+        """
+        self._request.give_up()
+        if not self._has_ended.wait(checked_timeout(timeout)):
+            raise RanOut("ran_out", "the cancel is not confirmed: the robot may still be moving")
+        if ERRORS.get(self._result["code"]) is Unreached:  # it ended for this program only
+            data_of(self._result)
+
+    def feedback(self) -> Goal | None:
+        """Return the newest state of the goal, without waiting; of several that which is driven.
+
+        Returns:
+            The state; its `remaining` is the way left, in metres. None: not reported yet.
+        """
+        return self._state
+
+    def done(self) -> bool:
+        """Return True once the goal has ended, however it did."""
+        return self._has_ended.is_set()
+
+    def _leave_to_parent(self) -> None:
+        """End here, in a forked child: the thread that reads is not in it."""
+        self._result = {"code": "lost", "text": PARENTS_GOAL}
+        # new ones: whoever held those of the parent is not in the child either
+        self._is_accepted, self._has_ended = threading.Event(), threading.Event()
+        self._is_accepted.set()
+        self._has_ended.set()
+
+    def _wait_until_accepted(self) -> None:
+        """Wait for the robot's answer. Raises what `Robot.go` raises."""
+        self._is_accepted.wait()
+        if self._has_ended.is_set():
+            data_of(self._result)
+
+    def _read(self) -> None:
+        """Read what the console says, on a thread of its own."""
+        try:
+            for said in self._request.messages():
+                if "goal" in said:
+                    self._state = from_reply(Goal, said["goal"])
+                elif "code" in said:
+                    self._result = said
+                    if said.get("data"):
+                        self._state = from_reply(Goal, said["data"])
+                elif "said" in said:
+                    self._is_accepted.set()
+        except NotDone as error:
+            self._result = {"code": error.code, "text": str(error)}
+        finally:
+            self._has_ended.set()
+            self._is_accepted.set()
+            self._request.close()
