@@ -162,9 +162,16 @@ def tmp_path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     return folder
 
 
+@pytest.fixture
+def _freed() -> Iterator[None]:
+    """No app outlives its test; torn down after `monkeypatch`, which may have patched widgets."""
+    yield
+    textual_once.free_all()
+
+
 @pytest.fixture(autouse=True)
 def _own_folders(
-    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    request: pytest.FixtureRequest, _freed: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the console remembers stays in the test.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
+from weakref import ref
 
 from textual import markup
 from textual.content import Content
@@ -16,6 +17,7 @@ from textual.message import Message
 from textual.message_pump import MessagePump
 
 _Rules = Any
+_made: list[ref[MessagePump]] = []  # Apps, screens, widgets and timers of the running test.
 _MARK = "_shared_by_tests"  # The attribute of a style sheet with what identifies its parts.
 
 
@@ -28,6 +30,26 @@ def share() -> None:
     _share_parsing()
     _share_matching()
     _share_handlers()
+    _note_what_is_made()
+
+
+def _note_what_is_made() -> None:
+    create = MessagePump.__init__
+
+    def create_and_note(self: MessagePump, *options: Any, **named: Any) -> None:
+        create(self, *options, **named)
+        _made.append(ref(self))
+
+    MessagePump.__init__ = create_and_note  # type: ignore[method-assign]
+
+
+def free_all() -> None:
+    """Take apart what Textual has made: it is freed at once, without the garbage collector."""
+    for made in _made:
+        pump = made()
+        if pump is not None:
+            vars(pump).clear()
+    _made.clear()
 
 
 def _share_parsing() -> None:
