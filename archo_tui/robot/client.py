@@ -26,7 +26,9 @@ from std_msgs.msg import String
 from archo_tui.clock import Clock
 from archo_tui.robot import audit_records, message_classes, messages, services
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.robot.consoles import own_name
+from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
 from archo_tui.robot.goal_watcher import GoalWatcher
@@ -125,7 +127,15 @@ class Robot:
         self._reporter = Reporter(
             node, clock, self._unexplained_changes, on_event, self._snapshots.send_soon
         )
-        self._telemetry = Telemetry(node, file, clock, self._on_reading, self._reporter.warn)
+        self._clock_offsets = ClockOffsets()
+        self._telemetry = Telemetry(
+            node,
+            file,
+            clock,
+            self._on_reading,
+            self._reporter.warn,
+            lambda topic, stamp: self._handlers.on_stamp(topic, stamp),
+        )
         recorded_topics = RecordedTopics(node, file.record, self._reporter.warn)
         self._goals = Goals(
             node,
@@ -183,6 +193,9 @@ class Robot:
             self._snapshots,
             lambda: self.own_nodes(),
         )
+        earlier_log = self._earlier_log = EarlierLog(
+            node, clock, self._graph.is_ours, self._reporter.add
+        )
         self._handlers = MessageHandlers(
             file,
             clock,
@@ -194,6 +207,9 @@ class Robot:
             self._unexplained_changes,
             self._reporter,
             self._snapshots,
+            earlier_log,
+            self._clock_offsets,
+            lambda: self.own_nodes(),
         )
         node.listen_quietly(Log, "/rosout", self._handlers.on_log, 1000)
         node.listen_quietly(String, audit_records.TOPIC, self._handlers.on_audit_record, MAX_UNREAD)
@@ -463,6 +479,7 @@ class Robot:
     # All below runs on the ROS thread.
 
     def _poll(self) -> None:
+        self._earlier_log.report_if_due()
         self._poller.poll_if_due()
         if self._stopping.must_repeat and self._telemetry.is_robot_heard():
             self._thread.submit(self._stopping.send_again)
@@ -531,6 +548,7 @@ class Robot:
             duplicate_nodes=self._graph.duplicate_nodes,
             duplicate_servers=self._graph.duplicates,
             has_clock=self._graph.has_clock,
+            clock_offsets=self._clock_offsets.large,
             other_namespaces=self._graph.other_namespaces,
             consoles=self._graph.consoles,
             forms=self._interface_checks.forms,

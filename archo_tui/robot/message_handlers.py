@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+from typing import Any
+
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.robot import audit_records
+from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.robot.consoles import author
+from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.events import ROUTINE
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
@@ -38,6 +43,9 @@ class MessageHandlers:
         changes: UnexplainedChanges,
         reporter: Reporter,
         snapshots: SnapshotSender,
+        earlier_log: EarlierLog,
+        clock_offsets: ClockOffsets,
+        own_nodes: Callable[[], Collection[str]],
     ) -> None:
         """Handle nothing yet.
 
@@ -52,10 +60,15 @@ class MessageHandlers:
             changes: The changes that no console has explained.
             reporter: Reports what other nodes and consoles report.
             snapshots: Sends snapshots that show it.
+            earlier_log: Reports the log lines from before the start.
+            clock_offsets: Compares the clocks of other computers with this one's.
+            own_nodes: Returns the nodes of this process, which share its clock.
         """
         self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
         self._stops, self._stopping, self._motion_publishers = stops, stopping, motion_publishers
         self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
+        self._earlier_log, self._clock_offsets = earlier_log, clock_offsets
+        self._own_nodes = own_nodes
 
     def on_reading(self, topic: str, news: News, motion: Motion) -> None:
         """Handle a message with a reading.
@@ -93,6 +106,7 @@ class MessageHandlers:
         """Handle a log line of any node on the graph."""
         node = logger_node(message.name)
         console = author(node)
+        self._earlier_log.on_live_line(message)
         if console:
             # Of every other console the same line comes with the record of what it did.
             if console in self._graph.silent_consoles:
@@ -100,6 +114,8 @@ class MessageHandlers:
             return
         if not self._graph.is_ours(node):
             return  # It is another robot's.
+        if node not in self._own_nodes():
+            self._compare_clocks(node, message.stamp)
         for kind in self._file.goals:
             servers = self._graph.servers.get(kind.action, ())
             if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
@@ -111,6 +127,16 @@ class MessageHandlers:
         if level in ROUTINE or event.count > 1:
             self._snapshots.send_later()
         else:
+            self._snapshots.send_soon()
+
+    def on_stamp(self, topic: str, stamp: Any) -> None:
+        """Handle the stamp in the header of a message, by the full name of its topic."""
+        # A node of this process shares its clock, and simulated time is no time of day.
+        if not (self._own_nodes() or self._graph.has_clock):
+            self._compare_clocks(topic, stamp)
+
+    def _compare_clocks(self, source: str, stamp: Any) -> None:
+        if self._clock_offsets.add(source, stamp, self._clock.now()):
             self._snapshots.send_soon()
 
     def on_audit_record(self, message: String) -> None:

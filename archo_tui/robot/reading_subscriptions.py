@@ -76,6 +76,7 @@ class ReadingSubscriptions:
         node: Listener,
         readers: Sequence[Reader],
         on_reading: Callable[[str, News], None],
+        on_stamp: Callable[[str, Any], None],
         warn: Callable[[str], None],
     ) -> None:
         """Subscribe to nothing yet.
@@ -84,10 +85,11 @@ class ReadingSubscriptions:
             node: The console's node.
             readers: The readings of the robot file.
             on_reading: Called after each message with the topic and what is new.
+            on_stamp: Called with the full name of the topic and the stamp in a message's header.
             warn: Called with a line about what cannot be read.
         """
         self._node, self._readers = node, tuple(readers)
-        self._on_reading, self._warn = on_reading, warn
+        self._on_reading, self._on_stamp, self._warn = on_reading, on_stamp, warn
         # By the full name of the topic, and its type.
         self._subscriptions: dict[tuple[str, str], _Subscription] = {}
         self.faults: dict[str, str] = {}
@@ -169,6 +171,9 @@ class ReadingSubscriptions:
             self._node.destroy_subscription(old.subscription)
 
         def on_message(message: Any) -> None:
+            header = getattr(message, "header", None)
+            if header is not None and hasattr(header, "stamp"):
+                self._on_stamp(topic, header.stamp)
             news: dict[str, News] = {}  # By the topic's name in the robot file.
             for reader in readers:
                 new = reader.callback(message, reader.types[kind])

@@ -66,6 +66,7 @@ class Telemetry:
         clock: Clock,
         on_reading: Callable[[str, News], None],
         warn: Callable[[str], None],
+        on_stamp: Callable[[str, Any], None] = lambda *_: None,
     ) -> None:
         """Subscribe to nothing yet.
 
@@ -75,11 +76,12 @@ class Telemetry:
             clock: The clock of all times.
             on_reading: Called after each message with the topic and what is new.
             warn: Called with a line about what cannot be read.
+            on_stamp: Called with the full name of a topic and the stamp in a message's header.
         """
         self._robot, self._clock = robot, clock
         self._warn = warn
         readers = tuple(self._make_readers())
-        self._subscriptions = ReadingSubscriptions(node, readers, on_reading, warn)
+        self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
         self._periods: dict[object, Period] = {}
         self.battery = Battery()
         self.motion = Motion()

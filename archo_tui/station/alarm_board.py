@@ -13,6 +13,7 @@ from archo_tui.robot.period import LEAST_SILENCE, Pause
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
     BATTERY_HEALTH,
+    CLOCKS_DIFFER,
     CONTACT_LOST,
     DIAGNOSTIC_ERROR,
     DIAGNOSTIC_WARNING,
@@ -86,6 +87,7 @@ ON_DELAY = {
     DUPLICATE_NAME: 30.0,
     NO_NODES: 5.0,
     NO_CLOCK: 5.0,
+    CLOCKS_DIFFER: 5.0,
 }
 SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
 

@@ -20,6 +20,7 @@ from archo_tui.robot.state import (
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
     BATTERY_HEALTH,
+    CLOCKS_DIFFER,
     CONTACT_LOST,
     DIAGNOSTIC_ERROR,
     DIAGNOSTIC_WARNING,
@@ -159,6 +160,11 @@ def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: st
             f"NO CLOCK for {', '.join(waiting)}: use_sim_time is true and nobody publishes /clock: "
             "start the simulator, or set it to false",
         )
+    if snapshot.clock_offsets:
+        worst = sorted(snapshot.clock_offsets.items(), key=lambda item: -abs(item[1]))
+        sources = ", ".join(_offset_text(*item) for item in worst[:_MOST_OFFSETS])
+        more = ", ..." if len(worst) > _MOST_OFFSETS else ""
+        yield CLOCKS_DIFFER, f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
     for node in hosted:
         if node.life == Life.CRASHED:
             yield (
@@ -172,6 +178,14 @@ def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: st
         )
     for name in snapshot.duplicate_nodes:
         yield f"{DUPLICATE_NAME} {name}", f"TWO NODES NAMED {name}: a call reaches both of them"
+
+
+_MOST_OFFSETS = 3  # Sources that are named.
+
+
+def _offset_text(source: str, offset: float) -> str:
+    """Return `/base is 3.2 s behind`, for a clock compared with that of this computer."""
+    return f"{source} is {abs(offset):.1f} s {'ahead' if offset > 0 else 'behind'}"
 
 
 def _has_reported(snapshot: Snapshot) -> bool:

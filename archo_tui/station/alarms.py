@@ -55,6 +55,7 @@ SEVERAL_PUBLISHERS = "several publishers"
 DUPLICATE_NAME = "name twice"
 NO_NODES = "no nodes"
 NO_CLOCK = "no clock"
+CLOCKS_DIFFER = "clocks differ"
 EARLIER_STOP = "earlier stop"
 JOURNAL_NOT_WRITTEN = "journal not written"
 RECORDING_TROUBLE = "recordings"
@@ -80,6 +81,7 @@ _PRIORITIES = {
     DUPLICATE_NAME: Priority.MED,
     NO_NODES: Priority.MED,
     NO_CLOCK: Priority.MED,
+    CLOCKS_DIFFER: Priority.LOW,
     EARLIER_STOP: Priority.LOW,
     JOURNAL_NOT_WRITTEN: Priority.LOW,
     RECORDING_TROUBLE: Priority.LOW,

@@ -35,6 +35,7 @@ class Base(Node):
         self.parts = {"base: left motor": (DiagnosticStatus.OK, "fine")}
         self.create_timer(0.5, self._publish_diagnostics)
         self._publish_pose()
+        self.get_logger().warning("the base was started")
         self.create_timer(0.5, self._publish_battery)
         self.create_timer(0.1, self._publish_odometry)
         self.create_service(Trigger, "emergency_stop", self._on_stop)

@@ -53,6 +53,8 @@ class Snapshot(NamedTuple):
         publishers: The nodes of each topic of the robot file that several nodes publish.
         duplicate_nodes: The names that several nodes have.
         duplicate_servers: The nodes of STOP's service and of each action that several nodes serve.
+        clock_offsets: The clocks that differ from this computer's: theirs minus ours in seconds, by
+            node or topic.
         has_clock: True if a node publishes simulated time on /clock.
         other_namespaces: The other namespaces that have nodes.
         consoles: The other consoles in this namespace: `user_host_pid`.
@@ -90,6 +92,7 @@ class Snapshot(NamedTuple):
     duplicate_nodes: tuple[str, ...] = ()
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False
+    clock_offsets: Mapping[str, float] = _NOTHING
     other_namespaces: tuple[str, ...] = ()
     consoles: tuple[str, ...] = ()
     forms: Mapping[str, tuple[TypedField, ...]] = _NOTHING

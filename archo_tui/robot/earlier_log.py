@@ -1,0 +1,92 @@
+"""The log lines from before the start of the console. ROS thread only.
+
+Nodes of rclcpp and rclpy publish /rosout transient local with a lifespan of 10 s (rcl's
+`rcl_qos_profile_rosout_default`), so a subscription that asks for it gets the last 10 s at most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rcl_interfaces.msg import Log
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from archo_tui.clock import Clock
+from archo_tui.robot.state import Event, level_word, logger_node
+
+_WINDOW = 3.0  # Seconds after the start in which nodes are discovered and send what they keep.
+_LIFESPAN = 10.0  # Seconds: see above.
+_DEPTH = 1000  # As the publishers' own.
+
+
+class EarlierLog:
+    """Collects the lines that nodes kept, and reports them once, in order, with their own times."""
+
+    def __init__(
+        self,
+        node: Node,
+        clock: Clock,
+        is_ours: Callable[[str], bool],
+        report: Callable[[Event], object],
+    ) -> None:
+        """Subscribe beside the subscription that goes on.
+
+        Args:
+            node: The console's node. Its other subscription asks for nothing from before, since it
+                would then get nothing of a node that keeps nothing.
+            clock: The console's clock.
+            is_ours: Returns True for the full name of a node of this robot.
+            report: Adds an event to the log.
+        """
+        self._node, self._clock = node, clock
+        self._is_ours, self._report = is_ours, report
+        self._begun = clock.now()
+        self._kept: dict[object, Any] = {}
+        self._live: set[object] = set()  # Lines that came by the other subscription as well.
+        qos = QoSProfile(
+            depth=_DEPTH,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+            reliability=ReliabilityPolicy.RELIABLE,
+        )
+        self._subscription: Any = node.create_subscription(Log, "/rosout", self._keep, qos)
+        self._due = clock.monotonic() + _WINDOW
+
+    def report_if_due(self) -> None:
+        """Report what was collected, once the window is over, and collect no more."""
+        if self._subscription is not None and self._clock.monotonic() >= self._due:
+            self._end()
+
+    def on_live_line(self, message: Log) -> None:
+        """Take note of a line that is reported already."""
+        if self._subscription is not None:
+            self._live.add(_key(message))
+
+    def _keep(self, message: Log) -> None:
+        self._kept[_key(message)] = message
+
+    def _end(self) -> None:
+        self._node.destroy_subscription(self._subscription)
+        self._subscription = None
+        earlier = [self._kept[key] for key in self._kept.keys() - self._live]
+        for message in sorted(earlier, key=_stamp):
+            if self._is_ours(logger_node(message.name)):
+                self._report(
+                    Event(self._time(message), level_word(message.level), message.name, message.msg)
+                )
+        self._kept.clear()
+        self._live.clear()
+
+    def _time(self, message: Any) -> float:
+        """Return when a line was logged, within its lifespan also if the clocks differ."""
+        return min(max(_stamp(message), self._begun - _LIFESPAN), self._begun)
+
+
+def _stamp(message: Any) -> float:
+    """Return the Unix time at which a line was logged, by the clock of its computer."""
+    return float(message.stamp.sec + message.stamp.nanosec * 1e-9)
+
+
+def _key(message: Any) -> object:
+    return message.stamp.sec, message.stamp.nanosec, message.name, message.msg
