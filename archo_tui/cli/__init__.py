@@ -13,6 +13,7 @@ from io import TextIOWrapper
 from archo_tui.cli.dispatch import run_words
 from archo_tui.cli.options import split_ros_args
 from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain
+from archo_tui.cli.restart import command_line
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
 
@@ -40,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         with ShortPauses():
             code = run_words(words, ros_args)
         if code == _AGAIN:
-            os.execv(sys.executable, [sys.executable, *_itself(), *given])
+            os.execv(sys.executable, command_line(given))
         if sys.stdout is not None:
             sys.stdout.flush()
     except ArchoError as error:
@@ -64,10 +65,3 @@ def main(argv: Sequence[str] | None = None) -> int:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
-
-
-def _itself() -> list[str]:
-    """Return the arguments with which Python runs this program: a zip file, or the module."""
-    from zipfile import is_zipfile
-
-    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]

@@ -18,7 +18,11 @@ def print_completions(options: Namespace) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
     for name, (what, add_options) in SUBCOMMANDS.items():
         add_options(commands.add_parser(name, help=what, description=what))
-    verbs = {verb.id: (verb.help, verb.options) for verb in verbs_of_file().values()}
+    verbs = {
+        verb.id: (verb.help, verb.options)
+        for verb in verbs_of_file().values()
+        if verb.id not in SUBCOMMANDS
+    }
     verbs["wait"] = "Wait until the robot is in that state", ()
     for name, (what, takes) in verbs.items():
         verb_parser = commands.add_parser(name, help=what, description=what)

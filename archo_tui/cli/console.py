@@ -10,6 +10,7 @@ from io import StringIO
 
 from archo_tui import __version__
 from archo_tui.cli.output import FAILED, complain
+from archo_tui.cli.restart import use_namespace
 from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
@@ -78,6 +79,8 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
     finally:
         ignore_signals()
         stuck = session.close()
+    if session.station.next_namespace:
+        use_namespace(session.station.next_namespace)
     if session.unrecorded:
         complain(session.unrecorded)
     for name in stuck:

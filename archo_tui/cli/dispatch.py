@@ -27,6 +27,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "replay": replay,
     "journal": subcommands.print_journal_path,
     "robot": describe_robot,
+    "look": subcommands.look,
 }
 
 

@@ -308,6 +308,7 @@ SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
     "consoles": ("list the consoles that run here", _consoles_options),
     "mcp": ("connect an assistant to the console (MCP)", _mcp_options),
     "recordings": ("list or delete the recordings", _recordings_options),
+    "look": ("look for nodes in the ROS 2 domains 0 to 20", lambda _: None),
     "robot": ("write a robot file for what is on the graph", _describe_options),
     "replay": ("play a recording back on the screen", _replay_options),
     "journal": ("print the path of the journal (JSON lines)", lambda _: None),

@@ -79,6 +79,26 @@ def serve_assistant(options: Namespace) -> int:
     return 0
 
 
+def look(_options: Namespace) -> int:
+    """Look for nodes in other ROS 2 domains."""
+    import asyncio
+    import importlib.util
+
+    from archo_tui.domain_scan import DOMAINS, find_nodes
+    from archo_tui.words.domains import domains_text
+
+    if importlib.util.find_spec("rclpy") is None:
+        raise ArchoError("look needs ROS 2: docs/ros2.md says how to install it")
+    try:
+        found = asyncio.run(find_nodes())
+    except (OSError, ValueError, TimeoutError) as error:
+        complain(f"the domains could not be looked at: {error}")
+        return FAILED
+    for line in domains_text(found, DOMAINS[0], DOMAINS[-1]).splitlines():
+        print(safe(line))
+    return 0 if found else FAILED
+
+
 def recordings(options: Namespace) -> int:
     """List or delete the recordings of the black box."""
     from archo_tui.recording.listing import delete_named, list_recordings

@@ -63,6 +63,39 @@ class ListDiagnostics(Command):
         console.open(DiagnosticList(console.view))
 
 
+class LookAtDomains(VerbCommand):
+    def run(self, console: Console) -> Work:
+        return self._look(console)
+
+    async def _look(self, console: Console) -> None:
+        outcome = await self.verb.run(console.station, {})
+        console.show_message(outcome.text, "Domains")
+
+
+class OperateOtherRobot(Command):
+    """The command that starts the console again for the robot of another namespace."""
+
+    id = "other_robot"
+    help = "Operate another robot: one in another namespace (the console restarts)"
+
+    def disabled_reason(self, console: Console) -> str:
+        station, snapshot = console.station, console.station.robot.snapshot
+        if not station.attached:
+            return "only a console with --attach changes robots"
+        if snapshot.open_stop is not None:
+            return "the STOP is not confirmed"
+        if station.running_goal is not None:
+            return "a goal runs: cancel it first"
+        return "" if snapshot.other_namespaces else "no other namespace has nodes"
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.choose import Choice, Choose
+
+        names = console.station.robot.snapshot.other_namespaces
+        choices = [Choice(name, partial(console.station.operate, name)) for name in names]
+        console.open(Choose("Operate another robot", choices))
+
+
 def _answer(console: Console, number: int, allowed: bool) -> None:
     console.report_failure(console.station.answer_request(number, allowed=allowed))
     console.update_screen()

@@ -12,7 +12,18 @@ VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics"),
     *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "topics", "start", "halt", "copy", "log_level", "lifecycle", "send_goal", "call"),
+    *(
+        "nodes",
+        "topics",
+        "start",
+        "halt",
+        "copy",
+        "log_level",
+        "lifecycle",
+        "send_goal",
+        "call",
+        "look",
+    ),
 )
 # The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
@@ -25,7 +36,7 @@ RESERVED = frozenset(
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
         *("recordings", "replay", "rewind", "robot"),
         # Commands that only the screen has, as named in a keymap.
-        *("cancel_all", "keep_robot", "describe_robot"),
+        *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
         *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
         *("start_stop", "details", "resource"),

@@ -68,6 +68,7 @@ class Station:
         bell: What has rung. It is kept here, so that a restarted screen does not ring again.
         earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
             is none.
+        next_namespace: The namespace of the robot to operate after a restart; "" for the same one.
         edits: The parameter changes that can be undone.
         ledger: The requests without an answer.
         queue: The goals that wait.
@@ -115,6 +116,7 @@ class Station:
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
         self._may_offer = attached and file_is_default
+        self.next_namespace = ""
         self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.ledger = Ledger()
@@ -190,6 +192,11 @@ class Station:
         """
         if self._frontend is not None:
             self._frontend.restart(why)
+
+    def operate(self, namespace: str) -> None:
+        """Start the console again for the robot of another namespace."""
+        self.next_namespace = namespace
+        self.restart(f"operate the robot in {namespace}")
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
         """Take in a new snapshot of the robot.

@@ -230,7 +230,8 @@ class TerminalApp(App[None]):
 
     def restart(self, why: str) -> None:
         """End the process and start it again with the same options. Any thread, once mounted."""
-        self.station.robot.note("YOU", "console", f"{why}: all nodes restart")
+        what = "the console restarts" if self.station.attached else "all nodes restart"
+        self.station.robot.note("YOU", "console", f"{why}: {what}")
         self._main_loop.call_soon_threadsafe(self._ending.begin, RESTART)
 
     def hang_up(self) -> None:

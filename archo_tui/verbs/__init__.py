@@ -12,6 +12,7 @@ from archo_tui.verbs.diagnostics import ShowDiagnostics
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.keep import Keep
 from archo_tui.verbs.lifecycle import Lifecycle
+from archo_tui.verbs.look import Look
 from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
@@ -54,4 +55,4 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
         LogLevel(),
         Lifecycle(),
     )
-    yield from (SendGoal(), Call())
+    yield from (SendGoal(), Call(), Look())

@@ -27,6 +27,8 @@ ACTS = {
         "call",
         "keep_robot",
         "describe_robot",
+        "look",
+        "other_robot",
         "ack",
         "edit",
         "restore",

@@ -71,7 +71,11 @@ async def test_with_a_clock_simulated_time_is_no_alarm() -> None:
 @pytest.mark.parametrize(
     ("variables", "reach", "tries"),
     [
-        ({}, "SUBNET", "start the robot, or match its ROS_DOMAIN_ID and RMW"),
+        (
+            {},
+            "SUBNET",
+            "start the robot, or match its ROS_DOMAIN_ID (`look` tries 0 to 20) and RMW",
+        ),
         (
             {"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"},
             "LOCALHOST",

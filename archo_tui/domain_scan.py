@@ -1,0 +1,85 @@
+"""A look at ROS 2 domains for nodes, in a process of its own.
+
+Run as `python -m archo_tui.domain_scan`: it joins each domain, waits, and prints a JSON object with
+the nodes by domain. In the console's own process a participant in each of so many domains would
+stay until its end.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+import time
+from collections.abc import Mapping, Sequence
+
+DOMAINS = range(21)  # ROS_DOMAIN_ID 0 to 20: those that people choose by hand.
+_DISCOVERY = 3.0  # Seconds in which nodes answer.
+_TIMEOUT = 30.0  # Seconds for the process.
+
+
+async def find_nodes() -> Mapping[int, Sequence[str]]:
+    """Return the full names of the nodes in each of DOMAINS that has any.
+
+    Raises:
+        OSError: The process cannot be started.
+        TimeoutError: It did not end in time.
+        ValueError: It failed.
+    """
+    # The same modules, also those of a zip file.
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "archo_tui.domain_scan",
+        env=environment,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.DEVNULL,
+    )
+    try:
+        out, _ = await asyncio.wait_for(process.communicate(), _TIMEOUT)
+    finally:
+        if process.returncode is None:
+            process.kill()
+            await process.wait()
+    return {int(domain): nodes for domain, nodes in json.loads(out).items()}
+
+
+def main() -> None:
+    """Print the nodes of each domain that has any, as a JSON object."""
+    from archo_tui import engine
+
+    engine.activate("ros2")
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.signals import SignalHandlerOptions
+
+    nodes = {}
+    for domain in DOMAINS:
+        context = Context()
+        rclpy.init(
+            context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO
+        )
+        nodes[domain] = rclpy.create_node(
+            "_archo_tui_scan",
+            context=context,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+    time.sleep(_DISCOVERY)
+    found = {}
+    for domain, node in nodes.items():
+        pairs = node.get_node_names_and_namespaces()
+        names = sorted(f"{namespace.rstrip('/')}/{name}" for name, namespace in pairs)
+        shown = [name for name in names if not name.rpartition("/")[2].startswith("_")]
+        if shown:
+            found[domain] = shown
+    sys.stdout.write(json.dumps(found))
+    sys.stdout.flush()
+    os._exit(0)  # To leave twenty-one domains one after the other takes seconds.
+
+
+if __name__ == "__main__":
+    main()

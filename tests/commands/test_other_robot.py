@@ -1,0 +1,36 @@
+"""Operate another robot: the console starts again, for another namespace."""
+
+from __future__ import annotations
+
+from archo_tui.robot.state import OpenStop
+from tests.support.quiet import Quiet
+from tests.support.states import NORMAL
+from tests.support.stub import stub_app
+
+
+async def test_a_robot_that_was_seen_is_chosen_and_the_console_restarts() -> None:
+    app = stub_app(NORMAL._replace(other_namespaces=("/tb1", "/tb2")))
+    app.station.attached = True
+    restarts: list[str] = []
+    app.restart = restarts.append  # type: ignore[method-assign]
+    async with app.run_test() as pilot:
+        quiet = Quiet(app)
+        app.action_command("other_robot")
+        await quiet.settle()
+        await pilot.press("down", "enter")
+        await quiet.settle()
+    assert restarts == ["operate the robot in /tb2"]
+    assert app.station.next_namespace == "/tb2"
+
+
+async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
+    elsewhere = NORMAL._replace(other_namespaces=("/tb1",))
+    app = stub_app(elsewhere)
+    command = next(one for one in app.registry if one.id == "other_robot")
+    assert "--attach" in command.disabled_reason(app)
+    app.station.attached = True
+    assert command.disabled_reason(app) == ""
+    app.station.robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
+    assert command.disabled_reason(app) == "the STOP is not confirmed"
+    app.station.robot.snapshot = NORMAL._replace(other_namespaces=())
+    assert command.disabled_reason(app) == "no other namespace has nodes"
