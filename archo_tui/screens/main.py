@@ -98,7 +98,7 @@ class MainScreen(Base[None]):
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
-        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
+        self.goal, self.parameters = GoalPanel(snapshot, size), ParametersPanel()
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal

@@ -7,6 +7,7 @@ from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
+from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -17,6 +18,7 @@ from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
+from archo_tui.widgets.journey import ROWS, Journey
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
@@ -25,6 +27,7 @@ from archo_tui.words.goal import goal_history, goal_line, goal_strip, keys_to_pr
 from archo_tui.words.state import BAD
 
 _MIN_WIDTH, _MIN_HEIGHT = 150, 40  # Of a terminal with room for the board.
+_JOURNEY_WIDTH, _JOURNEY_HEIGHT = 80, 34  # Of one with room for the rows of the journey.
 _OTHER_ROWS, _MIN_BOARD_ROWS = 28, 4  # Rows of everything else; of the board at least.
 _MIN_EVENT_ROWS = 10  # The events' share of those; in three columns they have a third.
 _IN_FIELD = ("go", "go"), ("cancel", "cancel")
@@ -37,18 +40,19 @@ class GoalPanel(Panel):
 
     number, title_text = 3, "Goal"
     other_keys = {"go": "enter"}
-    _watching = False
+    _watching = _is_read_only = False
     _reason: Reason | None = None  # Why the hint is shown; None: the typed text is wrong.
 
     # Called with the values of each goal by dotted path, in the order of sending, and with the
     # typed texts.
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
 
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: Snapshot, size: Size) -> None:
         """Create the panel.
 
         Args:
             snapshot: Knows the robot file, and the fields of its goals.
+            size: The size of the terminal.
         """
         self._snapshot = snapshot
         self._kind = snapshot.file.goals[0] if snapshot.file.goals else None
@@ -80,11 +84,16 @@ class GoalPanel(Panel):
         self.typed: list[list[str]] = []  # The texts that were sent, the oldest first.
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
+        self._journey = Journey()
+        self._is_large = False  # True if there is room for the journey in place of the bar.
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
         self.board = Board(self._on_number_chosen, self._on_board_focus)
         self._board_inputs: object = None  # What the board was last made of.
         self._has_board = False  # True if the robot's limits are known.
         self._height: int | None = None
+        # Before the first layout, so that there need be no second one.
+        self._fit_journey(size)
+        self._set_height(0)
 
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
@@ -95,6 +104,7 @@ class GoalPanel(Panel):
             if not self._is_wide:
                 yield self._hint
         yield self._bar
+        yield self._journey
         if self._is_wide:
             yield self._hint
         yield from (self._line, self.board, self._history)
@@ -111,17 +121,24 @@ class GoalPanel(Panel):
     def show(self, view: ScreenState) -> None:
         snapshot, self._watching = view.snapshot, view.watching
         self._snapshot = snapshot
-        width = self._bar.size.width
+        self._fit_journey(self.app.size)
+        width = self.size.width
         self._show_board(view, width)
         self.keys = _ON_BOARD if self.board.has_focus else _IN_FIELD
         self.show_keys(view, *self._board_hint)
-        self._bar.show_spans(goal_strip(snapshot.goal, width))
+        follows = () if view.held or not self._is_large else view.waiting
+        if self._is_large:
+            self._journey.show(snapshot, view.now, width, follows)
+        else:
+            self._bar.show_spans(goal_strip(snapshot.goal, width))
         go = view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
-        self._line.show_spans(goal_line(snapshot, view.now, ask, width))
+        line = goal_line(snapshot, view.now, ask, width, says_time_left=not self._is_large)
+        self._line.show_spans(line)
         ways = ("continue", "skip")
         keys = "   ".join(f"{view.key(name)} {name}" for name in ways if view.key(name))
-        before = goal_history(snapshot.history, width, view.waiting, view.held, keys)
+        waiting = () if follows else view.waiting
+        before = goal_history(snapshot.history, width, waiting, view.held, keys)
         self._history.show_spans(before)
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
@@ -143,7 +160,8 @@ class GoalPanel(Panel):
                 events = (
                     max(size.height // 3 - _MIN_EVENT_ROWS, 0) if size.width >= _MIN_WIDTH else 0
                 )
-                rows = max(size.height - _OTHER_ROWS - events, _MIN_BOARD_ROWS)
+                others = _OTHER_ROWS + events + self._journey_rows
+                rows = max(size.height - others, _MIN_BOARD_ROWS)
                 marks = boards.marks(snapshot, kind, view.queue)
                 self.board.show(boards.fit_grid(numbers, width, rows), marks)
         self._size_board()
@@ -156,7 +174,25 @@ class GoalPanel(Panel):
         has_room = size.width >= _MIN_WIDTH or size.height >= _MIN_HEIGHT
         seen = self._has_board and (has_room or is_focused)
         self.board.display = seen
-        height = _BASE_HEIGHT + self.board.rows if seen else None
+        self._set_height(self.board.rows if seen else 0)
+
+    def _fit_journey(self, size: Size) -> None:
+        """Show the journey in place of the bar if there is room for it."""
+        kind = self._kind
+        has_room = size.width >= _JOURNEY_WIDTH and size.height >= _JOURNEY_HEIGHT
+        self._is_large = has_room and kind is not None and kind.remaining is not None
+        self._bar.display, self._journey.display = not self._is_large, self._is_large
+
+    @property
+    def _journey_rows(self) -> int:
+        """Return how many rows the journey takes beyond those of the bar."""
+        return ROWS - 1 if self._is_large else 0
+
+    def _set_height(self, board_rows: int) -> None:
+        """Set the height of the panel; the style sheet has that of a panel without additions."""
+        more = board_rows + self._journey_rows
+        base = _BASE_HEIGHT - self._is_read_only  # It has no row for the form.
+        height = base + more if more else None
         if height != self._height:  # Setting it, even to None, lays out the screen.
             self._height = self.styles.height = height
 
@@ -178,6 +214,8 @@ class GoalPanel(Panel):
     def make_read_only(self) -> None:
         """Disable typing and the board, for a console that only watches."""
         self.can_focus, self.board.can_focus, self.board.disabled = True, False, True
+        self._is_read_only = True
+        self._set_height(0)
 
     def _on_number_chosen(self, number: int) -> None:
         """Type a number that was chosen on the board; enter in the field sends it."""

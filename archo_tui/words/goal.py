@@ -26,7 +26,14 @@ _WIDE_STRIP = 60  # A bar of so many cells names its ends.
 _FIRST_FEEDBACK = 15.0  # Seconds after which an action is taken to send no feedback.
 
 
-def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None) -> Spans:
+def goal_line(
+    snapshot: Snapshot,
+    now: float,
+    ask: str,
+    width: int | None = None,
+    *,
+    says_time_left: bool = True,
+) -> Spans:
     """Return the state of the current goal in a line.
 
     Args:
@@ -35,6 +42,7 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
         ask: How a goal is given, said while there is none.
         width: The cells available; the details begin in a column of their own if they fit. None
             means unlimited.
+        says_time_left: False leaves out the time left, which stands in the rows of the journey.
     """
     goal = snapshot.goal
     if goal is None:
@@ -46,7 +54,7 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
             f"waiting for the robot ... {seconds_text(now - goal.sent)}",
         ),
         Phase.REFUSED: (BAD, "✗ REFUSED", f"at {time_of_day(goal.time)}: {goal.message}"),
-        Phase.MOVING: (STRONG, running_word(goal), _progress(goal, now)),
+        Phase.MOVING: (STRONG, running_word(goal), _progress(goal, now, says_time_left)),
         Phase.CANCELLING: (
             STRONG,
             "CANCELLING" if goal.mine else running_word(goal),
@@ -71,7 +79,7 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
         ),
     }
     tone, word, rest = texts[goal.phase]
-    if goal.phase == Phase.MOVING and _time_left(goal, now):
+    if says_time_left and goal.phase == Phase.MOVING and time_left_text(goal, now):
         longer = f"{rest} {time_factor_text(snapshot)}".rstrip()
         # A factor that is cut would be another number; in full it stands beside the speed.
         rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
@@ -93,8 +101,8 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
         goal: The current goal; None draws an empty bar.
         width: The width of the bar, in cells.
     """
-    length = None if goal is None or goal.remaining is None else goal.length
-    if goal is None or not length or goal.phase in (Phase.SENT, Phase.REFUSED):
+    length = known_length(goal)
+    if goal is None or length is None:
         return (("─" * max(width - 8, 4), EDGE), ("     -- ", OLD))
     fraction = goal.fraction()
     before, behind = _strip_ends(goal, length) if width >= _WIDE_STRIP else ("", "")
@@ -103,6 +111,13 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
     tone = ACTIVE if goal.is_running else PLAIN
     way = ("━" * done + "▶", tone), ("─" * (room - done - 1), EDGE)
     return (before, OLD), *way, (behind, OLD), (f"  {100 * fraction:3.0f} %", PLAIN)
+
+
+def known_length(goal: Goal | None) -> float | None:
+    """Return the length of a goal's way, or None if no share of it can be shown as driven."""
+    if goal is None or goal.remaining is None or goal.phase in (Phase.SENT, Phase.REFUSED):
+        return None
+    return goal.length or None
 
 
 def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
@@ -202,13 +217,16 @@ def _unit_suffix(goal: Goal) -> str:
     return f" {unit}" if unit else ""
 
 
-def _progress(goal: Goal, now: float) -> str:
+def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
 
     Args:
         goal: The goal.
         now: Monotonic time, in s.
+        says_time_left: True appends `, about 12 s left` if that can be estimated.
     """
+    time_left = time_left_text(goal, now) if says_time_left else ""
+    time_left = f", {time_left}" if time_left else ""
     unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
         return f"? {goal.unreadable}{unit} left   {so_far}"
@@ -219,15 +237,15 @@ def _progress(goal: Goal, now: float) -> str:
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # Without the length of the way there is no percentage.
-        return f"{remaining_text(goal)}   {so_far}{_time_left(goal, now)}"
+        return f"{remaining_text(goal)}   {so_far}{time_left}"
     way = f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}"
-    return f"{way}   {so_far}{_time_left(goal, now)}"
+    return f"{way}   {so_far}{time_left}"
 
 
-def _time_left(goal: Goal, now: float) -> str:
-    """Return `, about 1.5 s left`, or "" if that cannot be estimated."""
+def time_left_text(goal: Goal, now: float) -> str:
+    """Return `about 1.5 s left`, or "" if that cannot be estimated."""
     left = None if goal.unreadable or goal.feedback else goal.seconds_left(now)
-    return "" if left is None else f", about {seconds_text(left)} left"
+    return "" if left is None else f"about {seconds_text(left)} left"
 
 
 def _cancelled_details(goal: Goal) -> str:

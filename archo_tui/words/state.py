@@ -143,14 +143,22 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
     """Return those of count and speed that the robot file names: `15 420 ticks 0.80 m/s`."""
     motion, parts = snapshot.motion, []
-    count, speed = motion_unit(snapshot, "count"), motion_unit(snapshot, "speed")
+    count = motion_unit(snapshot, "count")
     if count is not None:
         parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
-    if speed is not None:
-        scaled = f"{fixed_width(motion.speed, '4.2f')} {speed}".rstrip()
-        parts.append(f"{scaled} {time_factor_text(snapshot)}".rstrip())
+    if speed := speed_text(snapshot):
+        parts.append(speed)
     tone = OLD if motion.received is None or motion.is_old(now) else PLAIN
     return tuple((f"{' ' if number else ''}{part}", tone) for number, part in enumerate(parts))
+
+
+def speed_text(snapshot: Snapshot) -> str:
+    """Return the speed as `0.80 m/s x 7.5`, or "" if the robot file names none."""
+    unit = motion_unit(snapshot, "speed")
+    if unit is None:
+        return ""
+    speed = f"{fixed_width(snapshot.motion.speed, '4.2f')} {unit}".rstrip()
+    return f"{speed} {time_factor_text(snapshot)}".rstrip()
 
 
 def time_factor_text(snapshot: Snapshot) -> str:

@@ -214,10 +214,10 @@ async def test_the_wheel_turns_the_pages() -> None:
         board = app.main.goal.board
         board.post_message(_wheel(events.MouseScrollDown))
         await pilot.press("g", "tab", "enter")
-        assert app.main.goal.fields[0].value == "151 "
+        assert app.main.goal.fields[0].value == "131 "
         board.post_message(_wheel(events.MouseScrollUp))
         await pilot.press("tab", "enter")
-        assert app.main.goal.fields[0].value == "151 1 "
+        assert app.main.goal.fields[0].value == "131 1 "
 
 
 def _wheel(kind: Any) -> events.Event:

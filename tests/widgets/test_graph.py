@@ -213,7 +213,8 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
             await quiet.settle()
             main = app.main
             assert main.nodes.region.height == 7  # three nodes, at least five rows
-            assert main.parameters.region.height == 11  # five, as high as the history must be
+            upper = main.goal.region.height + main.parameters.region.height
+            assert upper == 17  # for five parameters, as high as the history must be
             assert main.events.region.width >= 60
             assert main.events.region.bottom == main.graph.region.bottom == height - 1
             assert main.events.region.width == width - main.graph.region.width
