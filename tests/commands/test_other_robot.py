@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from archo_tui.robot.state import OpenStop
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
@@ -12,7 +14,7 @@ async def test_a_robot_that_was_seen_is_chosen_and_the_console_restarts() -> Non
     app = stub_app(NORMAL._replace(other_namespaces=("/tb1", "/tb2")))
     app.station.attached = True
     restarts: list[str] = []
-    app.restart = restarts.append  # type: ignore[method-assign]
+    app.restart = restarts.append  # type: ignore[method-assign, assignment]
     async with app.run_test() as pilot:
         quiet = Quiet(app)
         app.action_command("other_robot")
@@ -29,8 +31,9 @@ async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
     command = next(one for one in app.registry if one.id == "other_robot")
     assert "--attach" in command.disabled_reason(app)
     app.station.attached = True
+    robot: Any = app.station.robot
     assert command.disabled_reason(app) == ""
-    app.station.robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
+    robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
     assert command.disabled_reason(app) == "the STOP is not confirmed"
-    app.station.robot.snapshot = NORMAL._replace(other_namespaces=())
+    robot.snapshot = NORMAL._replace(other_namespaces=())
     assert command.disabled_reason(app) == "no other namespace has nodes"
