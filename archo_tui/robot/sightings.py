@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
@@ -28,13 +29,18 @@ async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:
     classes = {name: await in_daemon(message_classes.load, kind) for name, kind in named.items()}
     installed = {name: found for name, found in classes.items() if found is not None}
     samples = await robot.sample(installed, seconds)
-    return await in_daemon(_sightings, robot.snapshot.resources, samples)
+    snapshot = robot.snapshot
+    lifecycles = {node.name: node.lifecycle for node in snapshot.nodes if node.lifecycle}
+    return await in_daemon(_sightings, snapshot.resources, samples, lifecycles)
 
 
 def _sightings(
-    resources: Sequence[Resource], samples: Mapping[str, Sample]
+    resources: Sequence[Resource], samples: Mapping[str, Sample], lifecycles: Mapping[str, str]
 ) -> tuple[Sighting, ...]:
-    return tuple(_sighting(found, samples.get(found.name)) for found in resources)
+    return tuple(
+        replace(_sighting(found, samples.get(found.name)), lifecycles=lifecycles)
+        for found in resources
+    )
 
 
 def _sighting(found: Resource, sample: Sample | None) -> Sighting:
@@ -50,7 +56,7 @@ def _sighting(found: Resource, sample: Sample | None) -> Sighting:
     if sample is None or sample.message is None:
         return Sighting(kind, found.name, found.types, found.nodes)
     values = {field.path: field.default for field in messages.flat_fields(sample.message)}
-    return Sighting(kind, found.name, found.types, found.nodes, sample.rate, values)
+    return Sighting(*(kind, found.name, found.types, found.nodes), rate=sample.rate, values=values)
 
 
 _Types = Mapping[str, str]  # By dotted path.

@@ -128,6 +128,9 @@ GOAL_POSES: Mapping[str, tuple[str, str]] = {  # The path of the pose and of the
     "geometry_msgs/Pose": ("", ""),
 }
 
+# Packages of services and topics that nodes have for ROS itself; a robot file names none of them.
+OF_ROS = frozenset({"lifecycle_msgs", "rcl_interfaces", "type_description_interfaces"})
+
 COMMANDS = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty")  # Their requests have no field.
 TOGGLES: Mapping[str, str] = {"std_srvs/srv/SetBool": "data"}  # The bool of the request.
 

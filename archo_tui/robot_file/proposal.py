@@ -31,6 +31,7 @@ class Sighting:
         name: Its full name.
         types: Its types; usually one.
         nodes: The full names of the nodes that publish or serve it.
+        lifecycles: The states of those nodes that are managed, by node.
         rate: Messages in a second; None if none came or nobody listened.
         values: The primitive fields of the last message by dotted path.
         goal: The types of all fields of the goal or request by dotted path; None if the type is
@@ -43,6 +44,7 @@ class Sighting:
     name: str
     types: tuple[str, ...]
     nodes: tuple[str, ...] = ()
+    lifecycles: Mapping[str, str] = field(default_factory=dict)
     rate: float | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
     goal: Mapping[str, str] | None = None
@@ -103,7 +105,8 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     Raises:
         SeveralRobots: The namespace holds more than one robot.
     """
-    ordered = sorted(seen, key=lambda sighting: (sighting.name.count("/"), sighting.name))
+    own = [s for s in seen if s.types[0].partition("/")[0] not in known_types.OF_ROS]
+    ordered = sorted(own, key=lambda sighting: (sighting.name.count("/"), sighting.name))
     robots = _robots(ordered)
     if len(robots) > 1:
         raise SeveralRobots(robots)
@@ -319,4 +322,5 @@ def _served_reason(sighting: Sighting) -> str:
 
 
 def _nodes(sighting: Sighting) -> str:
-    return ", ".join(sighting.nodes)
+    states = sighting.lifecycles
+    return ", ".join(f"{n} ({states[n]})" if n in states else n for n in sighting.nodes)

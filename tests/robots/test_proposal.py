@@ -16,10 +16,10 @@ BATTERY = Sighting(
     "/tb1/battery_state",
     ("sensor_msgs/msg/BatteryState",),
     ("/tb1/base",),
-    1.0,
-    {"percentage": 0.75},
+    rate=1.0,
+    values={"percentage": 0.75},
 )
-ODOMETRY = Sighting("topic", "/tb1/odom", ("nav_msgs/msg/Odometry",), ("/tb1/base",), 20.0)
+ODOMETRY = Sighting("topic", "/tb1/odom", ("nav_msgs/msg/Odometry",), ("/tb1/base",), rate=20.0)
 
 
 def action(name: str, kind: str, **more: object) -> Sighting:
@@ -60,15 +60,15 @@ def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
 
 
 def test_a_number_is_a_battery_only_by_the_name_of_its_topic() -> None:
-    level = Sighting("topic", "/battery_level", ("std_msgs/msg/Float32",), ("/bat",), 1.0)
+    level = Sighting("topic", "/battery_level", ("std_msgs/msg/Float32",), ("/bat",), rate=1.0)
     assert robot(level).battery is not None
-    other = Sighting("topic", "/height", ("std_msgs/msg/Float32",), ("/bat",), 1.0)
+    other = Sighting("topic", "/height", ("std_msgs/msg/Float32",), ("/bat",), rate=1.0)
     assert robot(other).battery is None
     assert "#   topic /height: std_msgs/msg/Float32" in text(other)
 
 
 def test_of_two_odometries_one_is_read_and_the_other_is_a_comment() -> None:
-    second = Sighting("topic", "/tb1/odometry/filtered", ODOMETRY.types, ("/tb1/ekf",), 30.0)
+    second = Sighting("topic", "/tb1/odometry/filtered", ODOMETRY.types, ("/tb1/ekf",), rate=30.0)
     made = robot(second, ODOMETRY)
     assert made.motion is not None
     assert made.motion.topic == "odom"
@@ -173,7 +173,7 @@ def test_a_goal_that_needs_a_list_or_an_absent_type_is_listed_only() -> None:
 
 
 def test_two_robots_are_not_mixed() -> None:
-    other = Sighting("topic", "/tb2/odom", ODOMETRY.types, ("/tb2/base",), 20.0)
+    other = Sighting("topic", "/tb2/odom", ODOMETRY.types, ("/tb2/base",), rate=20.0)
     with pytest.raises(SeveralRobots, match="several robots are here, in /tb1, /tb2"):
         propose([BATTERY, ODOMETRY, other])
     within = robot(BATTERY, ODOMETRY, namespace="/tb1")

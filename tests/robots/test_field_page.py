@@ -1,0 +1,86 @@
+"""docs/field.md, as written: what the files say, and what the lines do to three robots."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("irobot_create_msgs")
+pytest.importorskip("nav2_msgs")
+
+from archo_tui.robot_file.load import load
+from archo_tui.verbs import describe
+from tests.robots import makes
+from tests.support.plain import operated
+from tests.support.quiet import until
+
+PAGE = (Path(__file__).parents[2] / "docs" / "field.md").read_text(encoding="utf-8")
+SECTIONS = {
+    "nav2": "## A robot with Nav2",
+    "turtlebot4": "## A TurtleBot 4",
+    "create3": "## A Create",
+}
+ROBOTS: dict[str, tuple[Any, ...]] = {
+    "nav2": makes.NAV2,
+    "turtlebot4": makes.TURTLEBOT4,
+    "create3": makes.CREATE3,
+}
+# what each robot's lines are answered with, in this order
+ANSWERS = {
+    "nav2": (
+        "bt_navigator is unconfigured",
+        "bt_navigator is inactive",
+        "bt_navigator is active",
+        "go to pose x 2.0, y 1.0, yaw 90.0: accepted",
+        "x 1.2, y 0.0, 0°, map",
+        "goal CANCELLED",
+        "robot has no STOP: use the hardware stop (this is not a STOP",
+    ),
+    "turtlebot4": ("undock: accepted", "STOP: ", "release stop: "),
+    "create3": ("drive distance distance 0.5, ", "STOP: ", "release stop: "),
+}
+
+
+def blocks(robot: str, language: str) -> list[str]:
+    """The blocks of a language in the section of a robot."""
+    section = PAGE[PAGE.index(SECTIONS[robot]) :]
+    section = section[: section.index("\n## ")]
+    return re.findall(rf"^```{language}\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
+
+
+def with_stop(text: str) -> str:
+    """The file with its proposed STOP uncommented, as the page says."""
+    lines = text.splitlines()
+    if "# stop:" in lines:
+        at = lines.index("# stop:")
+        lines[at : at + 5] = [line.removeprefix("# ") for line in lines[at : at + 5]]
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+async def test_each_robot_is_described_driven_and_stopped(
+    robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(describe, "LISTENING", 1.5)
+    file = tmp_path / "mine.yaml"
+    async with operated(*ROBOTS[robot]) as person:
+        station = person._plain._station
+        await until(lambda: len(station.robot.snapshot.nodes) == len(ROBOTS[robot]))
+        await until(lambda: station.robot.snapshot.actions)
+        text = asyncio.ensure_future(describe.robot_file_text(station))
+        await until(text.done)
+        file.write_text(with_stop(text.result()))
+        for shown in blocks(robot, "yaml"):
+            assert shown in text.result()
+    assert (load(file).stop is None) == (robot == "nav2")
+    async with operated(*ROBOTS[robot], robot=file) as person:
+        await until(lambda: len(person._plain._station.robot.snapshot.actions) > 0)
+        lines = "".join(blocks(robot, robot)).splitlines()
+        assert lines
+        for line, answer in zip(lines, ANSWERS[robot], strict=True):
+            person.type(f"{line}\n")
+            await person.until(answer)
