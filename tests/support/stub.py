@@ -96,6 +96,7 @@ def stub_station(
     *,
     attached: bool = False,
     on_disconnect: str = "cancel",
+    file_is_default: bool = False,
 ) -> Station:
     """A station over a stand-in for the robot; its journal forgets everything."""
     host: Any = SimpleNamespace(states=lambda: hosted)
@@ -115,6 +116,7 @@ def stub_station(
         namespace="/",
         attached=attached,
         on_disconnect=on_disconnect,
+        file_is_default=file_is_default,
     )
 
 
