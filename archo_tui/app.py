@@ -140,7 +140,7 @@ class ArchoApp(KeyedApp):
                 c.where == EVERYWHERE,
             )
             for c in self.registry
-            if c.footer
+            if c.footer and (c.footer_key or self.view.key(c.id))
         ]
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)

@@ -82,6 +82,8 @@ class Panel(Container, QuietFocus):
             if is_full and word == FULL_SCREEN:
                 continue
             key, blocked = self.other_keys.get(command, view.key(command)), command in view.blocked
+            if not key:
+                continue  # The palette has it.
             parts.append(key_content(command, key, word, blocked=blocked))
         while parts and sum(part.cell_length + 3 for part in parts) - 3 > room:
             parts.pop()

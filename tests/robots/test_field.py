@@ -82,3 +82,11 @@ async def test_words_tell_pose_and_parts() -> None:
     _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
     assert "x 1.2, y 0.4, 90°, map" in said
     assert "● OK    base: left motor (sn 12): fine" in said
+
+
+async def test_a_command_without_a_key_is_no_empty_place_among_the_keys() -> None:
+    async with field() as (op, _):
+        below = op.line("^x stop")
+        assert "lamp" not in below
+        assert "Lamp" in op.line("STOP  ")  # Its button.
+        assert "Lamp" not in op.line("palette")
