@@ -1,4 +1,4 @@
-"""The tools that only read: state, events, the last hour, parameters."""
+"""The tools that only read: state, events, the last hour, parameters, types."""
 
 from __future__ import annotations
 
@@ -166,6 +166,34 @@ class ParametersTool(_VerbTool):
             "parameters": found,
         }
         return f"{len(found)} parameters, as their nodes reported them.", told
+
+
+class InterfaceTool(_VerbTool):
+    """The tool for the definition of a type."""
+
+    name, title = "interface", "Definition of a type"
+    description = (
+        "The definition of a message, service or action type as its file has it: fields, constants "
+        "and comments, nested types indented. The units of values often stand in the comments."
+    )
+    schema = schema_of(
+        {
+            "type": {
+                "type": "string",
+                "description": "as std_msgs/msg/String, or a Name that is on the graph once",
+            }
+        },
+        required=("type",),
+    )
+
+    def words(self, given: dict[str, Any]) -> list[str]:
+        return ["interface", given["type"]]
+
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        data = result.get("data")
+        found = data if isinstance(data, dict) else {}
+        lines = str(found.get("definition", "")).splitlines()
+        return "The definition, line by line.", {"type": found.get("type"), "lines": lines}
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:

@@ -30,7 +30,7 @@ READS = Hints(reads_only=True)
 
 
 class Tool(ABC):
-    """A tool of an assistant, of which there are never more than nine."""
+    """A tool of an assistant, of which there are never more than a dozen."""
 
     name: str
     title: str

@@ -8,7 +8,13 @@ from typing import Any
 from archo_tui.assistant.arguments import InvalidArguments, check_arguments, shorten
 from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.goal_tools import CancelTool, GoTool, WaitTool
-from archo_tui.assistant.reading_tools import EventsTool, HistoryTool, ParametersTool, StatusTool
+from archo_tui.assistant.reading_tools import (
+    EventsTool,
+    HistoryTool,
+    InterfaceTool,
+    ParametersTool,
+    StatusTool,
+)
 from archo_tui.assistant.stop_tool import StopTool
 from archo_tui.assistant.tool import Tool
 from archo_tui.assistant.tool_answer import ToolAnswer, failure
@@ -19,7 +25,10 @@ from archo_tui.safe_text import harmless
 
 def available_tools(*, goals: bool) -> dict[str, Tool]:
     """Return the tools by name, with `goals` those included that request motion."""
-    made: list[Tool] = [StatusTool(), EventsTool(), HistoryTool(), ParametersTool(), StopTool()]
+    made: list[Tool] = [
+        *(StatusTool(), EventsTool(), HistoryTool(), ParametersTool(), InterfaceTool()),
+        StopTool(),
+    ]
     if goals:
         made += [GoTool(), WaitTool(), CancelTool()]
     return {tool.name: tool for tool in made}

@@ -40,7 +40,7 @@ _SEARCH_WORDS = {
     "only_changed": "difference differ diff modified",
     "filter": "find search",
     "ros_own": "hidden own use_sim_time",
-    "resource": "interface message info",
+    "resource": "interface message info type definition",
     "undo": "back revert",
     "save": "export write dump yaml",
     "load": "import open read yaml",

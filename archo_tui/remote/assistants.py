@@ -8,7 +8,7 @@ from typing import Any
 from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
 from archo_tui.robot import forms
-from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
@@ -23,7 +23,7 @@ from archo_tui.verbs.parse import parse, schema
 
 # Waits until a condition holds, the assistant has left, or so many seconds have passed.
 Until = Callable[[Requester, Callable[[], object], float], Awaitable[None]]
-_LOOKS = ("status", "events", "history", "params", "get")
+_LOOKS = ("status", "events", "history", "params", "get", "interface")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
 _LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
 ASKED = "asked"  # In place of an outcome's code: a person has to decide.
@@ -71,7 +71,9 @@ class Assistants:
         values = await verb.prepare(self._station, values)
         outcome = await verb.run(self._station, values)
         result = {"id": number, "code": outcome.code.value, "text": outcome.text}
-        data = verb.data(self._station, values) if outcome.ok else None
+        data = data_of(outcome)
+        if data is None and outcome.ok:
+            data = verb.data(self._station, values)
         return result if data is None else {**result, "data": data}
 
     def _goals(self) -> list[dict[str, Any]]:

@@ -17,7 +17,7 @@ from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import ClientSession
 from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
 from archo_tui.robot import messages
-from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of
+from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.station.station import CALLED_OFF, Station
@@ -290,7 +290,9 @@ class RequestHandler:
             feedback = request.get("feedback") is True
             outcome = await self._wait_for_ends(session, number, feedback=feedback)
         result = {**_result(number, outcome), "tells": verb.tells}
-        told = verb.data(self._station, values) if outcome.ok else None
+        told = data_of(outcome)
+        if told is None and outcome.ok:
+            told = verb.data(self._station, values)
         answer = answer_of(outcome)
         if answer is not None and word == "call":
             told = await in_daemon(messages.as_data, answer)  # A map has a million values.

@@ -11,9 +11,9 @@ import hashlib
 import re
 from typing import Any
 
-from archo_tui.recording.definitions import definition
 from archo_tui.replay.chunks import Unreadable
 from archo_tui.robot import message_classes
+from archo_tui.robot.definitions import definition
 from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
 
 _MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.

@@ -61,6 +61,28 @@ class Answer(Outcome):
         return made
 
 
+class Report(Outcome):
+    """The outcome of a verb that found out something which is kept nowhere else.
+
+    Attributes:
+        data: The same as the text, as JSON has it.
+    """
+
+    data: Any
+
+    @classmethod
+    def of(cls, text: str, data: Any) -> Report:
+        """Return the outcome with a text for people and data for programs."""
+        made = cls(Code.DONE, text)
+        made.data = data
+        return made
+
+
+def data_of(outcome: Outcome) -> Any:
+    """Return the data of a report; None for any other outcome."""
+    return outcome.data if isinstance(outcome, Report) else None
+
+
 def answer_of(outcome: Outcome) -> Any:
     """Return the answer in an outcome; None if it has none."""
     return outcome.message if isinstance(outcome, Answer) else None

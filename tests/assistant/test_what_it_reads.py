@@ -99,6 +99,17 @@ async def test_parameters_are_all_those_of_a_node_or_one() -> None:
         assert (said.failed, said.robot["said"]) == (True, ["n0 has no parameter p9"])
 
 
+async def test_the_definition_of_a_type_is_lines_of_the_robot() -> None:
+    data = {"type": "demo_msgs/msg/Speed", "definition": f"# {EVIL}\nfloat32 speed  # m/s"}
+    async with fake_console() as console, assistant() as model:
+        console.answer("interface", "done", "text", data=data)
+        said = await model.call("interface", type="Speed")
+        lines = [f"# {EVIL}", "float32 speed  # m/s"]
+        assert said.robot == {"type": "demo_msgs/msg/Speed", "lines": lines}
+        assert EVIL not in json.dumps({**said.data, "from_the_robot": None})
+        assert console.words() == [["interface", "Speed"]]
+
+
 async def test_a_robot_that_says_too_much_is_cut_and_made_harmless() -> None:
     deep: object = "bottom"
     for _ in range(50):

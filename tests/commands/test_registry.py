@@ -63,7 +63,7 @@ KEYS = {
         "enter": "open_diagnostics",
     },
     "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
-    "TopicDialog": {"enter": "close", "escape": "close", "q": "close"},
+    "TopicDialog": {"enter": "close", "escape": "close", "q": "close", "t": "show_type"},
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
         "pageup": "scroll(-1)", "pagedown": "scroll(1)",

@@ -22,13 +22,13 @@ from archo_tui import embedded
 from archo_tui.errors import ArchoError
 from archo_tui.recording import bag
 from archo_tui.recording.bag import type_name
-from archo_tui.recording.definitions import definition
 from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay import chunks, message_reader
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.linear_reader import read_range
 from archo_tui.replay.mcap_index import MessageRange
 from archo_tui.robot import message_classes
+from archo_tui.robot.definitions import definition
 from tests.replay.bags import (
     MAGIC,
     START,

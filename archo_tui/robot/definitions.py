@@ -1,4 +1,4 @@
-"""Message definitions for bags, derived from message classes: the same on both engines."""
+"""Message definitions, for bags, derived from message classes: the same on both engines."""
 
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ def definition(kind: Any) -> str:
 
     The form is that of https://mcap.dev/spec/registry#ros2msg.
     """
-    parts, wanted, seen = [_field_lines(kind)], list(_nested_types(kind)), set[str]()
+    parts, wanted, seen = [field_lines(kind)], list(_nested_types(kind)), set[str]()
     while wanted:
         name, inner = wanted.pop(0)
         if name not in seen:
             seen.add(name)
-            parts.append(f"{_SEPARATOR}\nMSG: {name}\n{_field_lines(inner)}")
+            parts.append(f"{_SEPARATOR}\nMSG: {name}\n{field_lines(inner)}")
             wanted += _nested_types(inner)
     return "".join(parts)
 
 
-def _field_lines(kind: Any) -> str:
+def field_lines(kind: Any) -> str:
+    """Return a line for each field of a message class: its type as .msg files have it, its name."""
     types = kind.get_fields_and_field_types()
     return "".join(f"{_ros2msg_type(types[name])} {name}\n" for name in types)
 

@@ -1,0 +1,81 @@
+"""`interface TYPE`: the definition of a type, in `--plain`, from a shell, and on the screen."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.support.console import console
+from tests.support.plain import plain
+from tests.support.shells import served, typed
+
+COMMENT = "# State of the drive, published on motor_status."
+
+
+async def test_a_type_may_be_typed_with_or_without_its_package() -> None:
+    for name in ("archo_interfaces/msg/MotorStatus", "archo_interfaces/MotorStatus", "MotorStatus"):
+        code, said = await plain(f"interface {name}\n")
+        assert code == 0, said
+        assert f"{COMMENT}\nint64 encoder_ticks" in said, name
+
+
+async def test_services_and_actions_are_found_by_their_name() -> None:
+    code, said = await plain("interface MoveToShelf\ninterface std_srvs/Trigger\n")
+    assert code == 0, said
+    assert "# Drive to a shelf.\nint32 shelf_number" in said
+    assert "---\nbool success" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("MotorStatu", "no type MotorStatu is on the graph (nearest: MotorStatus)"),
+        (
+            "archo_interfaces/msg/MotorStat",
+            "no type archo_interfaces/msg/MotorStat is installed here "
+            "(nearest: archo_interfaces/msg/MotorStatus)",
+        ),
+        (
+            "std_msgs/Strin",
+            "no type std_msgs/Strin is installed here (nearest: std_msgs/String)",
+        ),
+        (
+            "archo_interface/msg/MotorStatus",
+            "no package of interfaces archo_interface is installed here "
+            "(nearest: archo_interfaces)",
+        ),
+        ("../a", "no package of interfaces .. is installed here"),
+    ],
+)
+async def test_a_wrong_type_is_one_line_with_the_nearest(name: str, why: str) -> None:
+    code, said = await plain(f"interface {name}\n")
+    assert code == 1
+    assert f"failed: interface: {why}\n" in said
+
+
+@pytest.mark.real_time
+async def test_a_shell_gets_the_text_or_an_object() -> None:
+    async with served() as person:
+        shown = await typed("interface", "archo_interfaces/msg/MotorStatus")
+        assert (shown.code, shown.err) == (0, "")
+        assert shown.out.startswith(f"{COMMENT}\n")
+        result = json.loads((await typed("interface", "MotorStatus", "--json")).out)
+        assert result["data"]["type"] == "archo_interfaces/msg/MotorStatus"
+        assert result["data"]["definition"].startswith(f"{COMMENT}\n")
+        await person.end()
+
+
+async def test_t_on_a_topic_shows_the_definition_of_its_type() -> None:
+    async with console() as op:
+        await op.press("8")
+        while not (row := op.app.main.graph.selected) or row.resource.name != "/motor_status":
+            await op.press("down")
+        await op.press("enter")
+        await op.until("t type")
+        await op.press("t")
+        await op.until(COMMENT)
+        await op.until("# archo_interfaces/msg/MotorStatus")
+        await op.press("escape")
+        await op.until("t type")
+        await op.press("escape")
