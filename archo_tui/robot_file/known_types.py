@@ -141,5 +141,8 @@ STOPS: Mapping[str, StopServices] = {
     ),
     "std_srvs/srv/SetBool": StopServices("", {"data": True}, "", {"data": False}),
 }
-STOP_WORDS = ("stop", "estop", "halt", "emergency")
+# In the name of a service: a STOP, however the words are joined (`softStop`, `stopmotors`).
+STOP_WORDS = ("stop", "halt", "emergency")
+# As a word of its own only: "skill" is no kill switch.
+STOP_WHOLE_WORDS = ("kill", "killswitch", "panic", "freeze", "abort")
 RELEASE_WORDS = ("release", "reset", "clear", "unlock", "resume", "unhalt")

@@ -111,14 +111,17 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     if len(robots) > 1:
         raise SeveralRobots(robots)
     found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
-    chosen = [pair for part in _TOPICS for pair in _topics(found, part)] + _goals(found)
+    chosen = [pair for part in _TOPICS for pair in _topics(found, part)]
+    chosen += _without_others(_goals(found))
     stops = [sighting for sighting in ordered if _is_stop(sighting)]
-    chosen += [*_stop(stops), *(pair for pair in found if pair[0].part == "commands")]
+    chosen += _stop(stops)
+    chosen += _without_others(pair for pair in found if pair[0].part == "commands")
     where = _common_namespace(chosen, namespace)
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
     used: set[str] = set()
     entries = tuple(_named(entry, where, used) for entry, _ in chosen)
-    told = {sighting.name for _, sighting in chosen} | {sighting.name for sighting in stops}
+    told = {sighting.name for _, sighting in chosen}
+    told |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
     unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in told)
     return Proposal(where, entries, unknown)
 
@@ -248,28 +251,86 @@ def _is_stop(sighting: Sighting) -> bool:
     """Return True for a service that may stop the robot, or release a stop, by its name or type."""
     if sighting.kind != "service":
         return False
-    words = re.split(r"[^a-z]+", sighting.name.lower())
-    return "irobot_create_msgs/srv/EStop" in sighting.types or any(
-        word in words for word in known_types.STOP_WORDS
+    return (
+        "irobot_create_msgs/srv/EStop" in sighting.types
+        or any(word in sighting.name.lower() for word in known_types.STOP_WORDS)
+        or not _words(sighting.name).isdisjoint(known_types.STOP_WHOLE_WORDS)
     )
+
+
+def _words(name: str) -> set[str]:
+    """Return the words of a name in lower case: of `/softStop/kill_switch` soft, stop, kill ..."""
+    parted = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
+    return set(re.findall(r"[a-z]+", parted.lower()))
 
 
 def _stop(seen: Sequence[Sighting]) -> Iterator[Found]:
     """Yield each service that may be the STOP, with what may release it; never as sure."""
-    releases = [s for s in seen if any(w in s.name.lower() for w in known_types.RELEASE_WORDS)]
+    releases = [s for s in seen if _is_release(s)]
     for sighting in seen:
         if sighting in releases:
             continue
         kind = next((t for t in sighting.types if t in known_types.STOPS), "")
         stop = known_types.STOPS.get(kind, StopServices(""))
-        beside = sighting.name.rpartition("/")[0]
-        release = next((s.name for s in releases if s.name.rpartition("/")[0] == beside), "")
         if kind:
             made = replace(stop, service=sighting.name, release=sighting.name)
         else:
-            made = StopServices(sighting.name, release=release)
+            release = _release(sighting, len(seen) - len(releases), releases)
+            made = replace(release, service=sighting.name)
         reason = f"{_served_reason(sighting)}: is this the STOP? Then uncomment it"
+        if not kind and sighting.goal:
+            fields = ", ".join(f"{path} ({type_})" for path, type_ in sighting.goal.items())
+            reason += f", and say as `request` what is sent: {fields}"
         yield Entry("stop", made, reason, is_sure=False), sighting
+
+
+def _is_release(sighting: Sighting) -> bool:
+    """Return True if the service releases a stop; only its own name counts, not its namespace."""
+    own_name = sighting.name.rpartition("/")[2].lower()
+    return any(word in own_name for word in known_types.RELEASE_WORDS)
+
+
+def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopServices:
+    """Return what may release a stop: beside or below it, with the most words of its name.
+
+    A service with further words releases something else: `clear_brake_stop` no emergency stop.
+
+    Args:
+        stop: The service that may be the STOP.
+        stops: The number of those.
+        releases: The services that may release one.
+    """
+    beside = stop.name.rpartition("/")[0]
+    words = _words(stop.name.removeprefix(beside))
+    near = [
+        (_words(release.name.removeprefix(beside)) - {*known_types.RELEASE_WORDS}, release)
+        for release in releases
+        if release.name.rpartition("/")[0] in (beside, stop.name)
+    ]
+    fitting = [pair for pair in near if pair[0] <= words]
+    if not fitting and stops == len(near) == 1:
+        fitting = near
+    if not fitting:
+        return StopServices("")
+    _, best = max(fitting, key=lambda pair: len(pair[0]))
+    toggle = next((known_types.TOGGLES[t] for t in best.types if t in known_types.TOGGLES), "")
+    return StopServices("", release=best.name, release_request={toggle: True} if toggle else {})
+
+
+def _without_others(chosen: Iterable[Found]) -> Iterator[Found]:
+    """Yield goals and commands; as a comment where `/tb2/dock` is beside a `/dock` of its type.
+
+    It may be of another robot, whose goals must not stand among those of this one.
+    """
+    known: set[tuple[str, tuple[str, ...]]] = set()
+    for entry, sighting in chosen:
+        known.add((sighting.name, sighting.types))
+        same = sighting.name[sighting.name.find("/", 1) :]
+        if sighting.name != same and (same, sighting.types) in known:
+            reason = f"{entry.reason}: is it of another robot than {same}? Then leave it out"
+            yield entry._replace(reason=reason, is_sure=False), sighting
+        else:
+            yield entry, sighting
 
 
 def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
@@ -311,8 +372,9 @@ def _topic_reason(sighting: Sighting, kind: str) -> str:
     rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
     rate = rate or (", one message came" if sighting.values else ", no message came")
     by = f", published by {_nodes(sighting)}" if sighting.nodes else ", which nobody publishes"
-    others = f" (and {len(sighting.types) - 1} other types)" if len(sighting.types) > 1 else ""
-    return f"{sighting.name} is a {kind}{others}{rate if sighting.nodes else ''}{by}"
+    others = [other for other in sighting.types if other != kind]
+    more = f" (and of {' and '.join(others)})" if others else ""
+    return f"{sighting.name} is a {kind}{more}{rate if sighting.nodes else ''}{by}"
 
 
 def _served_reason(sighting: Sighting) -> str:

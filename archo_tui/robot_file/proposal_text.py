@@ -45,7 +45,9 @@ def _parts(entries: tuple[Entry, ...]) -> Iterator[str]:
         if part in _LISTS:
             yield f"{part}:\n"
             for entry in group:
-                yield indent(_comment(entry.reason) + yaml_dump.mixed([plain(entry.value)]), "  ")
+                item = yaml_dump.mixed([plain(entry.value)])
+                item = item if entry.is_sure else _comment(item)
+                yield indent(_comment(entry.reason) + item, "  ")
             continue
         for entry in group:
             block = yaml_dump.mixed({part: plain(entry.value)})

@@ -101,6 +101,77 @@ def test_a_stop_proposal_works_once_it_is_uncommented() -> None:
     assert (stop.release, stop.release_request) == ("e_stop", {"e_stop_on": False})
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("emergencyStop", "softStop", "stopmotors", "haltMotors", "E_STOP", "kill_switch"),
+        *("panic", "freezeAll", "stopper/lamp"),
+    ],
+)
+def test_no_spelling_of_a_stop_makes_it_a_command(name: str) -> None:
+    stop = service(f"/tb1/{name}", "std_srvs/srv/Trigger")
+    assert not robot(BATTERY, stop).commands
+    assert f"# stop: {{service: {name}}}" in text(BATTERY, stop)
+
+
+def test_a_word_within_another_is_no_kill_switch() -> None:
+    assert robot(service("/tb1/skill", "std_srvs/srv/Trigger")).commands
+
+
+def test_a_namespace_that_reads_like_a_release_loses_no_stop() -> None:
+    seen = [
+        service("/clearpath/emergency_stop", "std_srvs/srv/Trigger", "/clearpath/base"),
+        service("/clearpath/emergency_stop/reset", "std_srvs/srv/Trigger", "/clearpath/base"),
+    ]
+    written = text(*seen)
+    assert "# stop: {service: emergency_stop, release: emergency_stop/reset}" in written
+
+
+def test_a_stop_gets_the_release_that_has_its_name_and_request() -> None:
+    seen = [
+        service("/tb1/emergency_stop", "std_srvs/srv/Trigger"),
+        service("/tb1/clear_brake_stop", "std_srvs/srv/Trigger"),
+        service("/tb1/reset_emergency_stop", "std_srvs/srv/SetBool"),
+        service("/tb1/halt", "std_srvs/srv/Trigger"),
+    ]
+    written = text(*seen)
+    assert (
+        "# stop:\n#   service: emergency_stop\n#   release: reset_emergency_stop\n"
+        "#   release_request: {data: true}\n"
+    ) in written
+    assert "# stop: {service: halt}" in written
+    assert "#   service /tb1/clear_brake_stop: std_srvs/srv/Trigger" in written
+
+
+def test_a_release_without_a_stop_is_listed() -> None:
+    written = text(service("/tb1/reset_emergency_stop", "std_srvs/srv/Trigger", goal={}))
+    assert "# Seen besides, and not described:\n#   service /tb1/reset_emergency_stop" in written
+
+
+def test_a_stop_of_an_own_type_says_which_fields_it_needs() -> None:
+    stop = service("/tb1/estop", "own_msgs/srv/Stop", goal={"engaged": "boolean"})
+    assert "say as `request` what is sent: engaged (boolean)" in text(stop)
+
+
+def test_a_goal_that_a_robot_below_has_too_is_a_comment() -> None:
+    seen = [
+        service("/lamp", "std_srvs/srv/Trigger"),
+        service("/tb2/lamp", "std_srvs/srv/Trigger"),
+        action("/navigate_to_pose", "nav2_msgs/action/NavigateToPose"),
+        action("/tb2/navigate_to_pose", "nav2_msgs/action/NavigateToPose"),
+    ]
+    made, written = robot(*seen), text(*seen)
+    assert [goal.action for goal in made.goals] == ["navigate_to_pose"]
+    assert [command.service for command in made.commands] == ["lamp"]
+    assert "is it of another robot than /navigate_to_pose? Then leave it out" in written
+    assert "  #   action: tb2/navigate_to_pose\n" in written
+
+
+def test_two_types_of_one_topic_are_both_named() -> None:
+    both = Sighting("topic", "/odom", (*ODOMETRY.types, "std_msgs/msg/Float32"), ("/a",), 1.0)
+    assert "/odom is a nav_msgs/msg/Odometry (and of std_msgs/msg/Float32), 1.0 Hz" in text(both)
+
+
 def test_without_a_stop_the_file_says_so() -> None:
     assert "without one, ctrl+x cancels every goal instead" in text(BATTERY)
 
