@@ -168,7 +168,7 @@ def test_a_goal_that_a_robot_below_has_too_is_a_comment() -> None:
 
 
 def test_two_types_of_one_topic_are_both_named() -> None:
-    both = Sighting("topic", "/odom", (*ODOMETRY.types, "std_msgs/msg/Float32"), ("/a",), 1.0)
+    both = Sighting("topic", "/odom", (*ODOMETRY.types, "std_msgs/msg/Float32"), ("/a",), rate=1.0)
     assert "/odom is a nav_msgs/msg/Odometry (and of std_msgs/msg/Float32), 1.0 Hz" in text(both)
 
 
