@@ -18,6 +18,7 @@ from std_msgs.msg import String
 from archo_tui.replay.bag_file import BagFile
 from tests.replay.recorded import replay, written
 from tests.robots.field import Base
+from tests.support import clock
 from tests.support.console import console
 
 FILE = Path(__file__).parents[1] / "robots" / "field.yaml"
@@ -43,6 +44,7 @@ async def test_pose_parts_and_recorded_topics_are_in_the_recording() -> None:
         await op.until("x 1.2  y 0.4  90°  map")
         made[0].parts["base: left motor"] = (DiagnosticStatus.ERROR, "too hot")
         await op.until("ERROR base: left motor (sn 12): too hot")
+        await op.at(clock.seconds() + 120.0)  # The pose was sent once, long before.
         await op.press("ctrl+x")
         await op.until("STOPPED")
         path = await written(op)
