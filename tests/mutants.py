@@ -264,7 +264,7 @@ FAULTS = [
     Fault("screens/main.py", "self.focused is None and self.app.app_focus", "self.focused is None", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/main.py", "self.focused is None and self.app.app_focus", "False", CONSOLE + "/test_unlucky_moments.py"),
     Fault("keyed_app.py", "if isinstance(self.screen, Dismissable) and self.screen.is_asking:", "if False:", "tests/screens/test_bursts.py"),
-    Fault("keyed_app.py", "is_void = stops is not None and stops < self._answers_void", "is_void = False", "tests/screens/test_bursts.py"),
+    Fault("keyed_app.py", "is_void = stops is not None and stops < self._answers_void", "is_void = False", "tests/console/test_stop_seams.py"),
     Fault("plain/news.py", ' or "later" in record.arguments', "", "tests/plain/test_plain_stops.py"),
     Fault("keyed_app.py", "if is_void or self._was_for_a_dialog(event):", "if is_void:", "tests/commands/test_palette.py"),
     Fault("app.py", '            self.closed_by_stop("STOP kept the dialog from opening")\n', "", "tests/screens/test_bursts.py"),

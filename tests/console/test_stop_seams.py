@@ -13,14 +13,14 @@ from textual.widgets import Button
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.stop_marks import dispatch
+from archo_tui.terminal.stop_marks import dispatch, mark_stops
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
-from tests.support.console import FAST, console
+from tests.support.console import FAST, console, key_event
 from tests.support.peer import Peer
 from tests.support.quiet import Quiet, ended
 from tests.support.states import STATES
-from tests.support.stub import stub_app
+from tests.support.stub import StandingClock, stub_app
 
 
 class Screen:
@@ -223,3 +223,28 @@ async def test_a_question_from_before_another_consoles_stop_is_closed() -> None:
         await op.press("y")  # for the question
         await op.settle()
         assert op.app.view.snapshot.motion.stopped
+
+
+class _Later(StandingClock):
+    """It stands where a test puts it."""
+
+    later = 0.0
+
+    def monotonic(self) -> float:
+        return super().monotonic() + self.later
+
+
+async def test_a_key_from_before_a_stop_is_dropped_however_late_it_comes() -> None:
+    clock = _Later()
+    screen = Screen("normal", clock=clock)
+    async with screen.app.run_test():
+        await Quiet(screen.app).settle()
+        screen.app.stops.register()
+        screen.app.closed_by_stop("STOP closed the dialog")
+        clock.later = 60.0  # So slow a machine: what was typed for the dialog comes now.
+        for stops in (0, 1):
+            key = key_event("question_mark")  # It is no command to the robot, which the gate holds.
+            mark_stops(key, stops)
+            screen.app.post_message(key)
+            await Quiet(screen.app).settle()
+            assert (screen.app.screen is screen.app.main) == (stops == 0)
