@@ -89,7 +89,9 @@ class KeyedApp(TerminalApp):
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
         """Return the screen beneath all dialogs."""
-        return MainScreen(snapshot, self.size)
+        return MainScreen(
+            snapshot, self.size, starts_in_field=not self.station.robot.watching
+        )
 
     def _bind_commands(self) -> None:
         """Bind all keys with priority, so that a key acts before the next one is handed on.
@@ -387,7 +389,7 @@ class KeyedApp(TerminalApp):
     def _is_text(self, command: Command, field: Input) -> bool:
         """Return True if the command's key is text, or moves or edits, in the field."""
         key = self._shown_keys[command.id]
-        return not isinstance(field, Field) or len(key) > 1 or field.is_text(key)
+        return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
 
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)

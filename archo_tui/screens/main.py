@@ -39,6 +39,7 @@ from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
+_FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
 _AROUND = 3  # Rows of header, banner and footer.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
@@ -61,6 +62,7 @@ class MainScreen(Base[None]):
     """The panels, laid out for the terminal's size, to which every new view is given.
 
     Attributes:
+        starts_in_field: True if the goal's field has the focus at first, where it is in sight.
         everywhere_keys: What the footer shows of the keys that work in dialogs, too.
     """
 
@@ -83,13 +85,21 @@ class MainScreen(Base[None]):
     _heights: tuple[int | None, int | None] = None, None  # Rows of the nodes; of the upper panels.
     _is_panel_chosen = False  # Until one is, a small terminal shows the first panels.
 
-    def __init__(self, snapshot: Snapshot, size: Size, time_line: Panel | None = None) -> None:
+    def __init__(
+        self,
+        snapshot: Snapshot,
+        size: Size,
+        time_line: Panel | None = None,
+        *,
+        starts_in_field: bool = False,
+    ) -> None:
         """Create the screen.
 
         Args:
             snapshot: Has the robot file.
             size: The size of the terminal.
             time_line: The panel of a replay, in which nothing can be sent to a robot; None else.
+            starts_in_field: True to let the goal's field have the focus at first, if it is in sight.
         """
         width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
         height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)
@@ -99,12 +109,13 @@ class MainScreen(Base[None]):
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
         self.goal, self.parameters = GoalPanel(snapshot, size), ParametersPanel()
+        self.goal.on_typed = self._on_goal_typed
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
         panels = (*above, self.parameters, self.nodes, self.events, self.history, self.graph)
         self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
-        self._time_line = time_line
+        self._time_line, self.starts_in_field = time_line, starts_in_field
         if time_line is not None:
             self._panels[time_line.number] = time_line
             for panel in above:
@@ -141,9 +152,17 @@ class MainScreen(Base[None]):
         self.set_timer(_NODES_TIMEOUT, self._fill)
         # Behind a dialog, the screen may get no Resize event.
         self.set_timer(_LAYOUT_TIMEOUT, self._draw_from_now_on)
-        self._focused_last = self._time_line or self.parameters.focus_target
-        # No person has moved the focus there, so the panel shows no cursor yet.
+        self._focused_last = self._time_line or self._first_field or self.parameters.focus_target
+        # No person has moved the focus there, so a list shows no cursor yet.
         self.set_focus(self._focused_last, scroll_visible=False)
+
+    @property
+    def _first_field(self) -> Widget | None:
+        """The field of the goal if it has the focus at first, or None."""
+        size = self.app.size
+        if not self.starts_in_field or size.width < _FIELD_WIDTH or size.height < _FIELD_HEIGHT:
+            return None
+        return self.goal.first_field
 
     def watch_focused(self) -> None:
         self._mark_focused()
@@ -353,11 +372,22 @@ class MainScreen(Base[None]):
         """Show the keys that work now; if a field has the focus, its own keys, too."""
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()
+        if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.
+            commands = [
+                c
+                for c in commands
+                if c.everywhere or not (c.command == "go" or focused.is_typed(view.key(c.command)))
+            ]
         content = commands, self.size.width, view.key("palette"), field_keys
         if content != self._footer_content:  # Drawing it at each view would take too long.
             self._footer_content = content
             self._footer.show(bars.footer(*content))
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
+
+    def _on_goal_typed(self) -> None:
+        """Show which keys are commands now: in a field with text, letters are text, too."""
+        if self._view is not None and self._is_filled:
+            self._show_footer(self._view, self._commands)
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
         """Draw a panel again for its new size."""

@@ -207,13 +207,12 @@ def footer(
         commands: The commands of the footer.
         width: Its width in cells.
         palette_key: The key of the palette.
-        field_keys: The keys of the field that has the focus, with their words. They stand first,
-            and of the commands only those that work everywhere: other keys may be text there.
+        field_keys: The keys of the field that has the focus, with their words. They stand first.
     """
     own = [Content.assemble(" ", (key, "bold"), f" {word} ") for key, word in field_keys]
-    rest = footer_keys(c for c in commands if c.everywhere or not own)
+    rest = footer_keys(commands)
     while own and sum(one.cell_length for one in (*own, rest)) > width:  # STOP's key stays
-        own.pop()
+        own.pop(1 if len(own) > 2 else -1)  # And escape, which leads to the panels.
     made = Content("").join([*own, rest])
     shown = key_content("palette", palette_key, "palette", blocked=False)
     palette = Content.assemble(shown, " ")

@@ -78,6 +78,10 @@ class Field(Input, inherit_css=False):
         """
         return self.value != "" or self._is_for(character)
 
+    def is_typed(self, key: str) -> bool:
+        """Return True if a key, as a person reads it, is text here, and not a command."""
+        return len(key) == 1 and self.is_text(key)
+
     def _is_for(self, character: str) -> bool:
         return not self._takes or character in self._takes
 

@@ -46,6 +46,7 @@ class GoalPanel(Panel):
     # Called with the values of each goal by dotted path, in the order of sending, and with the
     # typed texts.
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
+    on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
     def __init__(self, snapshot: Snapshot, size: Size) -> None:
         """Create the panel.
@@ -65,7 +66,7 @@ class GoalPanel(Panel):
             Field(
                 id=f"goal-{number}",
                 takes=_allowed_characters(message_field),
-                changed=self.hint,
+                changed=self._on_changed,
                 submitted=self.submit,
                 stepped=self._recall_typed,
                 refused=self.hint,
@@ -236,6 +237,12 @@ class GoalPanel(Panel):
         return order[place] if 0 <= place < len(order) else None
 
     @property
+    def first_field(self) -> Field | None:
+        """Return the first field if letters are commands there while it is empty, or None."""
+        field = self.fields[0] if self.fields else None
+        return None if field is None or field.is_text("q") else field
+
+    @property
     def focus_target(self) -> Widget:
         """Return the first field, or the button if there is none."""
         return self.fields[0] if self.fields else self._go
@@ -254,6 +261,13 @@ class GoalPanel(Panel):
     def set_typed(self, typed: list[list[str]]) -> None:
         """Set what was sent so far, the oldest first, for the arrow keys."""
         self.typed, self._typed_index = typed, len(typed)
+
+    def _on_changed(self) -> None:
+        """Remove the hint about the text before, and show the panel in a small terminal."""
+        self.hint()
+        self.on_typed()
+        if any(field.value for field in self.fields):
+            self.scroll_visible(animate=False)
 
     def hint(self, text: str = "", reason: Reason | None = None) -> None:
         """Show why a goal is not sent or driven, until the typed text changes.

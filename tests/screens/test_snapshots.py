@@ -87,7 +87,7 @@ async def pictures(
     clock = StandingClock()
     clock.passed = -3.0
     first = SIZES[next(iter(sizes))]
-    app = stub_app(snapshot, clock, hosted, size=first)
+    app = stub_app(snapshot, clock, hosted, size=first, in_field=not keys)
     app.station.queue.waiting = [QueuedGoal(SHELF, {"shelf_number": n}) for n in queue]
     if queue:  # none of them is sent while another one is on its way
         app.station.ledger.enter_goal(SHELF, {"shelf_number": 1}, snapshot)
@@ -129,7 +129,7 @@ async def compare_all(
 
 async def test_every_state_looks_as_accepted_in_every_size(request: pytest.FixtureRequest) -> None:
     clock = StandingClock()
-    app = stub_app(STATES["nothing heard yet"], clock, size=SIZES["80x24"])
+    app = stub_app(STATES["nothing heard yet"], clock, size=SIZES["80x24"], in_field=True)
     robot: StubRobot = app.station.robot  # type: ignore[assignment]
     different = []
     async with app.run_test(size=SIZES["80x24"]) as pilot:

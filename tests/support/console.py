@@ -205,8 +205,12 @@ async def console(
     wait: bool = True,
     remote: bool = False,
     record: Path | None = None,
+    in_field: bool = False,
 ) -> AsyncIterator[Console]:
-    """The console with ARCHO's nodes (or others), on a graph of its own."""
+    """The console with ARCHO's nodes (or others), on a graph of its own.
+
+    Unless it starts `in_field`, somebody has left the goal's field, and digits lead to panels.
+    """
     options = Options(
         engine=chosen.ENGINE,
         attach=attach,
@@ -227,6 +231,7 @@ async def console(
             wait_until(lambda: _is_seen(session.robot.snapshot))
         with sized(size):
             app = ArchoApp(session.station)
+        app.main.starts_in_field = in_field and not watch
         app.animation_level = "none"
         app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
         async with app.run_test(size=size, notifications=True) as pilot:

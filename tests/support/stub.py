@@ -126,12 +126,17 @@ def stub_app(
     hosted: tuple[Hosted, ...] = (),
     keys: Mapping[str, str] | None = None,
     size: tuple[int, int] = (120, 36),
+    in_field: bool = False,
     **options: Any,
 ) -> ArchoApp:
-    """The app over a stub, in a terminal of that size."""
+    """The app over a stub, in a terminal of that size.
+
+    Unless it starts `in_field`, somebody has left the goal's field, and digits lead to panels.
+    """
     robot: Any = StubRobot(snapshot)
     with sized(size):
         app = ArchoApp(stub_station(robot, clock, hosted, **options), keys)
+    app.main.starts_in_field = in_field
     app.animation_level = "none"
     app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
     return app

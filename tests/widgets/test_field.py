@@ -250,11 +250,11 @@ COMMANDS = [
     ("width", "shown"),
     [
         (60, " enter Go  ↑ ↓ Recent goals  esc Leave  ^x STOP "),
-        (47, " enter Go  ↑ ↓ Recent goals  ^x STOP "),
+        (47, " enter Go  esc Leave  ^x STOP "),
         (20, " enter Go  ^x STOP "),
         (10, " ^x STOP "),
     ],
 )
 def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str) -> None:
     keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
-    assert footer(COMMANDS, width, "^p", keys).plain.partition("  ^p")[0].rstrip() == shown.rstrip()
+    assert footer(COMMANDS[1:], width, "^p", keys).plain.partition("  ^p")[0].rstrip() == shown.rstrip()
