@@ -89,9 +89,7 @@ class KeyedApp(TerminalApp):
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
         """Return the screen beneath all dialogs."""
-        return MainScreen(
-            snapshot, self.size, starts_in_field=not self.station.robot.watching
-        )
+        return MainScreen(snapshot, self.size, starts_in_field=not self.station.robot.watching)
 
     def _bind_commands(self) -> None:
         """Bind all keys with priority, so that a key acts before the next one is handed on.
