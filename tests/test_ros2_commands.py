@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.generated import ROOT
 from tests.support.plain import operated
-from tests.test_docs import ROOT, codes, read
+from tests.test_docs import codes, read
 
 ROWS = list(read(ROOT / "docs" / "ros2_commands.md").rows)
 LINES = [line for row in ROWS for line in codes(row["line"]) if not line.startswith("archo-tui ")]
