@@ -170,7 +170,7 @@ FAULTS = [
     Fault("robot/parameter_polling.py", "self._next = now + PERIOD", "self._next = now", ROBOT),
     Fault("robot/parameter_polling.py", "min(MAX_REQUESTS, 1 + int(len(self._left) / PERIOD))", "len(self._left)", ROBOT),
     Fault("terminal/themes.py", '"off": ("background", 3.1)', '"off": ("background", 2.5)', "tests/screens/test_contrast.py"),
-    Fault("screens/main.tcss", "#stop.-stopped { background: $stopped; color: $text; }", "#stop.-stopped { background: $error; color: $error; }", "tests/screens/test_contrast.py"),
+    Fault("screens/main.tcss", "#stop.-stopped { background: transparent; color: $held; }", "#stop.-stopped { background: $error; color: $error; }", "tests/screens/test_contrast.py"),
     Fault("station/alarm_bell.py", "            and key not in self._rung\n", "", "tests/terminal/test_notification.py"),
     Fault("terminal/app.py", "news and not self.station.quiet and", "news and", "tests/terminal/test_notification.py"),
     Fault("commands/events.py", "reversed(console.main.events.shown)", "console.view.snapshot.events", "tests/widgets/test_events.py"),

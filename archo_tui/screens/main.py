@@ -99,7 +99,7 @@ class MainScreen(Base[None]):
             snapshot: Has the robot file.
             size: The size of the terminal.
             time_line: The panel of a replay, in which nothing can be sent to a robot; None else.
-            starts_in_field: True to give the focus to the goal's field at first, if it is shown.
+            starts_in_field: True to focus the goal's field at first, if it is in sight.
         """
         width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
         height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)

@@ -48,6 +48,7 @@ _TONES = {
     "edge": ("background", 2.0),
     "warn": ("text-warning", 4.6),
     "bad": ("text-error", 4.6),
+    "held": ("stopped", 4.6),
 }
 
 
@@ -55,14 +56,16 @@ def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
     """Return tones between a theme's colours and its foreground, as faint as can be read.
 
     `quiet` is for labels, keys and old values, `off` for what cannot be done, `edge` for borders,
-    `warn` and `bad` for what is abnormal, `stopped` for STOP, `shade` for the empty part of a bar.
+    `warn` and `bad` for what is abnormal, `stopped` for STOP, `held` for STOP while the robot is
+    stopped, `shade` for the empty part of a bar.
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
     lights = [_luminance(back) for back in behind]  # Computed once for hundreds of steps.
     found = {}
+    known = {**variables, "stopped": _STOPPED}
     for name, (begin, least) in _TONES.items():
-        first = Color.parse(variables[begin])
+        first = Color.parse(known[begin])
         steps = (first.blend(front, step / 50) for step in range(51))
         readable = (c for c in steps if _least_ratio(c, lights) >= least)
         found[name] = next(readable, front).hex

@@ -56,13 +56,24 @@ def header(view: View, width: int) -> Content:
             head, tail = (blanks.join(filter(None, texts)) for texts in (before, behind))
             gap = width - cell_len(head) - cell_len(tail) - 2
             if gap >= len(blanks):
-                return Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
+                line = Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
+                return _in_colour(line, doing, view)
     whole = " ".join(filter(None, what))
     if cell_len(whole) >= width:  # The robot's name is the best known.
         what = [view.replay, *(text for text in what[1:] if text != view.replay)]
         whole = " ".join(filter(None, what))
     engine = f" {view.engine}" if cell_len(f" {whole} {view.engine} ") <= width else ""
-    return Content.styled(f" {whole}{engine}", "bold")
+    return _in_colour(Content.styled(f" {whole}{engine}", "bold"), doing, view)
+
+
+def _in_colour(line: Content, doing: str, view: View) -> Content:
+    """Return the header with STOPPED in the colour of its alarm."""
+    snapshot = view.snapshot
+    begin = line.plain.rfind(doing) if doing else -1
+    if begin < 0 or not (snapshot.latch is Latch.UNCERTAIN or snapshot.is_at_rest):
+        return line
+    style = "$bad" if snapshot.latch is Latch.UNCERTAIN else "$warn"
+    return line.stylize(style, begin, begin + len(doing))
 
 
 def clock(view: View) -> Content:
@@ -110,14 +121,17 @@ def banner(view: ScreenState, width: int) -> Content:
         line = whole if len(whole) <= width else f"{line}   {len(names)} shelved"
     if alarm.acknowledged:
         return Content(line)
-    style = "$bad" if alarm.priority == Priority.HIGH else "$warn"
-    if not key:
-        return Content.styled(line, f"bold {style}")
+    style = "bold $bad" if alarm.priority == Priority.HIGH else "bold $warn"
+    shown_line = Content.styled(line, style)
     words = f"({key} acknowledge)"
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
-    if cell_len(f"{line}   {words}") > width:
-        return Content.styled(line, f"bold {style}")
-    return Content.assemble((line, f"bold {style}"), "   ", _clickable(words, "ack"))
+    if key and cell_len(f"{line}   {words}") <= width:
+        shown_line = Content.assemble(shown_line, "   ", _clickable(words, "ack"))
+    if alarm.until is not None:
+        return shown_line
+    # Across the whole width while the cause lasts and nobody has acknowledged it.
+    gap = " " * max(width - shown_line.cell_length, 0)
+    return Content.assemble(shown_line, gap).stylize(f"{style} reverse")
 
 
 def _clickable(text: str, command: str) -> Content:

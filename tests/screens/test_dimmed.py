@@ -62,7 +62,7 @@ async def test_who_only_watches_sees_stop_and_every_key_of_a_border_dimmed() -> 
 @pytest.mark.parametrize("theme", THEMES)
 @pytest.mark.parametrize("system", [ColorSystem.EIGHT_BIT, ColorSystem.STANDARD])
 async def test_a_robots_stop_is_red_with_few_colours_too(theme: str, system: ColorSystem) -> None:
-    app = stub_app(STATES["motor stopped"])
+    app = stub_app(STATES["motor moving"])
     async with app.run_test(size=(120, 36)):
         quiet = Quiet(app)
         app.theme = theme

@@ -257,5 +257,5 @@ COMMANDS = [
 )
 def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str) -> None:
     keys = ("enter", "Go"), ("↑ ↓", "Recent goals"), ("esc", "Leave")
-    left = footer(COMMANDS[1:], width, "^p", keys).plain.partition("  ^p")[0]
-    assert left.rstrip() == shown.rstrip()
+    line = footer(COMMANDS[1:], width, "^p", keys).plain
+    assert line.partition("  ^p")[0].rstrip() == shown.rstrip()
