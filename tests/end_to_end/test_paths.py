@@ -85,6 +85,8 @@ def test_a_terminal_that_is_not_read_for_30_s_costs_nothing(tmux: Tmux, sshd: Ss
     exact = "-p drain_min:=0.01 -p drain_max:=0.01 -p publish_period:=0.05"
     tmux.start(sshd.command(f"{ARCHO} --ros-args {exact}"))
     tmux.until("wheel_radius")
+    tmux.type("Escape")
+    tmux.until("Panels")
     tmux.type("6", "e", "l")
     tmux.until("Dashboard sees")
     client = subprocess.run(

@@ -62,7 +62,7 @@ async def test_stopped_has_the_colour_of_its_alarm_in_header_banner_and_motor(th
         app.tick()
         await quiet.settle()
         header, banner, motor = segments(app, "STOPPED")
-        fronts = [Color.from_rich_color(one.style.color) for one in (header, banner, motor)]  # type: ignore[union-attr,arg-type]
+        fronts = [Color.from_rich_color(one.style.color) for one in (header, banner, motor)]  # type: ignore[union-attr]
         assert fronts == [Color.parse(app.theme_variables["warn"])] * 3
 
 

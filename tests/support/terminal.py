@@ -94,6 +94,11 @@ class Terminal:
     def write(self, keys: str) -> None:
         os.write(self._master, keys.encode())
 
+    def leave_field(self) -> None:
+        """Leave the goal's field, where digits are a shelf, for the panels."""
+        self.write("\x1b")
+        self.until("Panels")
+
     def kill(self, number: int) -> None:
         os.kill(self.pid, number)
 

@@ -86,7 +86,7 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
 @pytest.mark.parametrize(
     ("typed", "shelf"),
     [
-        ("3\t\r12 7\r\x18", 1),  # taken from the board, and more
+        ("g\t\r12 7\r\x18", 1),  # taken from the board, and more
         ("g12\r\t\x18", 12),  # STOP is pressed on the board
         ("g12\r\t\x1b[B\r\x18", 12),
         ("g\t\x1b[C\r\t\t\r\x18", 2),  # by Go
@@ -156,6 +156,7 @@ def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> Non
     terminal = Terminal()
     terminals.append(terminal)
     terminal.until("wheel_radius")
+    terminal.leave_field()
     terminal.write("4/max_s")
     terminal.until("max_s")
     hold(terminal, "\r", 3.0)

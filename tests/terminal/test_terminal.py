@@ -125,6 +125,7 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
     terminal = Terminal("--ros-args", *words, "-p", "low_battery_threshold:=0.0")
     terminals.append(terminal)
     terminal.until("wheel_radius")
+    terminal.leave_field()
     terminal.write("6el")  # the events on the full screen, with every reading
     terminal.until("Dashboard sees")
     charge = re.compile(r"(\d\d\.\d)%|(\d\d\.\d) %")
@@ -178,6 +179,7 @@ def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
     terminal = Terminal("--ros-args", "-p", "publish_period:=0.02")
     terminals.append(terminal)
     terminal.until("wheel_radius")
+    terminal.leave_field()
     terminal.write("6el")
     for _ in range(30):
         terminal.write("e")
@@ -250,6 +252,7 @@ def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> 
     terminal.until("wheel_radius")
     terminal.write("r")
     terminal.until("Encoder reset to zero")
+    terminal.leave_field()
     terminal.write("6y")
     command = "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'"
     copied = base64.b64encode(command.encode()).decode()
@@ -351,7 +354,8 @@ def test_a_paste_whose_marks_come_in_two_pieces_is_text(
     terminal = Terminal()
     terminals.append(terminal)
     terminal.until("wheel_radius")
-    terminal.write("4/")
+    terminal.leave_field()
+    terminal.write("/")
     terminal.until("ype to search")
     begin, end = "\x1b[200~", "\x1b[201~"
     terminal.write(begin[:piece])

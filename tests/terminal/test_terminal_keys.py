@@ -94,7 +94,8 @@ def test_the_keys_of_other_layouts_are_asked_for(terminal: Terminal) -> None:
 def test_the_rest_of_a_paste_that_stalled_is_text_and_that_is_said(
     terminal: Terminal,
 ) -> None:
-    terminal.write("4/")
+    terminal.leave_field()
+    terminal.write("/")
     terminal.until("ype to search")
     terminal.write(f"{BEGIN}whe")
     terminal.until("The paste has not ended: what you type is added to it")
