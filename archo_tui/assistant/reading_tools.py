@@ -1,4 +1,4 @@
-"""The tools that only read: state, events, the last hour, parameters, types."""
+"""The tools that only read: state, events, the last hour, parameters, topics, types."""
 
 from __future__ import annotations
 
@@ -194,6 +194,37 @@ class InterfaceTool(_VerbTool):
         found = data if isinstance(data, dict) else {}
         lines = str(found.get("definition", "")).splitlines()
         return "The definition, line by line.", {"type": found.get("type"), "lines": lines}
+
+
+class EchoTool(_VerbTool):
+    """The tool for the last message of a topic."""
+
+    name, title = "echo", "Last message of a topic"
+    description = (
+        "The last message of any topic on the graph, or the one that comes within 5 s: field by "
+        "field, without units (see `interface`). Its `age` is not known: a message that is kept "
+        "may be old. Long arrays are described by their type, least and greatest value."
+    )
+    schema = schema_of(
+        {
+            "topic": {"type": "string", "description": "its name, as /battery_level"},
+            "field": {
+                "type": "string",
+                "description": "only this field, as pose.position.x; the whole message unless told",
+            },
+        },
+        required=("topic",),
+    )
+
+    def words(self, given: dict[str, Any]) -> list[str]:
+        return ["echo", given["topic"], *([given["field"]] if "field" in given else [])]
+
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        message = result.get("data")
+        told = {"age": None, "message": message}
+        if message is None:  # It is too large for data.
+            told["message"] = str(result.get("text", "")).splitlines()
+        return "The last message that was received.", told
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:

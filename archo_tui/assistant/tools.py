@@ -9,6 +9,7 @@ from archo_tui.assistant.arguments import InvalidArguments, check_arguments, sho
 from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.goal_tools import CancelTool, GoTool, WaitTool
 from archo_tui.assistant.reading_tools import (
+    EchoTool,
     EventsTool,
     HistoryTool,
     InterfaceTool,
@@ -26,8 +27,8 @@ from archo_tui.safe_text import harmless
 def available_tools(*, goals: bool) -> dict[str, Tool]:
     """Return the tools by name, with `goals` those included that request motion."""
     made: list[Tool] = [
-        *(StatusTool(), EventsTool(), HistoryTool(), ParametersTool(), InterfaceTool()),
-        StopTool(),
+        *(StatusTool(), EventsTool(), HistoryTool(), ParametersTool()),
+        *(EchoTool(), InterfaceTool(), StopTool()),
     ]
     if goals:
         made += [GoTool(), WaitTool(), CancelTool()]

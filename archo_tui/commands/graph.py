@@ -13,7 +13,7 @@ from archo_tui.robot.state import TOPIC
 class ShowResource(Command):
     id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
     help = "Show the selected topic, service or action: its full type, its nodes, and their QoS"
-    verbs = ("interface",)
+    verbs = ("echo", "hz", "interface")
 
     def disabled_reason(self, console: Console) -> str:
         return "" if console.main.graph.selected else "nothing is selected"

@@ -361,6 +361,8 @@ class Plain:
         """Run a verb whose outcome takes seconds, and print it; later lines do not wait."""
         try:
             outcome = await speak(self._station, verb, values, self._conditions.wait_at_most, None)
+        except (ArchoError, ValueError) as error:
+            outcome = Outcome(Code.MISUSE, str(error))
         finally:
             self._running_beside -= 1
         if outcome.ok:

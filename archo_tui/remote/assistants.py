@@ -23,7 +23,7 @@ from archo_tui.verbs.parse import parse, schema
 
 # Waits until a condition holds, the assistant has left, or so many seconds have passed.
 Until = Callable[[Requester, Callable[[], object], float], Awaitable[None]]
-_LOOKS = ("status", "events", "history", "params", "get", "interface")
+_LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
 _LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
 ASKED = "asked"  # In place of an outcome's code: a person has to decide.

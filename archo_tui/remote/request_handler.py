@@ -397,7 +397,7 @@ class _ClientWork:
         self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True
         self.requester.waits = self.is_assistant or (self.is_waiting and not self.leaves)
-        waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
+        waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"], ["echo"], ["hz"])
         self.calls = False
         self.only_looks = waits or bool(request.get("follow"))
         self.is_off = False

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 # ruff: noqa: E402
 import contextlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -35,6 +35,7 @@ from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
+from archo_tui.robot.inspection import Inspection
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.lifecycle import Lifecycles
 from archo_tui.robot.listener import Listener, MessageCallback
@@ -432,6 +433,28 @@ class Robot:
         finally:
             self._thread.submit(sampling.end)
         return sampling.samples
+
+    @contextlib.asynccontextmanager
+    async def inspect(self, topic: str, message_class: Any) -> AsyncIterator[Inspection]:
+        """Subscribe to a topic for as long as the context is entered.
+
+        Args:
+            topic: The full name of the topic.
+            message_class: The class of its messages.
+
+        Raises:
+            TimeoutError: The ROS thread does not answer.
+        """
+        inspection = Inspection(self._node, self._clock, topic, message_class)
+
+        async def begin() -> None:
+            inspection.begin()
+
+        try:
+            await self._thread.run(begin, QUESTION_TIMEOUT)
+            yield inspection
+        finally:
+            self._thread.submit(inspection.end)  # After `begin`, however late that comes.
 
     def node_gone(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.

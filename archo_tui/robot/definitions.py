@@ -35,16 +35,16 @@ def definition(kind: Any) -> str:
 def field_lines(kind: Any) -> str:
     """Return a line for each field of a message class: its type as .msg files have it, its name."""
     types = kind.get_fields_and_field_types()
-    return "".join(f"{_ros2msg_type(types[name])} {name}\n" for name in types)
+    return "".join(f"{ros2msg_type(types[name])} {name}\n" for name in types)
 
 
-def _ros2msg_type(kind: str) -> str:
+def ros2msg_type(kind: str) -> str:
     """Return a field's type as .msg files write it: `sequence<double, 5>` is `float64[<=5]`."""
     if found := _SEQUENCE.fullmatch(kind):
         most = f"<={found['most']}" if found["most"] else ""
-        return f"{_ros2msg_type(found['of'])}[{most}]"
+        return f"{ros2msg_type(found['of'])}[{most}]"
     if found := _ARRAY.fullmatch(kind):
-        return f"{_ros2msg_type(found['of'])}[{found['size']}]"
+        return f"{ros2msg_type(found['of'])}[{found['size']}]"
     if found := _BOUNDED.fullmatch(kind):
         return f"{found['text']}<={found['most']}"
     return _PRIMITIVES.get(kind, kind)

@@ -60,6 +60,28 @@ class Listener(Node):
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self._listen(kind, topic, callback, qos, event_callbacks=quiet)
 
+    def listen_raw(
+        self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile
+    ) -> Any:
+        """Subscribe to messages as bytes, of which `on_message` gets none.
+
+        Args:
+            kind: The message class.
+            topic: The name of the topic.
+            callback: Called with each serialized message on the thread that spins the node.
+            qos: A QoS that fits the publishers.
+
+        Returns:
+            The subscription.
+        """
+        quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
+        return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
+
+    def without_secrets(self, message: Any) -> Any:
+        """Return a message as `on_message` would get it. Any thread."""
+        mask = self._masks.get(type(message))
+        return message if mask is None else mask(message)
+
     def _listen(
         self,
         kind: Any,

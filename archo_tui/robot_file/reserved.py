@@ -12,7 +12,8 @@ VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics"),
     *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "topics", "interface", "start", "halt", "copy", "log_level", "lifecycle"),
+    *("nodes", "topics", "echo", "hz", "interface"),
+    *("start", "halt", "copy", "log_level", "lifecycle"),
     *("send_goal", "call", "look"),
 )
 # The options that a shell user may put before or after a verb: without and with a value.

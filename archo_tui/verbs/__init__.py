@@ -10,6 +10,7 @@ from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.diagnostics import ShowDiagnostics
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
+from archo_tui.verbs.inspect import Echo, Hz
 from archo_tui.verbs.interface import ShowInterface
 from archo_tui.verbs.keep import Keep
 from archo_tui.verbs.lifecycle import Lifecycle
@@ -50,6 +51,8 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (
         Nodes(),
         Topics(),
+        Echo(),
+        Hz(),
         ShowInterface(),
         StartNode(),
         StopNode(),

@@ -112,5 +112,5 @@ async def test_an_old_client_that_shakes_hands_is_served_too() -> None:
     async with fake_console() as console:
         console.answer("status", "done", data={})
         async with Client(stdio_client(parameters()), mode="legacy") as client:
-            assert len((await client.list_tools()).tools) == 6
+            assert len((await client.list_tools()).tools) == 7
             assert not (await client.call_tool("status", {})).is_error

@@ -110,6 +110,18 @@ async def test_the_definition_of_a_type_is_lines_of_the_robot() -> None:
         assert console.words() == [["interface", "Speed"]]
 
 
+async def test_the_last_message_of_a_topic_is_data_of_the_robot() -> None:
+    async with fake_console() as console, assistant() as model:
+        console.answer("echo", "done", "text", data={"speed": 0.8, "name": EVIL})
+        said = await model.call("echo", topic="motor_status")
+        assert said.robot == {"age": None, "message": {"speed": 0.8, "name": EVIL}}
+        console.answer("echo", "timeout", "no message on /x in 5 s: it has no publisher")
+        said = await model.call("echo", topic="/x", field="a.b")
+        assert said.failed
+        assert said.robot["said"] == ["no message on /x in 5 s: it has no publisher"]
+        assert console.words() == [["echo", "motor_status"], ["echo", "/x", "a.b"]]
+
+
 async def test_a_robot_that_says_too_much_is_cut_and_made_harmless() -> None:
     deep: object = "bottom"
     for _ in range(50):

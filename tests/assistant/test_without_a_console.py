@@ -18,7 +18,7 @@ from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
-LOOKING = {"status", "events", "history", "parameters", "interface"}
+LOOKING = {"status", "events", "history", "parameters", "echo", "interface"}
 NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
 
 
@@ -58,6 +58,7 @@ async def test_without_a_console_every_tool_says_how_to_start_one() -> None:
         "go": {"kind": "go", "values": {"shelf_number": 12}},
         "wait": {"request": 1},
         "interface": {"type": "std_msgs/msg/String"},
+        "echo": {"topic": "/battery_level"},
     }
     async with assistant("--allow", "goals") as model:
         for name in await model.tools():
@@ -152,7 +153,7 @@ async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None
     code = "import archo_tui.assistant.tools as t; was = t.available_tools\n"
     code += "t.available_tools = lambda **given: (print('stray', flush=True), was(**given))[1]"
     async with Client(stdio_client(parameters(code=code))) as client:
-        assert len((await client.list_tools()).tools) == 6
+        assert len((await client.list_tools()).tools) == 7
 
 
 def test_without_the_extra_it_is_one_line() -> None:

@@ -42,6 +42,7 @@ WORDS = {
     "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
     "log_level": "motor_controller debug",
     "lifecycle": "motor_controller activate",
+    "echo": "/battery_level", "hz": "/battery_level",
     "interface": "archo_interfaces/msg/MotorStatus",
 }  # fmt: skip
 

@@ -1,0 +1,93 @@
+"""A look at one topic: how often its messages come, how large they are, and the last of them.
+
+Messages are counted as bytes, and decoded only when they are asked for: many of them, or large
+ones, cost the ROS thread little, and the black box gets none.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.serialization import deserialize_message
+
+from archo_tui.clock import Clock
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.robot.endpoints import fitting_qos
+from archo_tui.robot.listener import Listener
+
+MAX_BYTES = 8_000_000  # Of a message that is decoded: some seconds, of many small parts.
+
+
+class Inspection:
+    """A subscription to one topic, which lasts from `begin` to `end`.
+
+    What it counts may be read on any thread.
+
+    Attributes:
+        topic: The full name of the topic.
+        count: The messages that came.
+        size: The bytes of all of them.
+        first: When the first one came, in monotonic seconds; 0 before it.
+        last: When the last one came, in monotonic seconds; 0 before it.
+        least: The shortest time between two of them, in seconds; None before the second.
+        greatest: The longest time between two of them, in seconds; None before the second.
+    """
+
+    def __init__(self, node: Listener, clock: Clock, topic: str, message_class: Any) -> None:
+        """Subscribe to nothing yet.
+
+        Args:
+            node: The console's node.
+            clock: The clock of the times.
+            topic: The full name of the topic.
+            message_class: The class of its messages.
+        """
+        self._node, self._clock, self._class = node, clock, message_class
+        self._subscription: Any = None
+        self._newest = b""
+        self.topic = topic
+        self.count = self.size = 0
+        self.first = self.last = 0.0
+        self.least: float | None = None
+        self.greatest: float | None = None
+
+    def begin(self) -> None:
+        """Subscribe, with a QoS that fits the publishers. ROS thread only."""
+        publishers = self._node.get_publishers_info_by_topic(self.topic)
+        self._subscription = self._node.listen_raw(
+            self._class, self.topic, self._take, fitting_qos(publishers)
+        )
+
+    def end(self) -> None:
+        """Unsubscribe. ROS thread only."""
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+
+    def _take(self, data: bytes) -> None:
+        now = self._clock.monotonic()
+        if not self.count:
+            self.first = now
+        else:
+            interval = now - self.last
+            self.least = interval if self.least is None else min(self.least, interval)
+            self.greatest = interval if self.greatest is None else max(self.greatest, interval)
+        self._newest, self.last = data, now
+        self.size += len(data)
+        self.count += 1  # Last: who sees it finds the rest.
+
+    def decode(self) -> Any:
+        """Return the last message without secrets. It takes long: call it on a thread of its own.
+
+        Raises:
+            ArchoError: It is larger than the bound, or no such message.
+        """
+        data = self._newest
+        if len(data) > MAX_BYTES:
+            size, most = len(data) / 1e6, MAX_BYTES / 1e6
+            raise ArchoError(f"not shown: a message of {size:.1f} MB, more than {most:g} MB")
+        try:
+            return self._node.without_secrets(deserialize_message(data, self._class))
+        except Exception as error:  # rclpy raises several types for bytes of another definition.
+            why = f"not readable, its publisher may have another definition: {in_one_line(error)}"
+            raise ArchoError(why) from None

@@ -1,0 +1,201 @@
+"""A received message for people and programs: as YAML, as JSON, and its fields by dotted path.
+
+Long arrays are described instead of shown. All of it may take long for large messages: call it on
+no thread that others wait for.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import struct
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
+from archo_tui.robot.definitions import ros2msg_type
+from archo_tui.robot.fields import NESTED, element_of
+from archo_tui.robot.message_classes import EMPTY
+from archo_tui.safe_text import safe
+from archo_tui.yaml_text.dump import block, flow
+
+MAX_ELEMENTS = 20  # Of an array that a text shows.
+_MAX_LINES = 1_000  # Of a text.
+_MAX_TEXT = 500  # Characters of a string in a text.
+_MAX_JSON = 100_000  # Characters: a program that reads slowly is sent no more at once.
+_JSON_ELEMENTS = (10_000, 1_000, MAX_ELEMENTS)  # Of an array, the first that fits _MAX_JSON.
+_FIRST_BYTES = 16  # Of a long array of bytes.
+_CHUNK = 50_000  # Elements that are compared at once, so that other threads get their turn.
+_BYTES = ("uint8", "octet")
+_NOT_NUMBERS = ("boolean", "string", "wstring")
+_PART = re.compile(r"(\w+)((?:\[\d{1,9}\])*)")
+
+
+class FieldValue(NamedTuple):
+    """A field of a message: its path, its type as rosidl writes it, and its value."""
+
+    path: str
+    type: str
+    value: Any
+
+
+def find_field(message: Any, path: str) -> FieldValue:
+    """Return the field of a path such as `pose.position.x` or `ranges[3]`.
+
+    Raises:
+        ArchoError: There is none; the line has the nearest.
+    """
+    value, kind, where = message, "", ""
+    for part in path.split("."):
+        found = _PART.fullmatch(part)
+        kinds = _kinds(value) if hasattr(value, "get_fields_and_field_types") else {}
+        if found is None or found[1] not in kinds:
+            known = f": {where or 'the message'} has {', '.join(kinds)}" if kinds else ""
+            hint = nearest_hint(part.partition("[")[0], kinds) or known
+            raise ArchoError(f"there is no field {safe(f'{where}.{part}'.lstrip('.'))}{hint}")
+        value, kind = getattr(value, found[1]), kinds[found[1]]
+        where = f"{where}.{found[1]}".lstrip(".")
+        for index in map(int, re.findall(r"\d+", found[2])):
+            element = element_of(kind)
+            if element is None or index >= len(value):
+                size = "is no array" if element is None else f"has {len(value)} elements"
+                raise ArchoError(f"there is no {where}[{index}]: {where} {size}")
+            kind, where = element, f"{where}[{index}]"
+            value = _listed(value[index : index + 1])[0]
+    return FieldValue(path, kind, value)
+
+
+def as_text(message: Any, paths: Sequence[str] = ()) -> str:
+    """Return a message as YAML, as `ros2 topic echo` prints it, or chosen fields, one a line.
+
+    Args:
+        message: The message.
+        paths: The paths of the fields; () for the whole message.
+
+    Raises:
+        ArchoError: As by `find_field`.
+    """
+    if paths:
+        found = [find_field(message, path) for path in paths]
+        text = "\n".join(f"{f.path}: {flow(_value(f.value, f.type, _TEXT))}" for f in found)
+    else:
+        text = block(_message(message, _TEXT)).rstrip()
+    lines = text.splitlines()
+    if len(lines) > _MAX_LINES:
+        lines[_MAX_LINES:] = [f"... and {len(lines) - _MAX_LINES} more lines: name fields"]
+    return "\n".join(lines)
+
+
+def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
+    """Return a message, or chosen fields by path, as JSON has it; `nan` and `inf` are texts.
+
+    The arguments and errors are those of `as_text`; also a message that is too large raises.
+    """
+    found = [find_field(message, path) for path in paths]
+    for elements in _JSON_ELEMENTS:
+        form = _Form(is_json=True, elements=elements)
+        data: dict[str, Any] = (
+            {f.path: _value(f.value, f.type, form) for f in found}
+            if paths
+            else _message(message, form)
+        )
+        if len(json.dumps(data)) <= _MAX_JSON:
+            return data
+    raise ArchoError(f"not shown: more than {_MAX_JSON // 1000} kB as JSON: name fields")
+
+
+class _Form(NamedTuple):
+    """The form of values: for JSON or for a text, and the longest array that is shown."""
+
+    is_json: bool
+    elements: int
+
+
+_TEXT = _Form(is_json=False, elements=MAX_ELEMENTS)
+
+
+def _message(message: Any, form: _Form) -> dict[str, Any]:
+    return {
+        name: _value(getattr(message, name), kind, form) for name, kind in _kinds(message).items()
+    }
+
+
+def _kinds(message: Any) -> dict[str, str]:
+    kinds: dict[str, str] = message.get_fields_and_field_types()
+    return {name: kind for name, kind in kinds.items() if name != EMPTY}
+
+
+def _value(value: Any, kind: str, form: _Form) -> Any:
+    """Return the value of a field in a form."""
+    element = element_of(kind)
+    if element is not None:
+        if len(value) > form.elements:
+            return _description(value, element, form)
+        return [_value(item, element, form) for item in _listed(value)]
+    if NESTED.fullmatch(kind):
+        return _message(value, form)
+    if isinstance(value, bytes):
+        return value[0] if len(value) == 1 else value.hex(" ")
+    if isinstance(value, float):
+        return _number(value, kind, form)
+    if isinstance(value, str):
+        is_long = len(value) > _MAX_TEXT and (not form.is_json or form.elements == MAX_ELEMENTS)
+        return f"{value[:_MAX_TEXT]} ..." if is_long else value
+    return value
+
+
+def _number(value: float, kind: str, form: _Form) -> float | str:
+    if not math.isfinite(value):
+        return str(value) if form.is_json else value
+    return _shortest(value) if kind == "float" else value
+
+
+def _shortest(value: float) -> float:
+    """Return the number with the fewest digits that is the same as a float32: 0.1."""
+    for digits in range(6, 10):
+        short = float(f"{value:.{digits}g}")
+        if abs(short) < 3.4e38 and struct.pack("f", short) == struct.pack("f", value):
+            return short
+    return value
+
+
+def _description(value: Any, element: str, form: _Form) -> Any:
+    """Return type and length of a long array, and its range or its first bytes."""
+    told: dict[str, Any] = {"type": f"{ros2msg_type(element)}[{len(value)}]"}
+    if element in _BYTES:
+        first = value[:_FIRST_BYTES]
+        joined = b"".join(first) if element == "octet" else bytes(_listed(first))
+        told["first"] = joined.hex(" ")
+    elif not NESTED.fullmatch(element) and element.partition("<")[0] not in _NOT_NUMBERS:
+        told |= _range(value, element, form)
+    if form.is_json:
+        return told
+    words = [told["type"]]
+    if "least" in told:
+        words.append(f"{told['least']} .. {told['greatest']}")
+    if told.get("nan"):
+        words.append(f"{told['nan']} nan")
+    return ", ".join(words) + (f", {told['first']} ..." if "first" in told else "")
+
+
+def _range(value: Any, element: str, form: _Form) -> dict[str, Any]:
+    """Return the least and the greatest number of an array, and how many are NaN."""
+    ends: list[Any] = []
+    missing = 0
+    for start in range(0, len(value), _CHUNK):
+        chunk = _listed(value[start : start + _CHUNK])
+        numbers = [number for number in chunk if number == number]
+        missing += len(chunk) - len(numbers)
+        ends += [min(numbers), max(numbers)] if numbers else []
+    told: dict[str, Any] = {}
+    if ends:
+        told["least"] = _value(min(ends), element, form)
+        told["greatest"] = _value(max(ends), element, form)
+    return {**told, "nan": missing} if missing else told
+
+
+def _listed(value: Any) -> list[Any]:
+    found: list[Any] = value.tolist() if hasattr(value, "tolist") else list(value)
+    return found

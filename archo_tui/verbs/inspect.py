@@ -1,0 +1,133 @@
+"""The verbs that look at one topic: its last message, and how often messages come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import asynccontextmanager, suppress
+from typing import TYPE_CHECKING
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
+from archo_tui.robot import message_classes, message_text
+from archo_tui.robot.outcome import Code, Outcome, Report
+from archo_tui.robot.state import TOPIC, Snapshot, TopicInfo
+from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import full_name
+from archo_tui.verbs.base import THERE, Argument, Values, Verb
+from archo_tui.words.inspect import rate_text
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from archo_tui.robot.inspection import Inspection
+
+WAIT = 5.0  # Seconds to wait for a message.
+LISTEN = 5.0  # Seconds in which messages are counted.
+_LOOK = 0.05  # Seconds between two looks for a message.
+
+
+class _OfTopic(Verb):
+    """The base of the verbs that subscribe to a topic."""
+
+    tells = True
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """Return False while the topic may still be found."""
+        snapshot = station.robot.snapshot
+        found = _topics(snapshot)
+        return full_name(snapshot, values["topic"], found) in found or station.age >= THERE
+
+    @asynccontextmanager
+    async def inspect(self, station: Station, topic: str) -> AsyncIterator[Inspection]:
+        """Subscribe to a topic for as long as the context is entered.
+
+        Args:
+            station: The station.
+            topic: The name of the topic, as typed.
+
+        Raises:
+            ArchoError: There is no such topic, or its messages cannot be read.
+        """
+        snapshot = station.robot.snapshot
+        name = full_name(snapshot, topic, _topics(snapshot))
+        info = await _ask(station, name)
+        if not (info.publishers or info.subscriptions):
+            near = nearest_hint(name, _topics(snapshot))
+            raise ArchoError(f"no topic {name} is on the graph{near}")
+        kinds = sorted({end.type for end in info.publishers or info.subscriptions})
+        if len(kinds) > 1:
+            raise ArchoError(f"{name} has several types: {', '.join(kinds)}")
+        message_class = await in_daemon(message_classes.load, kinds[0])
+        if message_class is None:
+            raise ArchoError(not_installed(name, kinds[0]))
+        try:
+            async with station.robot.inspect(name, message_class) as inspection:
+                yield inspection
+        except TimeoutError:
+            raise ArchoError("the console's own node does not answer") from None
+
+
+class Echo(_OfTopic):
+    """The verb that shows the last message of a topic."""
+
+    id, title = "echo", "Echo"
+    help = f"Show the last message of a topic, or fields of it; waits {WAIT:g} s for one"
+    arguments = (Argument("topic"), Argument("field", many=True, optional=True))
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        async with self.inspect(station, values["topic"]) as inspection:
+            end = station.clock.monotonic() + WAIT
+            while not inspection.count and station.clock.monotonic() < end:
+                await station.clock.sleep(_LOOK)
+            if not inspection.count:
+                return await _nothing(station, inspection.topic, WAIT)
+            return await in_daemon(show, inspection, values.get("field", ()))
+
+
+class Hz(_OfTopic):
+    """The verb that counts the messages of a topic for some seconds."""
+
+    id, title = "hz", "Rate"
+    help = f"Listen to a topic for {LISTEN:g} s: rate, shortest and longest interval, bytes/s"
+    arguments = (Argument("topic"),)
+    begun = f"listening for {LISTEN:g} s"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        async with self.inspect(station, values["topic"]) as inspection:
+            await station.clock.sleep(LISTEN)
+            if not inspection.count:
+                return await _nothing(station, inspection.topic, LISTEN)
+            text, data = rate_text(inspection, LISTEN)
+            return Report.of(f"{inspection.topic}: {text}", data)
+
+
+def show(inspection: Inspection, paths: Sequence[str]) -> Outcome:
+    """Return the last message of a topic, or fields of it. It takes long for a large message."""
+    message = inspection.decode()
+    text = message_text.as_text(message, paths)
+    with suppress(ArchoError):  # It is too large for a program, which gets the text only.
+        return Report.of(text, message_text.as_data(message, paths))
+    return Outcome(Code.DONE, text)
+
+
+def _topics(snapshot: Snapshot) -> list[str]:
+    return [resource.name for resource in snapshot.resources if resource.kind == TOPIC]
+
+
+async def _ask(station: Station, topic: str) -> TopicInfo:
+    """Return the ends of a topic; raise ArchoError if the graph does not tell them."""
+    info = await station.robot.topic_info(topic)
+    if isinstance(info, Outcome):
+        raise ArchoError(info.text)
+    return info
+
+
+async def _nothing(station: Station, topic: str, seconds: float) -> Outcome:
+    """Return the outcome for a topic on which nothing came, which says why."""
+    info = await _ask(station, topic)
+    nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
+    names = ", ".join(sorted(nodes))
+    why = f"{names} published nothing" if names else "it has no publisher"
+    return Outcome(Code.TIMEOUT, f"no message on {topic} in {seconds:g} s: {why}")

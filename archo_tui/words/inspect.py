@@ -1,0 +1,48 @@
+"""The texts of one topic that somebody looks at. Pure functions."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+
+class Counted(Protocol):
+    """The messages that were counted: see `Inspection`."""
+
+    count: int
+    size: int
+    first: float
+    last: float
+    least: float | None
+    greatest: float | None
+
+
+def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
+    """Return how often messages came and how large they are, as a text and as JSON has it.
+
+    Args:
+        counted: The messages; at least one.
+        seconds: How long they were counted.
+    """
+    count, bytes_per_second = counted.count, counted.size / seconds
+    data: dict[str, Any] = {
+        "messages": count,
+        "rate": None,
+        "least": counted.least,
+        "greatest": counted.greatest,
+        "bytes_per_second": bytes_per_second,
+    }
+    sizes = f"{size_text(bytes_per_second)}/s"
+    if counted.least is None or counted.greatest is None:
+        return f"1 message in {seconds:g} s, {sizes}", data
+    span = counted.last - counted.first
+    data["rate"] = (count - 1) / span if span > 0 else None
+    rate = "--" if data["rate"] is None else f"{data['rate']:.1f}"
+    between = f"{counted.least:.3f} .. {counted.greatest:.3f} s between them"
+    return f"{rate} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
+
+
+def size_text(size: float) -> str:
+    """Return a number of bytes in B, kB or MB: `1.4 kB`."""
+    if size < 1000:
+        return f"{size:.0f} B"
+    return f"{size / 1e3:.1f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
