@@ -23,6 +23,7 @@ from archo_tui.verbs.base import Verb
 from archo_tui.verbs.called import verbs_by_service
 from archo_tui.verbs.describe import LISTENING, robot_file_text
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
+from archo_tui.verbs.services import refuse_transition
 
 if TYPE_CHECKING:
     from archo_tui.screens.choose import Choice
@@ -120,6 +121,15 @@ class AnyService(_AnyOf):
             Choice(name, partial(self._run_verb, console, verb), verb.title, words=verb.id)
             for verb in verbs
         ] or super().choices(console, name)
+
+    async def _open_form(self, console: Console, name: str) -> None:
+        try:
+            for kind in self.types_by_name(console).get(name, ()):
+                refuse_transition(name, kind)
+        except ValueError as error:
+            console.show_message(str(error))
+            return
+        await super()._open_form(console, name)
 
     @staticmethod
     def _run_verb(console: Console, verb: Verb) -> Work | None:

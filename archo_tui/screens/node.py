@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from functools import partial
 from typing import Any
@@ -65,6 +66,8 @@ class NodeDialog(Dialog[None]):
         self._change_lifecycle = change_lifecycle
         self._lifecycle = _lifecycle(view, name)
         self._transitions: tuple[str, ...] = ()
+        self._asked = 0  # The questions so far: only the answer to the last one is shown.
+        self._replacing = asyncio.Lock()  # Held while the buttons are replaced.
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading node") as box:
@@ -98,8 +101,12 @@ class NodeDialog(Dialog[None]):
             start_worker(self, self._ask, _GROUP)
 
     async def _ask(self) -> None:
-        """Ask the graph and the node for the details, and show them."""
-        await self._show(await self._describe())
+        """Ask the graph and the node for the details, and show them, unless asked again since."""
+        self._asked += 1
+        turn = self._asked
+        answer = await self._describe()
+        if turn == self._asked:
+            await self._show(answer)
 
     async def _show(self, answer: NodeInfo | Outcome) -> None:
         """Show what the node has on the graph and its log level, or why that is not known."""
@@ -125,18 +132,19 @@ class NodeDialog(Dialog[None]):
 
     async def _show_transitions(self, words: tuple[str, ...]) -> None:
         """Show a button for each transition that the node can make now."""
-        for box in self.query("#transitions"):
-            box.display = bool(words)
-            if words == self._transitions:
-                continue
-            self._transitions = words
-            await box.remove_children()
-            await box.mount(
-                *(
-                    Button(word.capitalize(), partial(self._change, word), id=f"transition-{place}")
-                    for place, word in enumerate(words)
-                )
-            )
+        async with self._replacing:
+            for box in self.query("#transitions"):
+                box.display = bool(words)
+                if words == self._transitions:
+                    continue
+                self._transitions = words
+                await box.remove_children()
+                if box.is_attached:
+                    await box.mount(*map(self._button, range(len(words)), words))
+
+    def _button(self, place: int, word: str) -> Button:
+        """Return the button of a transition."""
+        return Button(word.capitalize(), partial(self._change, word), id=f"transition-{place}")
 
     def _change(self, word: str) -> None:
         if self._disabled_reason:
@@ -159,7 +167,7 @@ class NodeDialog(Dialog[None]):
             self.refuse(outcome.text)
             return
         self.show_message("")
-        await self._show(await self._describe())
+        await self._ask()
 
 
 def _lifecycle(view: View, name: str) -> str:

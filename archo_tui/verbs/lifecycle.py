@@ -57,14 +57,18 @@ class Lifecycle(Verb):
         node = values["node"]
         if "transition" in values:
             return await station.robot.change_lifecycle(node, values["transition"])
-        state = _managed(station.robot.snapshot)[node].lifecycle
+        managed = _managed(station.robot.snapshot)
+        if node not in managed:
+            return Outcome(Code.NOT_OFFERED, f"{node} has left")
+        state = managed[node].lifecycle
         possible = ", ".join(await station.robot.lifecycle_transitions(node))
         can = f": it can {possible}" if possible else ""
         return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
 
     def data(self, station: Station, values: Values) -> Any:
-        node = _managed(station.robot.snapshot)[values["node"]]
-        return {"node": node.name, "state": node.lifecycle}
+        name = self._name(station, values)
+        node = _managed(station.robot.snapshot).get(name)
+        return {"node": name, "state": None if node is None else node.lifecycle}
 
     def _name(self, station: Station, values: Values) -> str:
         """Return the node's full name, which may be typed without the namespace."""

@@ -11,6 +11,7 @@ from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_know
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.words.goal import activity
 
+_CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"
 TIMEOUT = "--timeout"  # The key of `call`'s longest wait in s, if more than the default.
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
 
@@ -75,9 +76,22 @@ class Call(Verb):
         if is_elsewhere(snapshot, name):
             found = {**found, name: await station.robot.types_anywhere(name)}
         kind = type_of("service", name, found)
+        refuse_transition(name, kind)
         fields = await fields_of(station, name, kind, values["field=value"])
         return {**values, "service": name, "type": kind, "fields": fields}
 
     async def run(self, station: Station, values: Values) -> Outcome:
         wait = max(values.get(TIMEOUT) or 0.0, CALL_WAIT)
         return await station.robot.call(values["service"], values["type"], values["fields"], wait)
+
+
+def refuse_transition(service: str, type_name: str) -> None:
+    """Raise ValueError for a service that makes a managed node's transitions, without a question.
+
+    Args:
+        service: Its full name.
+        type_name: Its type.
+    """
+    if type_name == _CHANGE_STATE:
+        node = service.rpartition("/")[0]
+        raise ValueError(f"{service} is a part of the lifecycle of {node}: type lifecycle {node}")

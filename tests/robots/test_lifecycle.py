@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import NodeInfo
 from tests.robots.managed import Navigator
 from tests.support.console import Console, console
 from tests.support.plain import plain
@@ -99,3 +103,48 @@ async def test_in_words_it_is_shown_and_asked() -> None:
     assert "navigator is unconfigured: it can configure, shutdown" in said
     assert "serves STOP (emergency_stop)" in said
     assert "/nav is not a managed node" in said
+
+
+async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with managed() as (op, _):
+        robot, go_on, asked = op.session.station.robot, asyncio.Event(), []
+        answers = iter([("configure",), ("cleanup", "activate"), ("deactivate", "shutdown")])
+
+        async def describe(node: str) -> NodeInfo:
+            transitions = next(answers)
+            asked.append(node)
+            if len(asked) > 1:
+                await go_on.wait()
+            return NodeInfo(transitions=transitions)
+
+        monkeypatch.setattr(robot, "describe", describe)
+        await op.press("5", "enter")
+        await op.until("Configure")
+        await change(op, "configure")
+        await op.until(lambda: len(asked) == 2)
+        await change(op, "activate")
+        await op.until(lambda: len(asked) == 3)
+        go_on.set()
+        await op.until("Deactivate")
+        assert "Cleanup" not in op.text
+
+
+async def test_no_call_makes_a_transition_without_the_question() -> None:
+    _, said = await plain(
+        "call /navigator/change_state transition.id=1\nlifecycle navigator\n",
+        robot=FILE,
+        node_makers=[Navigator],
+    )
+    assert "is a part of the lifecycle of /navigator: type lifecycle /navigator" in said
+    assert "navigator is unconfigured" in said
+    async with managed() as (op, _):
+        await op.press("C", *"change_state", "enter")
+        await op.until("/navigator: type lifecycle /navigator")
+
+
+async def test_data_for_a_program_names_the_node_that_a_short_name_means() -> None:
+    async with managed() as (op, _):
+        data = op.app.verbs["lifecycle"].data(op.session.station, {"node": "navigator"})
+        assert data == {"node": "/navigator", "state": "unconfigured"}
