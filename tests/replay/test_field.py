@@ -44,7 +44,7 @@ async def test_pose_parts_and_recorded_topics_are_in_the_recording() -> None:
         await op.until("x 1.2  y 0.4  90°  map")
         made[0].parts["base: left motor"] = (DiagnosticStatus.ERROR, "too hot")
         await op.until("ERROR base: left motor (sn 12): too hot")
-        await op.at(clock.seconds() + 120.0)  # The pose was sent once, long before.
+        await op.at(clock.seconds() + 65.0)  # The pose was sent once, long before.
         await op.press("ctrl+x")
         await op.until("STOPPED")
         path = await written(op)
