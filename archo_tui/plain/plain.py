@@ -34,8 +34,9 @@ from archo_tui.station.approvals import LIFETIME, READING_TIME
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import Question, Values, Verb
+from archo_tui.verbs.base import PATIENCE, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.inspect import FOLLOW, Echo, Shown
 from archo_tui.verbs.parse import YES, UnknownVerbError, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
@@ -98,6 +99,7 @@ class Plain:
         self._goal: Goal | None = None  # The goal in the last snapshot.
         self._has_failed = False  # A line or a goal has: the exit code will be 1.
         self._is_asking = False  # The next line is an answer.
+        self._following: asyncio.Task[None] | None = None  # Prints the messages of a topic.
         self._running_beside = 0  # Slow lines that still run while later lines are carried out.
         self._patience = _READER_PATIENCE
         self._reported_overflows = 0
@@ -133,6 +135,10 @@ class Plain:
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
         """Run a coroutine as a task beside the others; an error in it ends `run`."""
+        self._start_task(work)
+
+    def _start_task(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
+        """Do the same as `_start`, and return the task."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
 
@@ -143,6 +149,7 @@ class Plain:
                 self._exit_code.set_exception(error)
 
         task.add_done_callback(on_end)
+        return task
 
     def _finish(self, code: int) -> None:
         """End `run` with an exit code, unless it ends with an earlier one."""
@@ -175,8 +182,11 @@ class Plain:
     async def _serve(self) -> None:
         """Carry out all lines up to `quit` or the end of the input, then end."""
         while (line := await self._next_line()) is not None and line.text.split() != ["quit"]:
-            if line.fault or line.text.split():  # Otherwise it is blank.
+            if line.fault or line.text.split():
                 await self._carry_out(line)
+            else:
+                self._end_following()
+        self._end_following()
         await self._wait_for_the_end()
         if not self._shutdown.has_begun:  # Otherwise the shutdown decides about the exit code.
             is_well = not self._has_failed and not self._station.queue.waiting
@@ -337,6 +347,11 @@ class Plain:
         station = self._station
         verb, rest = choose_verb(self._verbs, station, word, rest)
         values, yes = parse(verb, station, rest)
+        if isinstance(verb, Echo) and values.get(FOLLOW):
+            self._end_following()
+            self._print(f"following {values['topic']}; an empty line ends it")
+            self._following = self._start_task(self._follow(verb, values))
+            return Outcome(Code.DONE, "")
         if verb.begun:
             self._print(verb.begun)
             self._running_beside += 1
@@ -370,6 +385,33 @@ class Plain:
         else:
             self._print_failure(f"{verb.id}: {outcome.text}")
         self._conditions.check_again()
+
+    async def _follow(self, verb: Echo, values: Values) -> None:
+        """Print each message of a topic until an empty line, the end, or another topic."""
+        try:
+            await self._conditions.wait_at_most(
+                lambda: verb.is_ready(self._station, values), PATIENCE - self._station.age
+            )
+            await verb.follow(
+                self._station,
+                values,
+                self._print_followed,
+                self._print_timed,
+                for_program=False,
+                has_room=lambda: self._output.is_done,
+            )
+        except (ArchoError, ValueError) as error:
+            self._print_failure(f"{verb.id}: {error}")
+
+    def _print_followed(self, shown: Shown) -> None:
+        self._print(f"{shown.text}\n---" if "\n" in shown.text else shown.text)
+        if shown.left_out_text:
+            self._print(shown.left_out_text)
+
+    def _end_following(self) -> None:
+        if self._following is not None:
+            self._following.cancel()
+            self._following = None
 
     # Questions and requests, which a person answers.
 

@@ -234,6 +234,33 @@ class Robot:
         first = next(messages)  # the state: from here on all events come
         return _events(request, first, messages)
 
+    def messages(
+        self, topic: str, *fields: str, timeout: float | None = None
+    ) -> Iterator[dict[str, Any]]:
+        """Return an iterator over the messages of a topic; other calls go on beside it.
+
+        It yields at most five a second, and leaves out those between.
+
+        Args:
+            topic: Its name: `/battery_level`.
+            *fields: The dotted paths of fields, `pose.position.x`; without any the whole message.
+            timeout: Seconds after which it ends; None: never, as long as the console answers.
+
+        Returns:
+            An iterator, for one thread, of mappings: fields by name, or the chosen ones by path.
+            Numbers that JSON lacks are the texts `nan`, `inf` and `-inf`.
+
+        Raises:
+            Misused: There is no such topic or field, or a message is too large. The iterator
+                raises it.
+        """
+        words = ["echo", topic, *fields]
+        if is_stop({"words": words}):
+            raise Misused("misuse", "messages takes a topic: use robot.stop()")
+        request = self._request(checked_timeout(timeout), words=words, follow=True)
+        request.begin()
+        return _messages(request)
+
     def do(self, *words: str, wait: bool = False, timeout: float | None = None) -> Any:
         """Carry out any verb of the shell: `robot.do("log_level", "dashboard", "debug")`.
 
@@ -310,6 +337,16 @@ def _events(
             if "event" in said:
                 yield said["event"]
             said = next(messages)
+        if said["code"] != "ran_out":
+            data_of(said)
+
+
+def _messages(request: Request) -> Iterator[dict[str, Any]]:
+    """Yield the messages of a topic that is followed, and close the request at the end."""
+    with contextlib.closing(request):
+        for said in request.messages():
+            if "message" in said:
+                yield said["message"]
         if said["code"] != "ran_out":
             data_of(said)
 

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, NoReturn
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
@@ -22,9 +22,10 @@ from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
-from archo_tui.verbs.base import Question, Verb
+from archo_tui.verbs.base import PATIENCE, Question, Verb
 from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.goals import SendGoal
+from archo_tui.verbs.inspect import Echo, Shown
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.services import TIMEOUT, Call
 from archo_tui.verbs.speak import speak
@@ -258,6 +259,8 @@ class RequestHandler:
         if session.is_assistant:
             return await self._assistants.obey(session.requester, request)
         if request.get("follow"):
+            if words_of(request)[0] == "echo":
+                await self._follow_topic(session, request)
             if words_of(request) != ["events"]:
                 raise ValueError("only events can be followed, without further words")
             await follow(self._station, session.client.tell, number)
@@ -302,6 +305,29 @@ class RequestHandler:
                 told["result"] = await in_daemon(messages.as_data, requester.goal.result)
                 result["tells"] = True
         return result if told is None else {**result, "data": told}
+
+    async def _follow_topic(self, session: _ClientWork, request: dict[str, Any]) -> NoReturn:
+        """Send each message of a topic, until the task is cancelled: see `Echo.follow`."""
+        station, client, number = self._station, session.client, request.get("id")
+        verb = self.verbs["echo"]
+        assert isinstance(verb, Echo)
+        values, _ = parse(verb, station, words_of(request)[1:])
+        left = PATIENCE - station.age
+        await self._until(session.requester, lambda: verb.is_ready(station, values), left)
+        for_program = request.get("as_text") is not True
+
+        def show(shown: Shown) -> None:
+            told = {"message": shown.data} if for_program else {"text": shown.text}
+            client.tell({"id": number, **told, "left_out": shown.left_out})
+
+        await verb.follow(
+            station,
+            values,
+            show,
+            lambda why: client.tell({"id": number, "said": why}),
+            for_program=for_program,
+            has_room=lambda: not client.is_behind,
+        )
 
     async def _wait_for_ends(self, session: _ClientWork, number: Any, *, feedback: bool) -> Outcome:
         """Wait until all goals of a client have ended; with `feedback`, tell it their states."""

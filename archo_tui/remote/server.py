@@ -58,6 +58,10 @@ class ClientSession(Protocol):
     def done(self) -> None:
         """Report that its request has ended. Any thread."""
 
+    @property
+    def is_behind(self) -> bool:
+        """True while it has not read all that was sent. Any thread."""
+
 
 class RequestHandler(Protocol):
     """Carries out requests; its methods are called on the server's thread."""
@@ -103,6 +107,11 @@ class Client:
         """Take up its next request: the one before has ended."""
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._rest)
+
+    @property
+    def is_behind(self) -> bool:
+        """True while the socket has not taken all that was sent."""
+        return bool(self._unread)
 
     # Called on the server's thread.
 

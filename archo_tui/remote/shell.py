@@ -46,7 +46,8 @@ if TYPE_CHECKING:
             """Send an answer, or `give_up`, to the request that is being carried out."""
 
 
-_VERBS_OF = {"--line": "status", "--follow": "events"}  # The one verb that has the option.
+# The verbs that have an option.
+_VERBS_OF = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _ANSWER_TIMEOUT = 2.0  # Further seconds in which a console that runs reports that.
 
@@ -98,10 +99,19 @@ class _CommandLine:
         """
         verb = self.rest[0] if self.rest else ""
         for flag, its in _VERBS_OF.items():
-            if flag in self.flags and verb != its:
-                raise ValueError(f"{verb} has no {flag}: {its} has it")
+            if flag in self.flags and verb not in its:
+                has = "has" if len(its) == 1 else "have"
+                raise ValueError(f"{verb} has no {flag}: {' and '.join(its)} {has} it")
         if "--leave" in self.flags and "--wait" not in self.flags:
             raise ValueError("--leave goes with --wait")
+
+    @property
+    def follows(self) -> bool:
+        """True if replies are wanted until this program ends, as of `echo` without `--once`."""
+        if self.stops or "--help" in self.rest:
+            return False
+        echoes = self.rest[:1] == ["echo"] and "--once" not in self.flags
+        return echoes or "--follow" in self.flags
 
     @property
     def timeout(self) -> float | None:
@@ -321,8 +331,9 @@ def _send(
     """
     words = given.rest[:1] if given.stops else given.rest
     asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
-    if "--follow" in given.flags:
-        asked = {"words": given.rest, "follow": True, "timeout": timeout}
+    if given.follows:
+        as_text = "--json" not in given.flags
+        asked = {"words": given.rest, "follow": True, "as_text": as_text, "timeout": timeout}
     if "--wait" in given.flags:
         asked |= {"wait": True, "leave": "--leave" in given.flags}
     try:
@@ -361,9 +372,19 @@ def _result(
         elif "event" in said:
             event = said["event"]
             _print(f"{event['level']} {event['source']}: {event['text']}")
+        elif "text" in said:
+            _print_followed(said)
         elif "said" in said:
             _complain(said["said"], prefix="")
     raise Unreached(GONE)
+
+
+def _print_followed(said: dict[str, Any]) -> None:
+    """Print a message of a topic, with YAML's separator behind one of several lines."""
+    text = said["text"]
+    _print(f"{text}\n---" if "\n" in text else text)
+    if said["left_out"]:
+        _complain(f"{said['left_out']} left out", prefix="")
 
 
 def _print_result(result: dict[str, Any], given: _CommandLine, others: Iterable[str] = ()) -> int:

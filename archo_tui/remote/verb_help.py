@@ -21,6 +21,7 @@ _WAITED = "--timeout S", "give up after S seconds with exit code 4"
 _OF_ONE = {
     "status": (("--line", "print one line, for a prompt"),),
     "events": (("--follow", "also print new events as they come"),),
+    "echo": (("--once", "print one message; without it each, until ctrl+c"),),
 }
 _OF_GOALS = (
     ("--wait", "wait until all goals have ended"),

@@ -130,6 +130,11 @@ class InProcessConnection:
     def done(self) -> None:
         """Do nothing: the result tells that the request has ended."""
 
+    @property
+    def is_behind(self) -> bool:
+        """True while replies have not been taken."""
+        return not self._said.empty()
+
     # The station's front end.
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:

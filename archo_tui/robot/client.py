@@ -456,6 +456,10 @@ class Robot:
         finally:
             self._thread.submit(inspection.end)  # After `begin`, however late that comes.
 
+    def refit(self, inspection: Inspection) -> None:
+        """Have an inspection subscribe again if its publishers have changed their QoS."""
+        self._thread.submit(inspection.refit)
+
     def node_gone(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.
 

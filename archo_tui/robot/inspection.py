@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 
 from archo_tui.clock import Clock
@@ -26,6 +27,7 @@ class Inspection:
     Attributes:
         topic: The full name of the topic.
         count: The messages that came.
+        newest: The count when the last message had come, and its bytes.
         size: The bytes of all of them.
         first: When the first one came, in monotonic seconds; 0 before it.
         last: When the last one came, in monotonic seconds; 0 before it.
@@ -44,7 +46,8 @@ class Inspection:
         """
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
-        self._newest = b""
+        self._qos: QoSProfile | None = None
+        self.newest: tuple[int, bytes] = (0, b"")
         self.topic = topic
         self.count = self.size = 0
         self.first = self.last = 0.0
@@ -53,10 +56,16 @@ class Inspection:
 
     def begin(self) -> None:
         """Subscribe, with a QoS that fits the publishers. ROS thread only."""
+        self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
+        self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
+
+    def refit(self) -> None:
+        """Subscribe again if the present publishers need another QoS. ROS thread only."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
-        self._subscription = self._node.listen_raw(
-            self._class, self.topic, self._take, fitting_qos(publishers)
-        )
+        if self._subscription is None or not publishers or fitting_qos(publishers) == self._qos:
+            return
+        self.end()
+        self.begin()
 
     def end(self) -> None:
         """Unsubscribe. ROS thread only."""
@@ -72,17 +81,20 @@ class Inspection:
             interval = now - self.last
             self.least = interval if self.least is None else min(self.least, interval)
             self.greatest = interval if self.greatest is None else max(self.greatest, interval)
-        self._newest, self.last = data, now
+        self.last = now
         self.size += len(data)
+        self.newest = self.count + 1, data
         self.count += 1  # Last: who sees it finds the rest.
 
-    def decode(self) -> Any:
-        """Return the last message without secrets. It takes long: call it on a thread of its own.
+    def decode(self, data: bytes) -> Any:
+        """Return a message without secrets. It takes long: call it on a thread of its own.
+
+        Args:
+            data: The bytes of the message.
 
         Raises:
             ArchoError: It is larger than the bound, or no such message.
         """
-        data = self._newest
         if len(data) > MAX_BYTES:
             size, most = len(data) / 1e6, MAX_BYTES / 1e6
             raise ArchoError(f"not shown: a message of {size:.1f} MB, more than {most:g} MB")

@@ -22,7 +22,7 @@ from archo_tui.safe_text import safe
 from archo_tui.yaml_text.dump import block, flow
 
 MAX_ELEMENTS = 20  # Of an array that a text shows.
-_MAX_LINES = 1_000  # Of a text.
+_MAX_LINES, _MAX_CHARACTERS = 1_000, 100_000  # Of a text.
 _MAX_TEXT = 500  # Characters of a string in a text.
 _MAX_JSON = 100_000  # Characters: a program that reads slowly is sent no more at once.
 _JSON_ELEMENTS = (10_000, 1_000, MAX_ELEMENTS)  # Of an array, the first that fits _MAX_JSON.
@@ -83,6 +83,8 @@ def as_text(message: Any, paths: Sequence[str] = ()) -> str:
     else:
         text = block(_message(message, _TEXT)).rstrip()
     lines = text.splitlines()
+    if len(text) > _MAX_CHARACTERS:
+        raise ArchoError(f"not shown: more than {_MAX_CHARACTERS // 1000} kB as text: name fields")
     if len(lines) > _MAX_LINES:
         lines[_MAX_LINES:] = [f"... and {len(lines) - _MAX_LINES} more lines: name fields"]
     return "\n".join(lines)

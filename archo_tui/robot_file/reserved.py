@@ -17,7 +17,7 @@ VERBS = (
     *("send_goal", "call", "look"),
 )
 # The options that a shell user may put before or after a verb: without and with a value.
-VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
+VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow", "--once")
 VERB_VALUES = ("--to", "--timeout")
 RESERVED = frozenset(
     {

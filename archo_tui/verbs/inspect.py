@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import asynccontextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -25,7 +25,29 @@ if TYPE_CHECKING:
 
 WAIT = 5.0  # Seconds to wait for a message.
 LISTEN = 5.0  # Seconds in which messages are counted.
+FOLLOW = "--follow"
+PERIOD = 0.2  # Seconds between two messages that are shown: five a second, as on the screen.
+_REFIT = 2.0  # Seconds between two looks at the QoS of the publishers.
 _LOOK = 0.05  # Seconds between two looks for a message.
+
+
+class Shown(NamedTuple):
+    """A message of a topic that is followed.
+
+    Attributes:
+        text: The message as YAML; "" for a program.
+        data: The message as JSON has it; None for a person.
+        left_out: The messages that came before and were not shown.
+    """
+
+    text: str
+    data: Any
+    left_out: int
+
+    @property
+    def left_out_text(self) -> str:
+        """Return how many messages were left out, or ""."""
+        return f"{self.left_out} left out" if self.left_out else ""
 
 
 class _OfTopic(Verb):
@@ -74,7 +96,7 @@ class Echo(_OfTopic):
 
     id, title = "echo", "Echo"
     help = f"Show the last message of a topic, or fields of it; waits {WAIT:g} s for one"
-    arguments = (Argument("topic"), Argument("field", many=True, optional=True))
+    arguments = (Argument("topic"), Argument("field", many=True, optional=True), Argument(FOLLOW))
 
     async def run(self, station: Station, values: Values) -> Outcome:
         async with self.inspect(station, values["topic"]) as inspection:
@@ -83,7 +105,49 @@ class Echo(_OfTopic):
                 await station.clock.sleep(_LOOK)
             if not inspection.count:
                 return await _nothing(station, inspection.topic, WAIT)
-            return await in_daemon(show, inspection, values.get("field", ()))
+            return await in_daemon(_last_message, inspection, values.get("field", ()))
+
+    async def follow(
+        self,
+        station: Station,
+        values: Values,
+        show: Callable[[Shown], None],
+        note: Callable[[str], None],
+        *,
+        for_program: bool,
+        has_room: Callable[[], bool],
+    ) -> NoReturn:
+        """Show each message, at most one in PERIOD, until the task is cancelled.
+
+        Args:
+            station: The station.
+            values: The values of the verb.
+            show: Shows a message.
+            note: Called with why nothing comes.
+            for_program: True for data in the place of a text.
+            has_room: Returns False while whoever reads is behind: messages are left out then.
+
+        Raises:
+            ArchoError: There is no such topic or field, or a message cannot be shown.
+        """
+        clock, fields = station.clock, values.get("field", ())
+        async with self.inspect(station, values["topic"]) as inspection:
+            seen, begun, is_noted = 0, clock.monotonic(), False
+            refit_at = begun + _REFIT
+            while True:
+                number, data = inspection.newest
+                if number != seen and has_room():
+                    text, told = await in_daemon(_shown, inspection, data, fields, for_program)
+                    show(Shown(text, told, number - seen - 1))
+                    seen = number
+                now = clock.monotonic()
+                if not (number or is_noted) and now - begun >= WAIT:
+                    note((await _nothing(station, inspection.topic, WAIT)).text)
+                    is_noted = True
+                if now >= refit_at:
+                    station.robot.refit(inspection)
+                    refit_at = now + _REFIT
+                await clock.sleep(PERIOD)
 
 
 class Hz(_OfTopic):
@@ -103,13 +167,23 @@ class Hz(_OfTopic):
             return Report.of(f"{inspection.topic}: {text}", data)
 
 
-def show(inspection: Inspection, paths: Sequence[str]) -> Outcome:
+def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
     """Return the last message of a topic, or fields of it. It takes long for a large message."""
-    message = inspection.decode()
+    message = inspection.decode(inspection.newest[1])
     text = message_text.as_text(message, paths)
     with suppress(ArchoError):  # It is too large for a program, which gets the text only.
         return Report.of(text, message_text.as_data(message, paths))
     return Outcome(Code.DONE, text)
+
+
+def _shown(
+    inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
+) -> tuple[str, Any]:
+    """Return a message as text for a person, or as data for a program. It takes long."""
+    message = inspection.decode(data)
+    if for_program:
+        return "", message_text.as_data(message, paths)
+    return message_text.as_text(message, paths), None
 
 
 def _topics(snapshot: Snapshot) -> list[str]:

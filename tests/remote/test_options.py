@@ -24,7 +24,8 @@ from tests.support.waiting import DEADLINE
 pytestmark = pytest.mark.real_time
 
 MISUSED = [
-    ("go 3 --follow", "go has no --follow: events has it"),
+    ("go 3 --follow", "go has no --follow: events and echo have it"),
+    ("events --once", "events has no --once: echo has it"),
     ("go 3 --line", "go has no --line: status has it"),
     ("go 3 --leave", "--leave goes with --wait"),
     ("reset --wait", "reset has no --wait: it sends no goals"),

@@ -160,6 +160,7 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
             ("stop", {"--json", "--to"}),
             ("wait", {"--timeout", "--json", "--to"}),
             ("status", {"--line", "--timeout", "--json", "--to"}),
+            ("echo", {"--once", "--timeout", "--json", "--to"}),
             ("events", {"--follow", "--timeout", "--json", "--to"}),
         ):
             told = await typed(verb, "--help")

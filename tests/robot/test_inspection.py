@@ -42,7 +42,7 @@ async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.Monkey
     async with robot(making(made, Talker)) as it:
         async with it.inspect("/fast", String) as counted:
             await until(lambda: counted.count >= 5)
-            assert counted.decode() == String(data="hello")
+            assert counted.decode(counted.newest[1]) == String(data="hello")
             assert counted.least is not None
             assert counted.greatest is not None
             assert 0 < counted.least <= counted.greatest
@@ -55,7 +55,7 @@ async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.Monkey
 async def test_a_message_that_is_kept_comes_at_once() -> None:
     async with robot(making([], Talker)) as it, it.inspect("/kept", UInt8MultiArray) as counted:
         await until(lambda: counted.count)
-        assert len(counted.decode().data) == 5_000
+        assert len(counted.decode(counted.newest[1]).data) == 5_000
 
 
 async def test_a_caller_that_is_cancelled_leaves_no_subscription() -> None:
@@ -80,7 +80,7 @@ async def test_a_message_beyond_the_bound_is_counted_and_not_decoded(
         await until(lambda: counted.count)
         assert counted.size > 5_000
         with pytest.raises(ArchoError, match=r"a message of 0\.0 MB, more than 0\.004 MB"):
-            counted.decode()
+            counted.decode(counted.newest[1])
 
 
 async def test_bytes_of_another_definition_are_an_error_in_a_line() -> None:
@@ -88,4 +88,4 @@ async def test_bytes_of_another_definition_are_an_error_in_a_line() -> None:
         await until(lambda: counted.count)
         counted._class = Float32MultiArray
         with pytest.raises(ArchoError, match="its publisher may have another definition"):
-            counted.decode()
+            counted.decode(counted.newest[1])

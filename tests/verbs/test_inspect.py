@@ -80,10 +80,10 @@ async def test_the_rate_is_measured_for_five_seconds() -> None:
 @pytest.mark.real_time
 async def test_a_shell_gets_the_message_as_an_object() -> None:
     async with served() as person:
-        result = json.loads((await typed("echo", "motor_status", "--json")).out)
+        result = json.loads((await typed("echo", "motor_status", "--once", "--json")).out)
         assert result["data"]["encoder_ticks"] == 15420
         assert result["data"]["moving"] is False
-        shown = await typed("echo", "motor_status", "moving")
+        shown = await typed("echo", "motor_status", "moving", "--once")
         assert (shown.code, shown.out) == (0, "moving: false\n")
         given_up = await typed("hz", "motor_status", "--timeout", "0.2")
         assert (given_up.code, given_up.err) == (4, "archo-tui: hz: 0.2 s are over\n")
