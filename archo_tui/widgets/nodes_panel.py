@@ -6,25 +6,44 @@ import textwrap
 from collections.abc import Sequence
 
 from textual.app import ComposeResult
+from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
+from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
 from archo_tui.words.nodes import NodeRow, node_rows
 from archo_tui.words.state import PLAIN, STRONG, age_text
 
-_MARK_WIDTH, _AGE_WIDTH, _RATE_WIDTH = 2, 6, 9  # Cells.
+_MARK_WIDTH, _AGE_WIDTH = 2, 6  # Cells.
+_RATE_WIDTH, _SHORT_RATE_WIDTH = 9, 7  # Cells of ` 1.0 Hz` and of ` 1.0Hz`, with blanks before.
+_NAME_WIDTH, _MIN_NAME_WIDTH = 16, 8  # Cells of a name; of one beside which a rate is shown.
 _NARROW = 30  # Such a panel is also low: a crashed node must not hide the others.
 _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
-    """Return the widths of the names, and of the rates if they fit."""
+    """Return the widths of the names, and of the rates; names are cut for the sake of these."""
     room = width - _MARK_WIDTH - _AGE_WIDTH
-    names = column((row.label for row in rows), 16, room)
-    return names, _RATE_WIDTH if names + _RATE_WIDTH <= room else 0
+    names = column((row.label for row in rows), _NAME_WIDTH, room)
+    if names + _RATE_WIDTH <= room:
+        return names, _RATE_WIDTH
+    short = room - _SHORT_RATE_WIDTH
+    if short < _MIN_NAME_WIDTH or all(row.state.rate is None for row in rows):
+        return names, 0
+    longest = column((row.label for row in rows), 0, room)
+    if longest + _RATE_WIDTH <= room:  # Not even the longest name needs all of the usual width.
+        return longest, _RATE_WIDTH
+    return min(longest, short), _SHORT_RATE_WIDTH
+
+
+def node_titles(width: int, columns: Columns) -> str:
+    """Return the titles of the columns, above their values."""
+    numbers = f"{'heard':>5}{'rate':>{columns[1]}}" if columns[1] else "heard"
+    room = max(width - _MARK_WIDTH - columns[0], 0)  # A hidden list has no width.
+    return f"{'':{_MARK_WIDTH}}{'node':{columns[0]}}{numbers:>{room}}"
 
 
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
@@ -46,18 +65,35 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
         word += " (enter: traceback)"
     name = f"{glyph} {pad(row.label, columns[0])} "
     if word and len(name + word) > width:
-        more = textwrap.wrap(word, max(width - 2, 10))
+        room = max(width - _MARK_WIDTH, 10)
+        more = textwrap.wrap(word, room)
         if width < _NARROW and len(more) > 1:
-            more = [crop(word, width - 2)]
+            more = [_crop_at_word(word, room)]
+        name = f"{glyph} {pad(row.label, max(columns[0], room))}"  # No numbers stand beside it.
         return [(name, style), *((f"  {line}", style) for line in more)]
     if word:
         return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
     ago = "" if heard is None else age_text(row.second - heard)
-    rate_text = f" {rate:5.1f} Hz" if rate is not None else ""
-    numbers = f"{ago:>5}{rate_text:<{columns[1]}}" if columns[1] else f"{ago:>5}"
+    rate_text = "" if rate is None else f"{rate:.1f} Hz"
+    if columns[1] == _SHORT_RATE_WIDTH:
+        rate_text = rate_text.replace(" ", "")
+    numbers = f"{ago:>5}{rate_text:>{columns[1]}}" if columns[1] else f"{ago:>5}"
     room = max(width - _MARK_WIDTH - columns[0] - 1, 0)
     return [(f"{name}{numbers:>{room}}", style)]
+
+
+def _crop_at_word(text: str, width: int) -> str:
+    """Return a text in at most `width` cells; if it is cut, it ends with a whole word and `…`.
+
+    If an exception's name would be lost, it stands without the word before it: the mark says that.
+    """
+    cut = textwrap.shorten(text, width, placeholder=" …")
+    if len(cut.split()) > 2:
+        return cut
+    _, _, reason = text.partition(": ")
+    cut = textwrap.shorten(reason or text, width, placeholder=" …")
+    return crop(reason or text, width) if cut == "…" else cut
 
 
 def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
@@ -81,15 +117,17 @@ class NodesPanel(Panel):
             wraps=True,
             columns=node_columns,
         )
+        self._titles = Line(id="node-titles")  # The style sheet shows it where there is room.
         self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
+        yield self._titles
         yield self._rows
 
     @property
     def lines(self) -> int:
-        """Return how many lines the list needs."""
-        return self._rows.virtual_size.height
+        """Return how many lines the list needs, with its titles."""
+        return self._rows.virtual_size.height + 1
 
     @property
     def selected(self) -> NodeRow | None:
@@ -116,3 +154,7 @@ class NodesPanel(Panel):
             before = {row.name: row for row in self._rows.items}
             # Equal rows stay the same objects, so that only changed ones are laid out.
             self._rows.show([_same_if_equal(before.get(row.name), row) for row in node_rows(view)])
+        if self._rows.columns:
+            width = self._rows.scrollable_content_region.width
+            titles = node_titles(width, self._rows.columns)
+            self._titles.show(Content.styled(titles if self._rows.items else "", "bold"))

@@ -1,0 +1,87 @@
+"""The rows of Nodes: no rate disappears, and what is cut says so."""
+
+from __future__ import annotations
+
+import pytest
+
+from archo_tui.robot.state import Hosted, Life, NodeState
+from archo_tui.widgets.nodes_panel import node_columns, node_lines, node_titles
+from archo_tui.words.nodes import NodeRow
+from tests.support.clock import NOW
+from tests.support.console import screen_text
+from tests.support.quiet import Quiet
+from tests.support.states import NORMAL
+from tests.support.stub import StandingClock, stub_app
+
+
+def row(name: str, rate: float | None = 5.0) -> NodeRow:
+    return NodeRow(NodeState(name, NOW - 0.4, rate), None, NOW)
+
+
+def drawn(rows: list[NodeRow], width: int) -> list[str]:
+    columns = node_columns(rows, width)
+    return [line for one in rows for line, _ in node_lines(one, width, columns)]
+
+
+LONG = row("/warehouse/level_2/motor_controller", 97.3)
+
+
+@pytest.mark.parametrize("width", range(23, 60))
+def test_a_rate_stands_beside_a_long_name_at_every_width(width: int) -> None:
+    first, second = drawn([LONG, row("/dashboard", None)], width)
+    assert first.replace(" ", "").endswith("0.4s97.3Hz")
+    assert len(first) == width
+    assert first.startswith("● war")
+    assert second.strip().endswith("0.4 s")
+
+
+def test_a_name_that_is_cut_keeps_its_beginning_and_its_end() -> None:
+    assert drawn([LONG], 40)[0] == "● warehouse/le…r_controller 0.4 s 97.3Hz"
+    assert drawn([row("/motor_controller")], 33)[0] == "● motor_controller 0.4 s   5.0 Hz"
+
+
+def test_names_are_whole_where_no_node_has_a_rate() -> None:
+    assert drawn([row("/motor_controller", None)], 25)[0] == "● motor_controller  0.4 s"
+
+
+def test_titles_stand_above_their_columns() -> None:
+    rows = [row("/motor_controller")]
+    columns = node_columns(rows, 40)
+    (line, _), titles = node_lines(rows[0], 40, columns)[0], node_titles(40, columns)
+    assert titles.startswith("  node ")
+    assert len(titles) == len(line) == 40
+    assert titles.index("heard") + 5 == line.index(" s") + 2
+    assert titles.endswith("rate")
+    assert node_titles(0, columns).split() == ["node", "heard", "rate"]  # A hidden list.
+
+
+@pytest.mark.parametrize("width", range(22, 30))
+def test_a_crash_in_a_narrow_panel_names_the_exception_and_ends_with_a_word(width: int) -> None:
+    error = "ZeroDivisionError: division by zero in the callback of a timer"
+    crashed = NodeRow(NodeState("/motor_controller"), Hosted("/motor", Life.CRASHED, error), NOW)
+    name, line = drawn([crashed, LONG], width)[:2]
+    assert name.rstrip() == "✗ motor_controller"
+    assert line.endswith(" …")
+    assert len(line) <= width
+    words = line.removesuffix(" …").split()
+    assert "ZeroDivisionError:" in words
+    whole = f"crashed: {error}".split()
+    assert words in (whole[: len(words)], whole[1 : len(words) + 1])
+
+
+def test_the_reason_of_a_crash_without_blanks_is_cut_anywhere() -> None:
+    crashed = NodeRow(NodeState("/motor"), Hosted("/motor", Life.CRASHED, "E" * 90), NOW)
+    assert drawn([crashed], 25)[1] == f"  {'E' * 22}…"
+
+
+@pytest.mark.parametrize(
+    ("size", "seen"), [((120, 36), True), ((160, 48), True), ((80, 24), False), ((50, 15), False)]
+)
+async def test_titles_are_shown_where_there_is_room(size: tuple[int, int], seen: bool) -> None:
+    app = stub_app(NORMAL, StandingClock(), size=size)
+    async with app.run_test(size=size):
+        await Quiet(app).settle()
+        shown = screen_text(app)
+        assert ("heard" in shown) is seen
+        if size[0] >= 80:
+            assert "5.0" in shown
