@@ -24,6 +24,7 @@ _TYPE = "lifecycle_msgs/srv/GetState"
 _ASK_AGAIN = 10.0
 # Seconds for a transition: what a node does in `on_configure` may take long.
 CHANGE_TIMEOUT = 30.0
+_NO_ANSWER = "no answer"
 
 
 class Lifecycles:
@@ -51,6 +52,7 @@ class Lifecycles:
         self._words: dict[str, str] = {}  # By full name of the node; "" until it has answered.
         self._asked: dict[str, float] = {}  # When each was asked last, in monotonic seconds.
         self._subscriptions: dict[str, Any] = {}
+        self._silent: set[str] = set()  # Nodes that left the last question unanswered.
 
     def poll(self, served: Mapping[str, Sequence[str]]) -> None:
         """Follow the managed nodes that are there now.
@@ -65,6 +67,7 @@ class Lifecycles:
         }
         for node in self._words.keys() - managed:
             del self._words[node], self._asked[node]
+            self._silent.discard(node)
             self._node.destroy_subscription(self._subscriptions.pop(node))
             self._on_change()
         now = self._clock.monotonic()
@@ -80,11 +83,18 @@ class Lifecycles:
                 self._submit(partial(self._ask, node))
 
     def with_states(self, nodes: Sequence[NodeState]) -> tuple[NodeState, ...]:
-        """Return nodes of the graph with the states of those that are managed."""
+        """Return nodes of the graph with the states of those that are managed.
+
+        Of one that does not answer, the last state is followed by `, no answer`: it may hang.
+        """
         return tuple(
-            node._replace(lifecycle=self._words[node.name]) if node.name in self._words else node
+            node._replace(lifecycle=self._shown(node.name)) if node.name in self._words else node
             for node in nodes
         )
+
+    def _shown(self, node: str) -> str:
+        told = [self._words[node], _NO_ANSWER if node in self._silent else ""]
+        return ", ".join(filter(None, told))
 
     def word(self, node: str) -> str:
         """Return the state of a node; "" if it is not managed, or has not answered."""
@@ -143,8 +153,13 @@ class Lifecycles:
 
     async def _ask(self, node: str) -> None:
         answer = await self._services.call(GetState, f"{node}{_GET_STATE}", GetState.Request())
-        if answer is not None and node in self._words:
+        if node not in self._words:
+            return
+        if answer is not None:
             self._set(node, harmless(answer.current_state.label))
+        elif node not in self._silent:
+            self._silent.add(node)
+            self._on_change()
 
     async def _available(self, node: str) -> list[Any]:
         """Return the transitions that a node can make now; [] if it does not answer."""
@@ -156,6 +171,7 @@ class Lifecycles:
         return [description.transition for description in found]
 
     def _set(self, node: str, word: str) -> None:
-        if self._words.get(node) != word:
+        if node in self._words and (self._words[node] != word or node in self._silent):
             self._words[node] = word
+            self._silent.discard(node)
             self._on_change()

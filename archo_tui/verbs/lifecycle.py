@@ -12,6 +12,8 @@ from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 from archo_tui.words.goal import activity
 
+_FINAL = "finalized"  # The state from which there is no transition.
+
 
 class Lifecycle(Verb):
     """The verb that shows or changes the state; what it changes is not undone by another STOP."""
@@ -62,6 +64,8 @@ class Lifecycle(Verb):
             return Outcome(Code.NOT_OFFERED, f"{node} has left")
         state = managed[node].lifecycle
         possible = ", ".join(await station.robot.lifecycle_transitions(node))
+        if not possible and state != _FINAL:
+            return Outcome(Code.TIMEOUT, f"no answer from {node.lstrip('/')}; shown is {state}")
         can = f": it can {possible}" if possible else ""
         return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
 

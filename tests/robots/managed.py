@@ -28,6 +28,16 @@ class Navigator(LifecycleNode):
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
+    def hang(self) -> None:
+        """Answer no question about the state any more."""
+        for service in list(self.services):
+            if service.srv_name.endswith(("get_state", "get_available_transitions")):
+                service.callback = self._never
+
+    async def _never(self, _: Any, response: Any) -> Any:
+        await Future(executor=self.executor)
+        return response
+
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         if not self.may_activate:
             return TransitionCallbackReturn.FAILURE

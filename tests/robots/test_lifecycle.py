@@ -105,6 +105,19 @@ async def test_in_words_it_is_shown_and_asked() -> None:
     assert "/nav is not a managed node" in said
 
 
+async def test_a_node_that_no_longer_answers_is_not_shown_as_active() -> None:
+    async with managed() as (op, node):
+        await change(op, "configure", "activate")
+        await op.until("● navigator active")
+        node.hang()
+        await op.until(", no answer")
+        assert "○ navigator" in op.text
+        station = op.session.station
+        outcome = await op.app.verbs["lifecycle"].run(station, {"node": "/navigator"})
+        assert outcome.code is Code.TIMEOUT
+        assert outcome.text.startswith("no answer from navigator")
+
+
 async def test_states_in_quick_succession_leave_the_buttons_of_the_last(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -19,7 +19,8 @@ class NodeState(NamedTuple):
         name: Its full name.
         heard: When its last message or log line came; None before the first.
         rate: The rate in Hz of its messages that the console reads; None if not known.
-        lifecycle: The state of a managed node, as `inactive`; "" if it is not managed, or silent.
+        lifecycle: The state of a managed node, as `inactive`, or `inactive, no answer` if it did
+            not answer the last question; "" if it is not managed, or was not asked yet.
     """
 
     name: str
