@@ -13,6 +13,7 @@ from archo_tui.screens.choose import Choice, Choose
 from archo_tui.station.view import View
 from archo_tui.words.nodes import node_rows
 
+_NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
 _FIRST = ("go", "cancel", "stop")
 _DUPLICATES = ("palette", "help_everywhere", "quit_everywhere")  # The same commands by another key.
 _FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
@@ -70,10 +71,25 @@ class Commands(Choose):
 
     empty_text = "no command matches"
 
-    def __init__(self, title: str, list_choices: Callable[[], Sequence[Choice]]) -> None:
+    def __init__(
+        self,
+        title: str,
+        list_choices: Callable[[], Sequence[Choice]],
+        typed_choices: Callable[[str], Sequence[Choice]],
+    ) -> None:
+        """Create the palette.
+
+        Args:
+            title: The title of the box.
+            list_choices: Returns all rows.
+            typed_choices: Returns the rows that a typed text gives, which come before the others.
+        """
         super().__init__(title, list_choices())
-        self._list_choices = list_choices
+        self._list_choices, self._typed_choices = list_choices, typed_choices
         self._second = 0.0  # The second of the last update.
+
+    def _matches(self) -> Sequence[Choice]:
+        return [*self._typed_choices(self._narrow.value), *super()._matches()]
 
     def show_view(self, view: View) -> None:
         """Update keys, values and reasons once a second; the rows keep their places."""
@@ -99,6 +115,29 @@ def palette_choices(console: Console) -> list[Choice]:
             "Save a picture of the screen", console.write_screenshot, words="screenshot export svg"
         ),
     ]
+
+
+def goal_choices(console: Console, typed: str) -> list[Choice]:
+    """Return the row `Go to shelf 12` for typed numbers; it sends them as the form does."""
+    go = next((command for command in console.registry if command.id == "go"), None)
+    kinds, panel = console.view.snapshot.file.goals, console.main.goal
+    words = typed.split()
+    if go is None or not kinds or not panel.takes_numbers or not words:
+        return []
+    if not all(_NUMBER.fullmatch(word) for word in words):
+        return []
+    reason = console.disabled_reason(go) or panel.refusal(typed)
+    title = f"{kinds[0].title} {', '.join(words)}"
+    return [Choice(title, partial(_go, console, go, typed), "enter", reason)]
+
+
+def _go(console: Console, go: Command, typed: str) -> None:
+    """Send typed numbers as goals, if the robot can be sent any now."""
+    reason = console.disabled_reason(go) or console.main.goal.refusal(typed)
+    if reason:
+        console.show_message(f"not sent: {reason}")
+    else:
+        console.main.goal.send_numbers(typed)
 
 
 def _command_choice(console: Console, command: Command) -> Choice:

@@ -5,20 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine, Sequence
 from typing import Any, NamedTuple
 
+from rich.cells import cell_len
+from rich.style import Style
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 from textual.content import Content
+from textual.strip import Strip
 
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.find import matching_rows
+from archo_tui.screens.find import matched_spans, matching_rows
 from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 
+_LIT = Style(bold=True, underline=True)  # Of what a typed text matches, with any colours.
 _REASON = 30  # Cells at the right for the reasons, taken from long titles.
 
 
@@ -68,11 +72,30 @@ class ChoiceRows(Rows[Choice]):
 
     Attributes:
         on_choose: Called when a row was clicked; the cursor is on it.
+        typed: The typed text, whose matches in the titles are lit.
     """
 
     can_focus = False
     without_focus = True
     on_choose: Callable[[], object]
+    typed = ""
+
+    def light(self, typed: str) -> None:
+        """Light what a typed text matches in the titles."""
+        if typed != self.typed:
+            self.typed = typed
+            self.refresh()
+
+    def render_line(self, y: int) -> Strip:
+        strip, number = super().render_line(y), self.scroll_offset.y + y
+        if not self.typed or number >= len(self.items):
+            return strip
+        title = crop(self.items[number].title, self.columns[0])
+        for span in matched_spans(self.typed, title):
+            begin, end = (cell_len(title[:place]) for place in span)
+            before, lit, behind = strip.divide([begin, end, strip.cell_length])
+            strip = Strip.join([before, lit.apply_style(_LIT), behind])
+        return strip
 
     async def on_click(self, event: events.Click) -> None:
         row = self.scroll_offset.y + event.y
@@ -137,6 +160,7 @@ class Choose(Dialog[None]):
 
     def _show_matches(self) -> None:
         shown = self._matches()
+        self._rows.light(self._narrow.value)
         self._rows.show(shown)
         self._rows.move_to(0)
         self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))

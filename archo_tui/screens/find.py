@@ -60,3 +60,23 @@ def matching_rows(
     ranked = [(rank(row), row) for row in rows]
     matches = [(rank, row) for rank, row in ranked if rank[0] != Fit.NONE]
     return [row for _, row in sorted(matches, key=lambda match: match[0])]
+
+
+def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:
+    """Return the beginnings and ends of what typed words match in a name.
+
+    A word that matches other words for the same thing only has none.
+
+    Args:
+        typed: What was typed.
+        name: The name, in any case.
+    """
+    lower, found = name.casefold(), []
+    if len(lower) != len(name):  # Its letters stand elsewhere.
+        return []
+    for word in typed.casefold().split():
+        begins = re.search(rf"(?<![^\W_]){re.escape(word)}", lower)
+        at = lower.find(word) if begins is None else begins.start()
+        if at >= 0:
+            found.append((at, at + len(word)))
+    return sorted(found)

@@ -14,6 +14,7 @@ from textual.widgets import Static
 from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state import Snapshot, TypedField
+from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
@@ -33,6 +34,18 @@ _MIN_EVENT_ROWS = 10  # The events' share of those; in three columns they have a
 _IN_FIELD = ("go", "go"), ("cancel", "cancel")
 _ON_BOARD = _IN_FIELD[1:]  # On the board enter types, and sends nothing.
 _BASE_HEIGHT = 6  # Of the panel without the board, its border included.
+
+
+class _InvalidTextError(ValueError):
+    """The error that the text of a field is no value for it.
+
+    Attributes:
+        number: The number of the field, from 0.
+    """
+
+    def __init__(self, text: str, number: int) -> None:
+        super().__init__(text)
+        self.number = number
 
 
 class GoalPanel(Panel):
@@ -298,29 +311,59 @@ class GoalPanel(Panel):
             return
         if self.fields and not any(text.strip() for text in typed):
             return
-        several = len(self._message_fields) == 1 and is_number(self._message_fields[0])
-        rows = [[word] for word in typed[0].split()] if several else [typed]
-        goals, form = [], self._snapshot.form(self._kind)
-        for row in rows:
-            values: dict[str, Any] = {}
-            for message_field, field, text in zip(
-                self._message_fields, self.fields, row, strict=True
-            ):
-                try:
-                    values[message_field.path] = parse(
-                        message_field, form[message_field.path], text
-                    )
-                except ValueError as error:
-                    self.hint(str(error), Reason(limits))
-                    self.screen.set_focus(field)
-                    return
-            goals.append(values)
+        try:
+            goals = self._parse(self._kind, typed)
+        except _InvalidTextError as error:
+            self.hint(str(error), Reason(limits))
+            self.screen.set_focus(self.fields[error.number])
+            return
         self.hint("")
         for field in self.fields:
             field.clear()
         if self.fields:
             self.screen.set_focus(self.fields[0])
         self.send(goals, typed)
+
+    @property
+    def takes_numbers(self) -> bool:
+        """Return True if a goal is one number, so that several can be typed in a line."""
+        return len(self._message_fields) == 1 and is_number(self._message_fields[0])
+
+    def refusal(self, typed: str) -> str:
+        """Return why numbers that were typed elsewhere are no goals, or ""."""
+        try:
+            goals = self._parse(self._kind, [typed]) if self._kind is not None else []
+        except _InvalidTextError as error:
+            return str(error)
+        return "" if goals else "no number"
+
+    def send_numbers(self, typed: str) -> None:
+        """Send goals that were typed elsewhere, checked as those of the form, which stays as it is.
+
+        Whatever is wrong with them is shown beside the form.
+        """
+        why = WATCHING if self._watching else self.refusal(typed)
+        self.hint(why, Reason(limits) if why else None)
+        if not why and self._kind is not None:
+            self.send(self._parse(self._kind, [typed]), [typed])
+
+    def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
+        """Return the values of each goal by dotted path.
+
+        Raises:
+            _InvalidTextError: A text is no value of its field, or out of the robot's limits.
+        """
+        rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
+        goals, form = [], self._snapshot.form(kind)
+        for row in rows:
+            values: dict[str, Any] = {}
+            for number, (field, text) in enumerate(zip(self._message_fields, row, strict=True)):
+                try:
+                    values[field.path] = parse(field, form[field.path], text)
+                except ValueError as error:
+                    raise _InvalidTextError(str(error), number) from None
+            goals.append(values)
+        return goals
 
 
 def _allowed_characters(message_field: TypedField) -> str:

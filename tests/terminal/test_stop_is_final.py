@@ -108,6 +108,24 @@ def test_a_goal_typed_around_the_board_before_a_stop_does_not_drive(
     assert not [text for text in said() if "accepted" in text]
 
 
+@pytest.mark.parametrize("opened_before", [True, False])
+def test_a_number_typed_in_the_palette_before_a_stop_does_not_drive(
+    opened_before: bool, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    terminal.until(" board   ")
+    terminal.write("\x10")
+    if opened_before:
+        terminal.until("type to narrow")
+    terminal.write("12\r\x18")
+    until_said("STOP: confirmed")
+    terminal.until("R releases")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if "accepted" in text]
+
+
 def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)
