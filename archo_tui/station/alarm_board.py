@@ -6,7 +6,7 @@ acknowledged it; a shelved one is silent for a limited time.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from enum import Enum
 
 from archo_tui.robot.period import LEAST_SILENCE, Pause
@@ -113,12 +113,13 @@ class AlarmBoard:
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
         self._pause = Pause()
+        self._last_found: dict[str, tuple[float, str]] = {}  # Of diagnostics: when, and the text.
 
     def copy(self) -> AlarmBoard:
         """Return another board with the same alarms, which changes independently."""
         board = AlarmBoard()
         board._alarms, board._pending = dict(self._alarms), dict(self._pending)
-        board._pause = self._pause
+        board._pause, board._last_found = self._pause, dict(self._last_found)
         return board
 
     def update(
@@ -147,11 +148,18 @@ class AlarmBoard:
                 # The clock of the computer was set: people see when the shelf really ends.
                 if abs(until - (alarm.shelved_until or 0.0)) > 1.0:
                     self._alarms[alarm.name] = alarm._replace(shelved_until=until)
+        flapping = self._flapping(found, monotonic)
+        found = {**found, **flapping}
+        for name in flapping:  # The warning of a part that has just reported an error.
+            if kind_of(name) == DIAGNOSTIC_ERROR and self._is_active(name):
+                found.pop(DIAGNOSTIC_WARNING + name.removeprefix(DIAGNOSTIC_ERROR), None)
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
+            elif name in flapping:
+                continue
             elif kind_of(name) in (CONTACT_LOST, MOTOR_SILENT, GOAL_SILENT) and just_resumed:
                 continue  # The silence was this process's own: it was suspended.
             elif monotonic - self._pending[name] >= ON_DELAY.get(kind_of(name), 0.0):
@@ -178,6 +186,26 @@ class AlarmBoard:
                 continue
             changed += self._change(alarm, Change.CLEARED, now)
         return changed
+
+    def _flapping(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
+        """Return the diagnostics alarms that were found within their delay, and are not now.
+
+        A part that is bad again and again is not well, though never for the whole delay; so are
+        two publishers that contradict each other.
+        """
+        for name, text in found.items():
+            if kind_of(name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING):
+                self._last_found[name] = monotonic, text
+        self._last_found = {
+            name: (last, text)
+            for name, (last, text) in self._last_found.items()
+            if monotonic - last < ON_DELAY[kind_of(name)]
+        }
+        return {
+            name: text
+            for name, (_, text) in self._last_found.items()
+            if name not in found and _graver_name(name) not in found
+        }
 
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
         """Acknowledge an alarm: the operator has seen it.

@@ -58,7 +58,7 @@ def conditions(
     """Return the alarms whose conditions hold, each with its text.
 
     While contact with the robot is lost, nothing is concluded from its last messages: only
-    CONTACT_LOST stands for them.
+    CONTACT_LOST stands for them. Diagnostics that are still heard have their alarms.
 
     Args:
         snapshot: What is known of the robot.
@@ -83,7 +83,9 @@ def conditions(
     if _is_contact_lost(snapshot, now):
         last = max(snapshot.battery.received or 0.0, snapshot.motion.received or 0.0)
         found[CONTACT_LOST] = f"CONTACT LOST for {now - last:.0f} s: the robot may still be moving"
-        return found
+        # What is still heard may tell why the rest is silent.
+        heard = tuple(status for status in snapshot.diagnostics if not status.is_silent_at(now))
+        return {**found, **dict(_diagnostic_conditions(snapshot._replace(diagnostics=heard), now))}
     return {
         **found,
         **dict(_battery_conditions(snapshot, now)),
@@ -257,6 +259,7 @@ def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
             yield f"{GAUGE_WARNING} {title}", f"{value}: {reading.warns}"
 
 
+_OTHERS = "others"  # Of the alarm for the parts that have none of their own.
 _MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all other alarms.
 
 
@@ -275,9 +278,7 @@ _GRAVITY = (
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
     """Yield an alarm for each part that is not OK; one for all if nothing is heard any more."""
     bad = [s for s in worst_diagnostics(snapshot, now) if s.level is not DiagnosticLevel.OK]
-    is_silent = all(
-        status.level_at(now) is DiagnosticLevel.STALE for status in snapshot.diagnostics
-    )
+    is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)
     if len(bad) > 1 and is_silent:
         last = max(status.received for status in bad)
         topic = snapshot.file.diagnostics
@@ -288,14 +289,21 @@ def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
         is_error = status.level is DiagnosticLevel.ERROR
         part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
         silent = f"no status for {now - status.received:.0f} s"
-        text = silent if status.level is DiagnosticLevel.STALE else status.message
+        text = silent if status.is_silent_at(now) else status.message
         yield (
-            f"{DIAGNOSTIC_ERROR if is_error else DIAGNOSTIC_WARNING} {status.name}",
+            f"{DIAGNOSTIC_ERROR if is_error else DIAGNOSTIC_WARNING} {_part_name(status.name)}",
             f"{status.level.value} {part}: {text or 'no message'}",
         )
     if len(bad) > _MOST_DIAGNOSTICS:
         more = len(bad) - _MOST_DIAGNOSTICS
-        yield f"{DIAGNOSTIC_WARNING} others", f"{more} MORE PARTS ARE NOT OK: see diagnostics"
+        yield f"{DIAGNOSTIC_WARNING} {_OTHERS}", f"{more} MORE PARTS ARE NOT OK: see diagnostics"
+
+
+def _part_name(name: str) -> str:
+    """Return the name of a part in its alarm's name, in quotes if it reads like another alarm's."""
+    error = DIAGNOSTIC_ERROR.removeprefix(DIAGNOSTIC_WARNING).strip()
+    misleads = name.startswith((f"{error} ", "/")) or name == _OTHERS
+    return f'"{name}"' if misleads else name
 
 
 def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:

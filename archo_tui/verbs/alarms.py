@@ -58,9 +58,15 @@ class _OfAlarm(Verb):
 
 def _fitting(station: Station, name: str) -> list[Alarm]:
     """Return the alarm of that name, or else all whose names begin with it."""
-    alarms, wanted = station.view.alarms, name.lower()
-    exact = [alarm for alarm in alarms if alarm.name.lower() == wanted]
-    return exact or [alarm for alarm in alarms if alarm.name.lower().startswith(wanted)]
+    alarms, wanted = station.view.alarms, _typed(name)
+    exact = [alarm for alarm in alarms if alarm.name.lower() == name.lower()]
+    exact = exact or [alarm for alarm in alarms if _typed(alarm.name) == wanted]
+    return exact or [alarm for alarm in alarms if _typed(alarm.name).startswith(wanted)]
+
+
+def _typed(name: str) -> str:
+    """Return a name as it may be typed: its quotes are lost, and its spaces counted as one."""
+    return " ".join(name.replace('"', "").lower().split())
 
 
 class Acknowledge(_OfAlarm):

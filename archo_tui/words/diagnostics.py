@@ -22,7 +22,7 @@ def diagnostic_line(status: Diagnostic, now: float) -> str:
     """
     part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
     head = f"{GLYPHS[status.level]} {status.level.value:<5} {part}"
-    if status.level is DiagnosticLevel.STALE:
+    if status.is_silent_at(now):
         return f"{head}: {status.message} (old, {age_text(now - status.received)})"
     return f"{head}: {status.message}" if status.message else head
 

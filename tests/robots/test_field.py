@@ -78,6 +78,16 @@ async def test_a_part_that_falls_silent_is_stale() -> None:
         await op.until("STALE base: fan (sn 12): no status for")
 
 
+async def test_a_name_with_odd_spaces_is_acknowledged_as_it_is_read() -> None:
+    async with field() as (op, node):
+        node.parts["base:  fan"] = (DiagnosticStatus.WARN, "slow")
+        await op.until("WARN base:")
+        station = op.session.station
+        outcome = await op.app.verbs["ack"].run(station, {"alarm": "diagnostics base: fan"})
+        assert outcome.ok
+        assert station.view.alarms[0].acknowledged
+
+
 async def test_words_tell_pose_and_parts() -> None:
     _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
     assert "x 1.2, y 0.4, 90°, map" in said

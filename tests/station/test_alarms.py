@@ -39,6 +39,7 @@ from archo_tui.station.alarms import (
     STOPPED,
     AlarmState,
     Priority,
+    kind_of,
 )
 from archo_tui.station.history import History
 from archo_tui.station.remedies import remedy_hints
@@ -509,11 +510,69 @@ def test_parts_that_all_fall_silent_are_one_alarm() -> None:
     assert conditions(silent, NOW) == {"diagnostics /diagnostics": text}
 
 
-def test_a_part_that_flaps_within_the_delay_raises_nothing() -> None:
+def test_a_part_that_is_bad_once_within_the_delay_raises_nothing() -> None:
     board = AlarmBoard()
     bad = {"diagnostics motor": "WARN motor: words"}
+    for tenth in range(60):
+        assert not board.update(bad if tenth < 15 else {}, tenth / 10, tenth / 10)
+
+
+@pytest.mark.parametrize("name", ["diagnostics motor", "diagnostics error motor"])
+def test_a_part_that_flaps_is_one_alarm_until_it_is_well(name: str) -> None:
+    board = AlarmBoard()
+    changes = []
     for second in range(20):
-        assert not board.update(bad if second % 2 else {}, second, second)
+        changes += board.update({name: "words"} if second % 2 else {}, second, second)
+    assert [(alarm.name, alarm.is_over) for alarm in changes] == [(name, False)]
+    board.update({}, 21, 21)
+    (alarm,) = board.all()
+    assert alarm.is_over
+
+
+def test_a_part_between_error_and_warning_has_its_error_alone() -> None:
+    board = AlarmBoard()
+    warning, error = {"diagnostics motor": "WARN"}, {"diagnostics error motor": "ERROR"}
+    for half in range(30):
+        board.update(error if half % 2 else warning, half / 2, half / 2)
+        assert half < 8 or [alarm.name for alarm in board.all()] == ["diagnostics error motor"]
+    for second in range(15, 20):
+        board.update(warning, second, second)
+    assert "diagnostics motor" in [alarm.name for alarm in board.all() if not alarm.is_over]
+
+
+def test_a_part_whose_name_reads_like_another_alarm_is_in_quotes() -> None:
+    parts = (
+        part("motor", DiagnosticLevel.ERROR),
+        part("error motor", DiagnosticLevel.WARN),
+        part("others", DiagnosticLevel.WARN),
+    )
+    found = conditions(NORMAL._replace(diagnostics=parts), NOW)
+    assert found == {
+        "diagnostics error motor": "ERROR motor: words",
+        'diagnostics "error motor"': "WARN error motor: words",
+        'diagnostics "others"': "WARN others: words",
+    }
+    assert kind_of('diagnostics "error motor"') == "diagnostics"
+
+
+def test_a_part_that_reports_itself_stale_says_why() -> None:
+    parts = (part("imu", DiagnosticLevel.STALE), part("gps", DiagnosticLevel.STALE))
+    snapshot = NORMAL._replace(diagnostics=parts)
+    assert conditions(snapshot, NOW)["diagnostics imu"] == "STALE imu: words"
+
+
+def test_what_is_still_heard_of_parts_is_told_while_contact_is_lost() -> None:
+    parts = (
+        part("base driver", DiagnosticLevel.ERROR),
+        part("lidar", DiagnosticLevel.ERROR, received=NOW - 60),
+    )
+    lost = NORMAL._replace(
+        diagnostics=parts,
+        battery=NORMAL.battery._replace(received=NOW - 60),
+        motion=replace(NORMAL.motion, received=NOW - 60),
+    )
+    found = conditions(lost, NOW)
+    assert list(found) == [CONTACT_LOST, "diagnostics error base driver"]
 
 
 def test_an_error_takes_the_place_of_the_warning_of_its_part() -> None:

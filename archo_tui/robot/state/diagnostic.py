@@ -40,5 +40,8 @@ class Diagnostic(NamedTuple):
 
     def level_at(self, now: float) -> DiagnosticLevel:
         """Return the level, which is STALE after three periods of silence, at least 5 s."""
-        allowed = max(3 * (self.period or 0.0), LEAST_STALE)
-        return DiagnosticLevel.STALE if now - self.received > allowed else self.level
+        return DiagnosticLevel.STALE if self.is_silent_at(now) else self.level
+
+    def is_silent_at(self, now: float) -> bool:
+        """Return True after three periods of silence, at least 5 s."""
+        return now - self.received > max(3 * (self.period or 0.0), LEAST_STALE)
