@@ -6,14 +6,16 @@ import asyncio
 from typing import Any
 
 import pytest
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32MultiArray, String, UInt8MultiArray
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot import inspection
+from archo_tui.robot import inspection, message_text
 from archo_tui.robot.listener import Listener
-from tests.support.quiet import until
+from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -89,3 +91,55 @@ async def test_bytes_of_another_definition_are_an_error_in_a_line() -> None:
         counted._class = Float32MultiArray
         with pytest.raises(ArchoError, match="its publisher may have another definition"):
             counted.decode(counted.newest[1])
+
+
+class Changing(Node):
+    """Publishes at 10 Hz, reliable at first, and best effort after `change`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("changing", **options)
+        self._publisher = self.create_publisher(String, "fast", 10)
+        self.create_timer(0.1, lambda: self._publisher.publish(String(data="hello")))
+
+    def change(self) -> None:
+        """Replace the publisher."""
+        before = self._publisher
+        self._publisher = self.create_publisher(String, "fast", qos_profile_sensor_data)
+        self.destroy_publisher(before)
+
+
+async def test_a_publisher_with_another_qos_is_heard_again() -> None:
+    made: list[Changing] = []
+    async with robot(making(made, Changing)) as it, it.inspect("/fast", String) as counted:
+        await until(lambda: counted.count)
+        executor = made[0].executor
+        assert executor is not None
+        executor.create_task(made[0].change)
+        await until(lambda: made[0]._publisher.qos_profile.depth == 5)
+        await while_passes(1.0)
+        before = counted.count
+        it.refit(counted)
+        await until(lambda: counted.count > before + 2)
+        it.refit(counted)  # Changes nothing.
+        await until(lambda: counted.count > before + 6)
+
+
+async def test_a_secret_parameter_stays_secret() -> None:
+    def secretive(**options: Any) -> Node:
+        node = Node("secretive", **options)
+        node.declare_parameter("password", "first")
+        node.create_timer(0.5, lambda: node.set_parameters([_password("hunter2")]))
+        return node
+
+    async with (
+        robot(secretive) as it,
+        it.inspect("/parameter_events", ParameterEvent) as counted,
+    ):
+        await until(lambda: counted.count)
+        text = message_text.as_text(counted.decode(counted.newest[1]))
+        assert "name: password" in text
+        assert "hunter2" not in text
+
+
+def _password(value: str) -> RclpyParameter[str]:
+    return RclpyParameter("password", value=value)
