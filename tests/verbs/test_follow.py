@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import threading
 from typing import Any
@@ -11,6 +12,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, Header
 
 import archo_tui
+from archo_tui.verbs.inspect import Echo, Shown
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
 from tests.support.shells import heard, raw, served, typed
@@ -46,8 +48,10 @@ async def test_messages_are_printed_until_an_empty_line() -> None:
         person.type("echo slow --follow\n")
         await person.until("following slow; an empty line ends it\nstamp:\n")
         await person.until("frame_id: map\n---\nstamp:")
+        await while_passes(3.0)
         person.type("\n")
         await until(lambda: not listens("/slow"))
+        assert 3 <= person.said.count("frame_id: map") <= 7  # None twice.
         assert await person.end() == 0
 
 
@@ -152,3 +156,32 @@ async def test_the_subscription_ends_with_its_shell() -> None:
         program.close()
         await until_beside(lambda: not listens("/fast"))
         await person.end()
+
+
+async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
+    shown: list[Shown] = []
+    may_show = False
+    async with operated(Talker) as person:
+        station = person._plain._station
+        echo = person._plain._verbs["echo"]
+        assert isinstance(echo, Echo)
+        following = asyncio.ensure_future(
+            echo.follow(
+                station,
+                {"topic": "/fast"},
+                shown.append,
+                lambda _: None,
+                for_program=True,
+                has_room=lambda: may_show,
+            )
+        )
+        await until(lambda: listens("/fast"))
+        await while_passes(2.0)
+        assert not shown
+        may_show = True
+        await until(lambda: shown)
+        assert shown[0].left_out > 20
+        assert shown[0].text == ""
+        following.cancel()
+        await until(lambda: not listens("/fast"))
+        assert await person.end() == 0
