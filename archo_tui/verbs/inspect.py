@@ -132,18 +132,21 @@ class Echo(_OfTopic):
         """
         clock, fields = station.clock, values.get("field", ())
         async with self.inspect(station, values["topic"]) as inspection:
-            seen, begun, is_noted = 0, clock.monotonic(), False
-            refit_at = begun + _REFIT
+            seen, is_noted = 0, False
+            silent_since = clock.monotonic()
+            refit_at = silent_since + _REFIT
             while True:
                 number, data = inspection.newest
                 if number != seen and has_room():
                     text, told = await in_daemon(_shown, inspection, data, fields, for_program)
                     show(Shown(text, told, number - seen - 1))
-                    seen = number
+                    seen, is_noted, silent_since = number, False, clock.monotonic()
                 now = clock.monotonic()
-                if not (number or is_noted) and now - begun >= WAIT:
-                    note((await _nothing(station, inspection.topic, WAIT)).text)
+                if not is_noted and number == seen and now - silent_since >= WAIT:
                     is_noted = True
+                    why = await _nothing(station, inspection.topic, WAIT)
+                    if not seen or why.code == Code.NOT_OFFERED:  # Otherwise it is a rare one.
+                        note(why.text)
                 if now >= refit_at:
                     station.robot.refit(inspection)
                     refit_at = now + _REFIT
@@ -203,5 +206,7 @@ async def _nothing(station: Station, topic: str, seconds: float) -> Outcome:
     info = await _ask(station, topic)
     nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
     names = ", ".join(sorted(nodes))
-    why = f"{names} published nothing" if names else "it has no publisher"
-    return Outcome(Code.TIMEOUT, f"no message on {topic} in {seconds:g} s: {why}")
+    text = f"no message on {topic} in {seconds:g} s"
+    if not info.publishers:
+        return Outcome(Code.NOT_OFFERED, f"{text}: it has no publisher")
+    return Outcome(Code.TIMEOUT, f"{text}: {names or 'its publisher'} published nothing")

@@ -27,11 +27,16 @@ class Talker(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("talker", **options)
         self._counts, self._fast = 0, self.create_publisher(Float32, "fast", 10)
-        self.create_timer(0.05, self._publish)
+        self._fast_timer = self.create_timer(0.05, self._publish)
         slow = self.create_publisher(Header, "slow", 10)
-        self.create_timer(1.0, lambda: slow.publish(Header(frame_id="map")))
+        self.slow_timer = self.create_timer(1.0, lambda: slow.publish(Header(frame_id="map")))
         self._silent = self.create_publisher(Header, "silent", 10)
         TALKERS[:] = [self]
+
+    def leave_fast(self) -> None:
+        """Publish nothing more on `fast`, and leave it."""
+        self._fast_timer.cancel()
+        self.destroy_publisher(self._fast)
 
     def _publish(self) -> None:
         self._counts += 1
@@ -89,6 +94,22 @@ async def test_why_nothing_comes_is_said_and_waited_on() -> None:
         await person.until("failed: echo: no topic /nosuch is on the graph")
         await until(lambda: not listens("/silent"))
         assert await person.end() == 1
+
+
+async def test_that_the_publisher_has_gone_is_said_once() -> None:
+    async with operated(Talker, at_terminal=True) as person:
+        person.type("echo fast --follow\n")
+        await person.until("data: ")
+        executor = TALKERS[0].executor
+        assert executor is not None
+        executor.create_task(TALKERS[0].leave_fast)
+        await person.until("no message on /fast in 5 s: it has no publisher")
+        await while_passes(12.0)
+        assert person.said.count("no publisher") == 1
+        TALKERS[0].slow_timer.cancel()
+        person.type("echo slow --follow\n")
+        await person.until("no message on /slow in 5 s: talker published nothing")
+        assert await person.end() == 0
 
 
 @pytest.mark.real_time
