@@ -508,6 +508,7 @@ class Robot:
     def _poll(self) -> None:
         self._earlier_log.report_if_due()
         self._poller.poll_if_due()
+        self._handlers.forget_clocks()
         if self._stopping.must_repeat and self._telemetry.is_robot_heard():
             self._thread.submit(self._stopping.send_again)
 

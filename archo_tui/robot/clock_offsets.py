@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 LARGEST = 1.0  # Seconds; a larger offset is reported.
@@ -47,3 +47,9 @@ class ClockOffsets:
             return False
         self.large = {**self.large, source: offset}
         return True
+
+    def forget(self, sources: Collection[str]) -> None:
+        """Forget sources that are not there any more, or whose stamps are of no clock."""
+        self.large = {name: offset for name, offset in self.large.items() if name not in sources}
+        for source in sources:
+            self._offsets.pop(source, None)

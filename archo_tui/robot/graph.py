@@ -189,6 +189,10 @@ class Graph:
             elif not is_of_every_node(kinds):
                 self._named_services[name] = tuple(kinds)
 
+    def is_published(self, topic: str) -> bool:
+        """Return whether a node publishes a topic, by its full name."""
+        return bool(self._node.count_publishers(topic))
+
     def is_ours(self, name: str) -> bool:
         """Return True for a name in the robot's namespace, or below it, that is not hidden."""
         return name.startswith(self._below) and not is_hidden(name)

@@ -135,6 +135,18 @@ class MessageHandlers:
         if not (self._own_nodes() or self._graph.has_clock):
             self._compare_clocks(topic, stamp)
 
+    def forget_clocks(self) -> None:
+        """Forget the clocks of nodes and topics that have left, and stamps of simulated time."""
+        gone = [
+            source
+            for source in self._clock_offsets.large
+            if source not in self._graph.names
+            and (self._graph.has_clock or not self._graph.is_published(source))
+        ]
+        if gone:
+            self._clock_offsets.forget(gone)
+            self._snapshots.send_soon()
+
     def _compare_clocks(self, source: str, stamp: Any) -> None:
         if self._clock_offsets.add(source, stamp, self._clock.now()):
             self._snapshots.send_soon()

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 
 from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.station.alarm_conditions import conditions
 from tests.support.clock import NOW
+from tests.support.quiet import until
+from tests.support.robot import making, robot
 from tests.support.states import NORMAL
 
 
@@ -50,3 +57,40 @@ def test_the_alarm_names_who_is_off_and_how_far() -> None:
     clocks = NORMAL._replace(clock_offsets={"/base": -3.2, "/odom": 61.0})
     text = "CLOCKS DIFFER: /odom is 61.0 s ahead, /base is 3.2 s behind: set one of them"
     assert conditions(clocks, NOW)["clocks differ"].startswith(text)
+
+
+class Odometer(Node):
+    """Publishes with a stamp of 1970."""
+
+    def __init__(self, **options: Any) -> None:
+        from nav_msgs.msg import Odometry
+
+        super().__init__("odometer", **options)
+        self.publisher = self.create_publisher(Odometry, "odom", 10)
+        message = Odometry()
+        message.header.stamp.sec = 5
+        self.create_timer(0.1, lambda: self.publisher.publish(message))
+
+    def leave(self) -> None:
+        for timer in self.timers:
+            timer.cancel()
+        self.destroy_publisher(self.publisher)
+
+    def simulate(self) -> None:
+        self.create_publisher(Clock, "/clock", 10)
+
+
+@pytest.mark.parametrize("ends", [Odometer.leave, Odometer.simulate])
+async def test_what_left_or_is_simulated_has_no_clock(here: Path, ends: Any) -> None:
+    pytest.importorskip("nav_msgs")
+    file = here / "base.yaml"
+    file.write_text(
+        "version: 1\nname: Base\nstop: none\nmotion: {topic: odom, types: "
+        "{nav_msgs/msg/Odometry: {speed: twist.twist.linear.x}}}\n"
+    )
+    made: list[Any] = []
+    async with robot(making(made, Odometer), robot=file) as it:
+        it.own_nodes = tuple  # As if the node ran on another computer.
+        await until(lambda: "/odom" in it.snapshot.clock_offsets)
+        ends(made[0])
+        await until(lambda: "/odom" not in it.snapshot.clock_offsets)
