@@ -86,14 +86,24 @@ class OperateOtherRobot(Command):
             return "the STOP is not confirmed"
         if station.running_goal is not None:
             return "a goal runs: cancel it first"
+        if station.queue.waiting or station.queue.is_going:
+            return "a goal waits or is being sent: cancel it first"
         return "" if snapshot.other_namespaces else "no other namespace has nodes"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.choose import Choice, Choose
 
         names = console.station.robot.snapshot.other_namespaces
-        choices = [Choice(name, partial(console.station.operate, name)) for name in names]
+        choices = [Choice(name, partial(self._operate, console, name)) for name in names]
         console.open(Choose("Operate another robot", choices))
+
+    def _operate(self, console: Console, namespace: str) -> None:
+        """Start again for a namespace, unless this robot is needed here since the list opened."""
+        reason = self.disabled_reason(console)
+        if reason:
+            console.show_message(reason)
+            return
+        console.station.operate(namespace)
 
 
 def _answer(console: Console, number: int, allowed: bool) -> None:

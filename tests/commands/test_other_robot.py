@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from unittest.mock import patch
 
 from archo_tui.robot.state import OpenStop
 from tests.support.quiet import Quiet
@@ -37,3 +38,20 @@ async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
     assert command.disabled_reason(app) == "the STOP is not confirmed"
     robot.snapshot = NORMAL._replace(other_namespaces=())
     assert command.disabled_reason(app) == "no other namespace has nodes"
+
+
+async def test_a_stop_behind_the_list_keeps_the_console_with_its_robot() -> None:
+    app = stub_app(NORMAL._replace(other_namespaces=("/tb1", "/tb2")))
+    app.station.attached = True
+    restarts: list[str] = []
+    with patch.object(app, "restart", restarts.append):
+        async with app.run_test() as pilot:
+            quiet = Quiet(app)
+            app.action_command("other_robot")
+            await quiet.settle()
+            robot: Any = app.station.robot
+            robot.snapshot = robot.snapshot._replace(open_stop=OpenStop(0.0))
+            await pilot.press("enter")
+            await quiet.settle()
+    assert restarts == []
+    assert app.station.next_namespace == ""
