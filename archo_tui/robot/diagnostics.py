@@ -41,15 +41,25 @@ class Diagnostics:
             True if a level differs from the one before, or a name is new.
         """
         found = dict(self._by_name)
+        well: list[str] | None = None  # What gives way to a part that is not well.
         for status in message.status:
             name = harmless(status.name) or "(without a name)"
+            level = _LEVELS.get(_number(status.level), DiagnosticLevel.ERROR)
             if name not in found and len(found) >= _MOST:
-                continue
+                if level is DiagnosticLevel.OK:
+                    continue
+                well = _well(self._by_name) if well is None else well
+                while well and not _is_well(found.get(well[-1])):
+                    well.pop()
+                if not well:
+                    continue
+                found.pop(well[-1])
+                self._periods.pop(well.pop())
             period = self._periods[name] = self._periods.get(name, Period()).with_message_at(now)
             found[name] = Diagnostic(
                 name,
                 harmless(status.hardware_id),
-                _LEVELS.get(_number(status.level), DiagnosticLevel.ERROR),
+                level,
                 harmless(status.message),
                 now,
                 period.typical,
@@ -59,6 +69,16 @@ class Diagnostics:
         self._by_name = found
         self.all = tuple(found[name] for name in sorted(found))
         return changed
+
+
+def _well(found: Mapping[str, Diagnostic]) -> list[str]:
+    """Return the names of the statuses that are OK, the oldest last."""
+    well = filter(_is_well, found.values())
+    return [status.name for status in sorted(well, key=lambda status: -status.received)]
+
+
+def _is_well(status: Diagnostic | None) -> bool:
+    return status is not None and status.level is DiagnosticLevel.OK
 
 
 def _number(level: Any) -> int:

@@ -57,3 +57,15 @@ def test_names_without_end_do_not_fill_the_memory() -> None:
     for number in range(3000):
         table.take(array((f"part {number}", 0, "")), 0.0)
     assert len(table.all) == 1000
+
+
+def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
+    table = Diagnostics()
+    table.take(array(*((f"part {number}", 0, "") for number in range(1000))), 0.0)
+    assert table.take(array(("late", 2, "hot"), ("later", 0, "")), 1.0)
+    assert len(table.all) == 1000
+    bad = [status.name for status in table.all if status.level is not DiagnosticLevel.OK]
+    assert bad == ["late"]
+    for number in range(3000):
+        table.take(array((f"bad {number}", 2, "")), 2.0)
+    assert len(table.all) == 1000
