@@ -29,7 +29,7 @@ def replay(options: Namespace) -> int:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
-    from archo_tui.replay.resolve import load_robot_file, open_bag
+    from archo_tui.replay.resolve import load_robot_file, open_bag, opening_time
 
     bag = open_bag(options.recording)
     robot = load_robot_file(bag, options.robot)
@@ -53,7 +53,9 @@ def replay(options: Namespace) -> int:
     heed_signals()
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()
-    station = RecordedStation(Player(bag, robot, clock), clock)
+    player = Player(bag, robot, clock)
+    player.go_to(opening_time(bag.path, bag.start))
+    station = RecordedStation(player, clock)
     app = ReplayApp(station, keys, themes.remembered_theme())
     with guarded_stderr(log_file()):
         app.run()

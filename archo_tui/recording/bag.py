@@ -25,6 +25,7 @@ _METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
 _MCAP_NAME = "recording_0.mcap"
 _MAX_REASON = 1000  # Characters; another tool's bag may hold any text.
 _MAX_COUNT = 2**62  # In ns since the epoch: the year 2116.
+_NANOSECONDS = re.compile(r"[0-9]{1,19}")
 _NUMBER = re.compile(r"[0-9]{1,9}")
 _CHUNK_SIZE = 64 * 1024  # Bytes of a chunk; a damaged byte costs all of it.
 _YIELD_EVERY = 32  # Messages after which other threads get a turn.
@@ -225,6 +226,7 @@ class BagInfo(NamedTuple):
     why: str
     kept: bool
     number: int = 0  # The place in the order of writing; 0: another tool wrote the bag.
+    at: float | None = None  # Unix time of the first trigger, in s; None if there was none.
 
 
 def read_info(folder: Path) -> BagInfo:
@@ -238,7 +240,7 @@ def read_info(folder: Path) -> BagInfo:
         bag = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
         custom = bag.get("custom_data")
         ours = custom if isinstance(custom, dict) else {}
-        why, number = ours.get("why"), str(ours.get("number"))
+        why, number, at = ours.get("why"), str(ours.get("number")), str(ours.get("at"))
         return BagInfo(
             _checked_count(bag["starting_time"]["nanoseconds_since_epoch"]) / 1e9,
             _checked_count(bag["duration"]["nanoseconds"]) / 1e9,
@@ -246,6 +248,7 @@ def read_info(folder: Path) -> BagInfo:
             why[:_MAX_REASON] if isinstance(why, str) else "",
             ours.get("kept") == "yes",
             int(number) if _NUMBER.fullmatch(number) else 0,
+            int(at) / 1e9 if _NANOSECONDS.fullmatch(at) else None,
         )
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
         raise ValueError(f"{folder.name}: {METADATA} does not describe a bag") from None

@@ -315,6 +315,7 @@ class BlackBox:
         from archo_tui.recording import bag, store
 
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
+        about["at"] = str(int(recording.at * 1e9))
         messages = recording.messages
         times = [message.time / 1e9 for message in messages] or [recording.at]
 

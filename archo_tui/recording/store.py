@@ -75,7 +75,8 @@ def list_recordings(folder: Path) -> list[Recording]:
 def _read_recording(path: Path) -> Recording:
     info = bag.read_info(path)
     size = sum(file.lstat().st_size for file in path.iterdir())
-    return Recording(path, *info[:5], size, info.number)
+    why, kept = info.why, info.kept
+    return Recording(path, info.start, info.seconds, info.messages, why, kept, size, info.number)
 
 
 def delete(recording: Recording) -> None:

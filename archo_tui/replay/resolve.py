@@ -8,10 +8,12 @@ from pathlib import Path
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recording import store
+from archo_tui.recording.bag import read_info
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import RobotFile
 
+BEFORE_MARK = 5.0  # Seconds.
 _MAX_FAULTS = 3  # In the error for a bag without a message.
 
 
@@ -53,6 +55,20 @@ def open_bag(given: str) -> BagFile:
         faults = "".join(f"; {fault}" for fault in bag.faults[:_MAX_FAULTS])
         raise ArchoError(f"{bag.path}: no message is in it{faults}")
     return bag
+
+
+def opening_time(path: Path, start: float) -> float:
+    """Return where the replay of a bag opens: shortly before what triggered the recording.
+
+    Args:
+        path: The bag.
+        start: Unix time of its first message, in s, where a bag without a trigger opens.
+    """
+    try:
+        at = read_info(path).at
+    except (OSError, ValueError):  # Another tool's bag, or a single file.
+        at = None
+    return start if at is None else max(at - BEFORE_MARK, start)
 
 
 def load_robot_file(bag: BagFile, given: str) -> RobotFile:

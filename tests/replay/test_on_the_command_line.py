@@ -18,10 +18,10 @@ from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.report import report_lines
-from archo_tui.replay.resolve import find_recording, load_robot_file
+from archo_tui.replay.resolve import find_recording, load_robot_file, opening_time
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain
-from tests.support import chosen
+from tests.support import chosen, clock
 from tests.support.console import LONG, console
 
 pytestmark = pytest.mark.skipif(
@@ -81,6 +81,28 @@ async def test_without_a_name_the_newest_is_meant() -> None:
     assert find_recording("") == path
     assert find_recording("an_older_one") == older
     assert find_recording(str(older)) == older
+
+
+async def test_a_replay_opens_five_seconds_before_what_triggered_the_recording() -> None:
+    async with console(*LONG) as op:
+        await op.at(clock.seconds() + 20.0)
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        pressed = op.app.view.time
+        path = await written(op)
+    bag_file = BagFile(path)
+    opens = opening_time(path, bag_file.start)
+    assert opens > bag_file.start + 5.0
+    assert abs(opens - (pressed - 5.0)) < 1.0
+
+
+@pytest.mark.parametrize("at", ["", "soon", "-1", "9" * 30, "1"])
+def test_a_bag_without_a_known_trigger_opens_at_its_beginning(at: str, tmp_path: Path) -> None:
+    begin = 1_700_000_000
+    heard = [ReceivedMessage(begin * 10**9, "/rosout", Log(name="dashboard", msg="as always"))]
+    bag.write(tmp_path, heard, {"at": at} if at else {})
+    assert opening_time(tmp_path, begin) == begin
+    assert opening_time(tmp_path / "no_bag", begin) == begin
 
 
 def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
