@@ -61,6 +61,8 @@ class AskPath(Form):
         self._recent = [texts[0] for texts in reversed(entries) if texts]
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
         self.set_text(".recent", Content.styled(shown, "$quiet"))
+        for recent in self.query(".recent"):
+            recent.display = shown != ""
 
     def step(self, step: int) -> None:
         """Fill in an older path (-1) or a newer one (1), the newest of all being the default."""

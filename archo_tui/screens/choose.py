@@ -141,7 +141,7 @@ class Choose(Dialog[None]):
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog choosing") as box:
-            box.styles.height = max(len(self._all), 1) + 5  # Border, field and count.
+            box.styles.height = max(len(self._all), 1) + 4  # Border, field and count.
             box.border_title = self.title
             box.border_subtitle = "type to narrow   ↑ ↓, enter   esc cancel"
             yield self._narrow

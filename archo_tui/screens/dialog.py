@@ -20,6 +20,8 @@ from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 
+DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
+
 
 class DialogFooter(Line):
     """The line, in place of the footer, with the keys that work in dialogs, too: STOP first."""
@@ -45,6 +47,12 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     def compose(self) -> ComposeResult:
         yield from self.body()
         yield DialogFooter()
+
+    def on_descendant_focus(self) -> None:
+        """Fill the button that enter presses while a field has the focus."""
+        in_field = isinstance(self.focused, Field)
+        for button in self.query(Button):
+            button.set_class(in_field and button.id in DEFAULT_BUTTONS, "-default")
 
     def body(self) -> ComposeResult:
         """Yield the widgets of the dialog."""
