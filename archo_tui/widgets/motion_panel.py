@@ -59,6 +59,7 @@ class MotionPanel(Panel, can_focus=True):
         release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"
         stopped = state == STOPPED
         self._services[-1][1].set_class(stopped, "-stopped")
+        self._services[-1][1].set_class(self.app.no_color, "-no-colour")  # Red would be dark.
         can_release = stopped and view.key("release") and "release" not in view.blocked
         if can_release:
             self._word.show(Content.assemble(content(state), Content.from_markup(release)))

@@ -80,3 +80,21 @@ async def test_a_banner_goes_across_the_whole_width_until_it_is_acknowledged() -
         row = app.screen._compositor.render_strips()[1]
         assert "STOPPED: look for the cause" in row.text
         assert not any(segment.style is not None and segment.style.reverse for segment in row)
+
+
+async def test_without_colours_stop_is_the_strongest_contrast_until_the_robot_is_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    app = stub_app(STATES["normal"], StandingClock())
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        style = stop_button(app).style
+        assert style is not None
+        assert contrast(*colours(style)) > 10
+        app._take(STATES["motor stopped"])
+        await quiet.settle()
+        style = stop_button(app).style
+        assert style is not None
+        assert 4.5 <= contrast(*colours(style)) < 10
