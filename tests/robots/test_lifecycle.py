@@ -113,7 +113,9 @@ async def test_a_node_that_no_longer_answers_is_not_shown_as_active() -> None:
         await op.until(", no answer")
         assert "○ navigator" in op.text
         station = op.session.station
-        outcome = await op.app.verbs["lifecycle"].run(station, {"node": "/navigator"})
+        told = asyncio.ensure_future(op.app.verbs["lifecycle"].run(station, {"node": "/navigator"}))
+        await op.until(told.done)
+        outcome = told.result()
         assert outcome.code is Code.TIMEOUT
         assert outcome.text.startswith("no answer from navigator")
 
