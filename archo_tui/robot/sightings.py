@@ -12,7 +12,7 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.sampling import Sample
 from archo_tui.robot.state import TOPIC, Resource
 from archo_tui.robot_file.known_types import READ
-from archo_tui.robot_file.proposal import Sighting
+from archo_tui.robot_file.sighting import Sighting
 
 
 async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:

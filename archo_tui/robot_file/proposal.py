@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import posixpath
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple
 
 from archo_tui.robot_file import known_types
@@ -14,42 +13,13 @@ from archo_tui.robot_file.model import (
     CommandService,
     MotionTopic,
     PoseTopic,
-    StopServices,
 )
 from archo_tui.robot_file.proposed_goals import propose_goal, title_of, word_of
+from archo_tui.robot_file.proposed_stops import is_stop, proposed_stops
 from archo_tui.robot_file.reserved import unused_word
+from archo_tui.robot_file.sighting import Sighting, served_reason, topic_reason
 
 Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics"]
-
-
-@dataclass(frozen=True)
-class Sighting:
-    """A topic, service or action that was seen on the graph.
-
-    Attributes:
-        kind: "topic", "service" or "action".
-        name: Its full name.
-        types: Its types; usually one.
-        nodes: The full names of the nodes that publish or serve it.
-        lifecycles: The states of those nodes that are managed, by node.
-        rate: Messages in a second; None if none came or nobody listened.
-        values: The primitive fields of the last message by dotted path.
-        goal: The types of all fields of the goal or request by dotted path; None if the type is
-            not installed.
-        feedback: The same of an action's feedback.
-        result: The same of an action's result.
-    """
-
-    kind: Literal["topic", "service", "action"]
-    name: str
-    types: tuple[str, ...]
-    nodes: tuple[str, ...] = ()
-    lifecycles: Mapping[str, str] = field(default_factory=dict)
-    rate: float | None = None
-    values: Mapping[str, Any] = field(default_factory=dict)
-    goal: Mapping[str, str] | None = None
-    feedback: Mapping[str, str] = field(default_factory=dict)
-    result: Mapping[str, str] = field(default_factory=dict)
 
 
 class Entry(NamedTuple):
@@ -113,8 +83,11 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
     chosen = [pair for part in _TOPICS for pair in _topics(found, part)]
     chosen += _without_others(_goals(found))
-    stops = [sighting for sighting in ordered if _is_stop(sighting)]
-    chosen += _stop(stops)
+    stops = [sighting for sighting in ordered if is_stop(sighting)]
+    chosen += [
+        (Entry("stop", made, reason, is_sure=False), sighting)
+        for made, reason, sighting in proposed_stops(stops)
+    ]
     chosen += _without_others(pair for pair in found if pair[0].part == "commands")
     where = _common_namespace(chosen, namespace)
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
@@ -151,15 +124,15 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
             yield Entry(
                 "diagnostics",
                 sighting.name,
-                f"{sighting.name} is a {known_types.DIAGNOSTICS}, published by {_nodes(sighting)}",
+                topic_reason(sighting, known_types.DIAGNOSTICS, measured=False),
             )
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
         )
         if goal is not None:
-            yield Entry("goals", goal, _served_reason(sighting))
-    elif not _is_stop(sighting):
+            yield Entry("goals", goal, served_reason(sighting))
+    elif not is_stop(sighting):
         yield from _command(sighting)
 
 
@@ -170,7 +143,7 @@ def _battery(sighting: Sighting) -> Iterator[Entry]:
         fields = named.fields if named and is_named else known_types.BATTERIES.get(kind)
         if fields is None:
             continue
-        reason = _topic_reason(sighting, kind)
+        reason = topic_reason(sighting, kind)
         value = sighting.values.get(fields.percentage.field)
         if isinstance(value, float) and value != value:
             reason += "; its percentage is not a number"
@@ -188,7 +161,7 @@ def _motion(sighting: Sighting) -> Iterator[Entry]:
     for kind in sighting.types:
         if kind in known_types.MOTIONS:
             topic = MotionTopic(sighting.name, {kind: known_types.MOTIONS[kind]})
-            yield Entry("motion", topic, _topic_reason(sighting, kind))
+            yield Entry("motion", topic, topic_reason(sighting, kind))
             return
 
 
@@ -196,7 +169,7 @@ def _pose(sighting: Sighting) -> Iterator[Entry]:
     for kind in sighting.types:
         if kind in known_types.POSES:
             topic = PoseTopic(sighting.name, {kind: known_types.POSES[kind]})
-            yield Entry("pose", topic, _topic_reason(sighting, kind))
+            yield Entry("pose", topic, topic_reason(sighting, kind))
             return
 
 
@@ -207,9 +180,9 @@ def _command(sighting: Sighting) -> Iterator[Entry]:
     toggle = next((known_types.TOGGLES[t] for t in sighting.types if t in known_types.TOGGLES), "")
     if toggle:
         made = replace(made, toggle={toggle: "ask"})
-        yield Entry("commands", made, _served_reason(sighting))
+        yield Entry("commands", made, served_reason(sighting))
     elif sighting.goal == {} or any(kind in known_types.COMMANDS for kind in sighting.types):
-        yield Entry("commands", made, _served_reason(sighting))
+        yield Entry("commands", made, served_reason(sighting))
 
 
 _TOPICS: tuple[Literal["battery", "motion", "pose"], ...] = ("battery", "motion", "pose")
@@ -245,76 +218,6 @@ def _goals(found: Iterable[Found]) -> list[Found]:
         return known.index(goal.type) if goal.type in known else len(known), not goal.form
 
     return sorted((pair for pair in found if pair[0].part == "goals"), key=rank)
-
-
-def _is_stop(sighting: Sighting) -> bool:
-    """Return True for a service that may stop the robot, or release a stop, by its name or type."""
-    if sighting.kind != "service":
-        return False
-    return (
-        "irobot_create_msgs/srv/EStop" in sighting.types
-        or any(word in sighting.name.lower() for word in known_types.STOP_WORDS)
-        or not _words(sighting.name).isdisjoint(known_types.STOP_WHOLE_WORDS)
-    )
-
-
-def _words(name: str) -> set[str]:
-    """Return the words of a name in lower case: of `/softStop/kill_switch` soft, stop, kill ..."""
-    parted = re.sub(r"([a-z0-9])([A-Z])", r"\1 \2", name)
-    return set(re.findall(r"[a-z]+", parted.lower()))
-
-
-def _stop(seen: Sequence[Sighting]) -> Iterator[Found]:
-    """Yield each service that may be the STOP, with what may release it; never as sure."""
-    releases = [s for s in seen if _is_release(s)]
-    for sighting in seen:
-        if sighting in releases:
-            continue
-        kind = next((t for t in sighting.types if t in known_types.STOPS), "")
-        stop = known_types.STOPS.get(kind, StopServices(""))
-        if kind:
-            made = replace(stop, service=sighting.name, release=sighting.name)
-        else:
-            release = _release(sighting, len(seen) - len(releases), releases)
-            made = replace(release, service=sighting.name)
-        reason = f"{_served_reason(sighting)}: is this the STOP? Then uncomment it"
-        if not kind and sighting.goal:
-            fields = ", ".join(f"{path} ({type_})" for path, type_ in sighting.goal.items())
-            reason += f", and say as `request` what is sent: {fields}"
-        yield Entry("stop", made, reason, is_sure=False), sighting
-
-
-def _is_release(sighting: Sighting) -> bool:
-    """Return True if the service releases a stop; only its own name counts, not its namespace."""
-    own_name = sighting.name.rpartition("/")[2].lower()
-    return any(word in own_name for word in known_types.RELEASE_WORDS)
-
-
-def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopServices:
-    """Return what may release a stop: beside or below it, with the most words of its name.
-
-    A service with further words releases something else: `clear_brake_stop` no emergency stop.
-
-    Args:
-        stop: The service that may be the STOP.
-        stops: The number of those.
-        releases: The services that may release one.
-    """
-    beside = stop.name.rpartition("/")[0]
-    words = _words(stop.name.removeprefix(beside))
-    near = [
-        (_words(release.name.removeprefix(beside)) - {*known_types.RELEASE_WORDS}, release)
-        for release in releases
-        if release.name.rpartition("/")[0] in (beside, stop.name)
-    ]
-    fitting = [pair for pair in near if pair[0] <= words]
-    if not fitting and stops == len(near) == 1:
-        fitting = near
-    if not fitting:
-        return StopServices("")
-    _, best = max(fitting, key=lambda pair: len(pair[0]))
-    toggle = next((known_types.TOGGLES[t] for t in best.types if t in known_types.TOGGLES), "")
-    return StopServices("", release=best.name, release_request={toggle: True} if toggle else {})
 
 
 def _without_others(chosen: Iterable[Found]) -> Iterator[Found]:
@@ -366,23 +269,3 @@ def _unknown_line(sighting: Sighting) -> str:
     lacking = sighting.kind != "topic" and sighting.goal is None
     why = ", which is not installed here" if lacking else ""
     return f"{sighting.kind} {sighting.name}: {', '.join(sighting.types)}{why}"
-
-
-def _topic_reason(sighting: Sighting, kind: str) -> str:
-    rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
-    rate = rate or (", one message came" if sighting.values else ", no message came")
-    by = f", published by {_nodes(sighting)}" if sighting.nodes else ", which nobody publishes"
-    others = [other for other in sighting.types if other != kind]
-    more = f" (and of {' and '.join(others)})" if others else ""
-    return f"{sighting.name} is a {kind}{more}{rate if sighting.nodes else ''}{by}"
-
-
-def _served_reason(sighting: Sighting) -> str:
-    twice = ": several serve it, so it is refused" if len(sighting.nodes) > 1 else ""
-    by = f" served by {_nodes(sighting)}" if sighting.nodes else ""
-    return f"{sighting.name} is a {', '.join(sighting.types)}{by}{twice}"
-
-
-def _nodes(sighting: Sighting) -> str:
-    states = sighting.lifecycles
-    return ", ".join(f"{n} ({states[n]})" if n in states else n for n in sighting.nodes)

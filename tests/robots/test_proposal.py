@@ -8,8 +8,9 @@ import pytest
 
 from archo_tui.robot_file.load import parse
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.robot_file.proposal import SeveralRobots, Sighting, propose
+from archo_tui.robot_file.proposal import SeveralRobots, propose
 from archo_tui.robot_file.proposal_text import text_of
+from archo_tui.robot_file.sighting import Sighting
 
 BATTERY = Sighting(
     "topic",
