@@ -174,7 +174,8 @@ def _painted(screen: Screen[Any]) -> str:
     cells = [[" "] * width for _ in range(height)]
     renders = [*screen._compositor._get_renders(screen.size.region)]
     for region, clip, strips in reversed(renders):  # from back to front
-        part = region.intersection(clip)
+        # Just after the terminal became smaller, a dialog may still be where it was.
+        part = region.intersection(clip).intersection(screen.size.region)
         for y, strip in zip(part.line_range, strips, strict=False):
             cells[y][part.x : part.right] = _cells(strip.text, part.width)
     return "\n".join("".join(line) for line in cells)
