@@ -6,6 +6,9 @@ from collections.abc import Callable
 from typing import Protocol, cast
 
 from textual import widgets
+from textual.strip import Strip
+
+_LINE_PAD = 2  # Cells around the label, as `line-pad: 1` below has it on either side.
 
 
 class RunsCommands(Protocol):
@@ -44,6 +47,12 @@ class Button(widgets.Button, inherit_css=False):
         """
         super().__init__(label, id=id, disabled=disabled, compact=True)
         self._does = does
+
+    def render_line(self, y: int) -> Strip:
+        """Leave out the label where it has no cell: Textual fails to wrap it there."""
+        if self.size.width <= _LINE_PAD:
+            return Strip.blank(self.size.width, self.rich_style)
+        return super().render_line(y)
 
     def press(self) -> Button:
         """Act at once; Textual would post a message, or call later."""
