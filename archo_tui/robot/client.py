@@ -423,15 +423,16 @@ class Robot:
         Raises:
             TimeoutError: The ROS thread does not answer.
         """
+        sampling = Sampling(self._node, self._clock, topics)
 
-        async def begin() -> Sampling:
-            return Sampling(self._node, self._clock, topics)
+        async def begin() -> None:
+            sampling.begin()
 
-        sampling = await self._thread.run(begin, QUESTION_TIMEOUT)
         try:
+            await self._thread.run(begin, QUESTION_TIMEOUT)
             await self._clock.sleep(seconds)
         finally:
-            self._thread.submit(sampling.end)
+            self._thread.submit(sampling.end)  # After `begin`, however late that comes.
         return sampling.samples
 
     @contextlib.asynccontextmanager

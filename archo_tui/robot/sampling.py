@@ -39,36 +39,37 @@ class Sample:
 
 
 class Sampling:
-    """Subscriptions to some topics, from its construction until `end`. ROS thread only.
+    """Subscriptions to some topics, from `begin` to `end`.
 
     Attributes:
         samples: What has come so far, by the full name of the topic; may be read on any thread.
     """
 
     def __init__(self, node: Node, clock: Clock, topics: Mapping[str, Any]) -> None:
-        """Subscribe, with a QoS that fits the publishers.
+        """Subscribe to nothing yet.
 
         Args:
             node: The console's node. The black box gets none of the messages.
             clock: The clock of the rates.
             topics: Message classes by the full name of the topic.
         """
-        self._node, self._clock = node, clock
+        self._node, self._clock, self._topics = node, clock, topics
         self.samples = {topic: Sample() for topic in topics}
-        self._subscriptions = [
-            node.create_subscription(
-                message_class,
-                topic,
-                self._callback(self.samples[topic]),
-                fitting_qos(node.get_publishers_info_by_topic(topic)),
+        self._subscriptions: list[Any] = []
+
+    def begin(self) -> None:
+        """Subscribe, with a QoS that fits the publishers. ROS thread only."""
+        for topic, message_class in self._topics.items():
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            subscription = self._node.create_subscription(
+                message_class, topic, self._callback(self.samples[topic]), fitting_qos(publishers)
             )
-            for topic, message_class in topics.items()
-        ]
+            self._subscriptions.append(subscription)
 
     def _callback(self, sample: Sample) -> Any:
         return lambda message: sample.add(message, self._clock.monotonic())
 
     def end(self) -> None:
-        """Unsubscribe."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
+        """Unsubscribe. ROS thread only."""
+        while self._subscriptions:
+            self._node.destroy_subscription(self._subscriptions.pop())

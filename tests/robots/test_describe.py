@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 pytest.importorskip("depot_interfaces")
+
+from std_msgs.msg import Float32
 
 from archo_tui.robot_file.load import load
 from archo_tui.verbs import describe
@@ -53,3 +57,24 @@ async def test_goals_of_types_that_it_never_saw_get_their_forms(tmp_path: Path) 
         path.write_text(text.result())
     made = load(path)
     assert {goal.action for goal in made.goals} >= {"go_to", "dock", "undock"}
+
+
+async def test_a_ros_thread_that_answers_too_late_leaves_no_subscription(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cart = Path(__file__).with_name("cart.yaml")
+    async with console(robot=cart, node_makers=[Cart], wait=False) as op:
+        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
+        robot = op.session.robot
+
+        async def run_too_late(work: Callable[[], Any], _deadline: float) -> None:
+            robot._thread.submit(work)
+            raise TimeoutError
+
+        with monkeypatch.context() as patch:
+            patch.setattr(robot._thread, "run", run_too_late)
+            with pytest.raises(TimeoutError):
+                await robot.sample({"/sampled": Float32}, 1.0)
+        done = asyncio.create_task(robot.wait_for_events())
+        await op.until(done.done)
+        assert "/sampled" not in [s.topic_name for s in robot._node.subscriptions]
