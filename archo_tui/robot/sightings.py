@@ -21,6 +21,9 @@ async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:
     Args:
         robot: Runs, and knows the graph.
         seconds: How long to listen.
+
+    Raises:
+        TimeoutError: The ROS thread does not answer.
     """
     topics = [found for found in robot.snapshot.resources if found.kind == TOPIC]
     named = {

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.sightings import take_sightings
 from archo_tui.robot_file.proposal import propose
 from archo_tui.robot_file.proposal_text import text_of
+from archo_tui.robot_file.sighting import Sighting
 from archo_tui.station.station import Station
 
 LISTENING = 5.0  # Seconds: enough for two messages of a battery that is published every 2 s.
@@ -24,13 +27,19 @@ async def robot_file_text(station: Station) -> str:
     """
     seen = await take_sightings(station.robot, LISTENING)
     view = station.view
-    proposal = propose(seen, view.namespace)
-    day = time.strftime("%Y-%m-%d", time.localtime(station.clock.now()))
-    namespace = "" if proposal.namespace == "/" else f" --namespace {proposal.namespace}"
     attach = " --engine ros2 --attach" if station.attached else ""
+    # The more names are on the graph, the longer this takes.
+    return await in_daemon(_text, seen, view.namespace, view.engine, station.clock.now(), attach)
+
+
+def _text(seen: Sequence[Sighting], namespace: str, engine: str, now: float, attach: str) -> str:
+    """Return the text of the file, with the command line that uses it in its head."""
+    proposal = propose(seen, namespace)
+    day = time.strftime("%Y-%m-%d", time.localtime(now))
+    option = "" if proposal.namespace == "/" else f" --namespace {proposal.namespace}"
     head = (
-        f"Written by archo-tui from what was on the graph, {view.engine}, {day}.\n"
+        f"Written by archo-tui from what was on the graph, {engine}, {day}.\n"
         "Check every line: nothing here was tried. docs/own_robot.md explains the words.\n"
-        f"archo-tui{attach}{namespace} --robot THIS_FILE"
+        f"archo-tui{attach}{option} --robot THIS_FILE"
     )
     return text_of(proposal, head)
