@@ -56,10 +56,13 @@ def _sighting(found: Resource, sample: Sample | None) -> Sighting:
             feedback=feedback,
             result=result,
         )
-    if sample is None or sample.message is None:
-        return Sighting(kind, found.name, found.types, found.nodes)
+    seen = Sighting(kind, found.name, found.types, found.nodes)
+    if sample is None:
+        return replace(seen, was_listened_to=False)
+    if sample.message is None:
+        return seen
     values = {field.path: field.default for field in messages.flat_fields(sample.message)}
-    return Sighting(*(kind, found.name, found.types, found.nodes), rate=sample.rate, values=values)
+    return replace(seen, rate=sample.rate, values=values)
 
 
 _Types = Mapping[str, str]  # By dotted path.

@@ -121,11 +121,8 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
         yield from _motion(sighting)
         yield from _pose(sighting)
         if known_types.DIAGNOSTICS in sighting.types:
-            yield Entry(
-                "diagnostics",
-                sighting.name,
-                topic_reason(sighting, known_types.DIAGNOSTICS, measured=False),
-            )
+            reason = topic_reason(sighting, known_types.DIAGNOSTICS)
+            yield Entry("diagnostics", sighting.name, reason)
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result

@@ -17,7 +17,9 @@ class Sighting:
         types: Its types; usually one.
         nodes: The full names of the nodes that publish or serve it.
         lifecycles: The states of those nodes that are managed, by node.
-        rate: Messages in a second; None if none came or nobody listened.
+        was_listened_to: False for a topic without a subscription: its type is not installed, or
+            none of those that are read.
+        rate: Messages in a second; None before the second message.
         values: The primitive fields of the last message by dotted path.
         goal: The types of all fields of the goal or request by dotted path; None if the type is
             not installed.
@@ -30,6 +32,7 @@ class Sighting:
     types: tuple[str, ...]
     nodes: tuple[str, ...] = ()
     lifecycles: Mapping[str, str] = field(default_factory=dict)
+    was_listened_to: bool = True
     rate: float | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
     goal: Mapping[str, str] | None = None
@@ -37,20 +40,20 @@ class Sighting:
     result: Mapping[str, str] = field(default_factory=dict)
 
 
-def topic_reason(sighting: Sighting, kind: str, *, measured: bool = True) -> str:
+def topic_reason(sighting: Sighting, kind: str) -> str:
     """Return why a topic is taken for a part of the robot: its type, rate and publishers.
 
     Args:
         sighting: The topic.
         kind: The one of its types that counts.
-        measured: False if nobody listened to it.
     """
     rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
     rate = rate or (", one message came" if sighting.values else ", no message came")
     by = f", published by {nodes_text(sighting)}" if sighting.nodes else ", which nobody publishes"
     others = [other for other in sighting.types if other != kind]
     more = f" (and of {' and '.join(others)})" if others else ""
-    return f"{sighting.name} is a {kind}{more}{rate if sighting.nodes and measured else ''}{by}"
+    came = rate if sighting.nodes and sighting.was_listened_to else ""
+    return f"{sighting.name} is a {kind}{more}{came}{by}"
 
 
 def served_reason(sighting: Sighting) -> str:

@@ -52,6 +52,13 @@ def test_battery_and_motion_are_read_as_their_types_say() -> None:
     )
 
 
+def test_a_topic_without_a_subscription_is_not_called_silent() -> None:
+    silent = Sighting("topic", "/odom", ODOMETRY.types, ("/base",))
+    assert "is a nav_msgs/msg/Odometry, no message came, published by /base" in text(silent)
+    unread = Sighting("topic", "/odom", ODOMETRY.types, ("/base",), was_listened_to=False)
+    assert "is a nav_msgs/msg/Odometry, published by /base" in text(unread)
+
+
 def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
     made = robot(BATTERY.__class__(**{**vars(BATTERY), "values": {"percentage": 87.0}}))
     assert made.battery is not None
