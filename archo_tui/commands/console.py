@@ -82,7 +82,7 @@ class OperateOtherRobot(Command):
         station, snapshot = console.station, console.station.robot.snapshot
         if not station.attached:
             return "only a console with --attach changes robots"
-        if snapshot.open_stop is not None:
+        if snapshot.open_stop is not None or not station.robot.stops.are_answered:
             return "the STOP is not confirmed"
         if station.running_goal is not None:
             return "a goal runs: cancel it first"

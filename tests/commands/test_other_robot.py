@@ -36,6 +36,10 @@ async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
     assert command.disabled_reason(app) == ""
     robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
     assert command.disabled_reason(app) == "the STOP is not confirmed"
+    robot.snapshot = elsewhere
+    robot.stops.register()  # A STOP that no snapshot shows yet.
+    assert command.disabled_reason(app) == "the STOP is not confirmed"
+    robot.stops.answered = robot.stops.count
     robot.snapshot = NORMAL._replace(other_namespaces=())
     assert command.disabled_reason(app) == "no other namespace has nodes"
 
