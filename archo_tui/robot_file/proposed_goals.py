@@ -10,7 +10,8 @@ from archo_tui.robot_file import known_types
 from archo_tui.robot_file.model import FormField, GoalKind, RemainingField
 
 _FRAME = "map"  # REP 105's fixed frame, in which goals of navigation are given.
-_REMAINING = re.compile(r"remaining|to_go|left")  # In the name of a feedback field.
+# In the name of a feedback field: not in that of `left_wheel_speed`.
+_REMAINING = re.compile(r"remaining|to_go|(^|_)left$")
 _MESSAGES = ("message", "final_message", "error_msg")  # Names of a result field with words.
 _NUMBERS = re.compile(r"u?int(8|16|32|64)|octet|float|double")
 _SIMPLE = re.compile(rf"{_NUMBERS.pattern}|boolean|w?string(<\d+>)?")

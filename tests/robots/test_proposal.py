@@ -238,6 +238,14 @@ def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:
     assert (goal.remaining.field, goal.message) == ("distance_left", "message")
 
 
+def test_the_left_wheel_is_not_what_is_left_of_a_goal() -> None:
+    feedback = {"left_wheel_speed": "float", "time_left": "float"}
+    found = action("/spin", "own_msgs/action/Spin", goal={"turns": "int32"}, feedback=feedback)
+    (goal,) = robot(found).goals
+    assert goal.remaining is not None
+    assert goal.remaining.field == "time_left"
+
+
 def test_a_goal_that_needs_a_list_or_an_absent_type_is_listed_only() -> None:
     path = action(
         "/tb1/follow_path",
