@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 DOMAINS = range(21)  # ROS_DOMAIN_ID 0 to 20: those that people choose by hand.
 _DISCOVERY = 3.0  # Seconds in which nodes answer.
 _TIMEOUT = 30.0  # Seconds for the process.
+_MOST_BYTES = 10_000_000  # Of the answer: the names of tens of thousands of nodes.
 
 
 async def find_nodes() -> Mapping[int, Sequence[str]]:
@@ -25,7 +26,7 @@ async def find_nodes() -> Mapping[int, Sequence[str]]:
 
     Raises:
         OSError: The process cannot be started.
-        TimeoutError: It did not end in time.
+        TimeoutError: It did not answer in time.
         ValueError: It failed.
     """
     # The same modules, also those of a zip file.
@@ -38,15 +39,20 @@ async def find_nodes() -> Mapping[int, Sequence[str]]:
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.DEVNULL,
+        limit=_MOST_BYTES,
     )
     assert process.stdout is not None
     try:
         out = await asyncio.wait_for(process.stdout.readline(), _TIMEOUT)
+    except asyncio.TimeoutError:  # Not the builtin TimeoutError before Python 3.11.
+        raise TimeoutError(f"no answer in {_TIMEOUT:g} s") from None
     finally:
         # To leave twenty-one domains one after the other would take seconds.
         with contextlib.suppress(ProcessLookupError):
             process.kill()
         await process.wait()
+    if not out:
+        raise ValueError("ROS 2 did not start in a process of its own")
     return {int(domain): nodes for domain, nodes in json.loads(out).items()}
 
 
