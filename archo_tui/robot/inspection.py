@@ -16,7 +16,7 @@ from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.endpoints import fitting_qos
 from archo_tui.robot.listener import Listener
 
-MAX_BYTES = 8_000_000  # Of a message that is decoded: some seconds, of many small parts.
+MAX_BYTES = 8_000_000  # Of a message that is decoded; with many small parts it takes seconds.
 
 
 class Inspection:

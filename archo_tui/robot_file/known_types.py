@@ -1,8 +1,7 @@
 """The table of ROS interface types whose meaning is known, for a first robot file.
 
-A robot file is proposed from this table only; no other part of the program decides by the name of a
-type. Sources are the comments in the interface files of sensor_msgs, nav_msgs, std_srvs, nav2_msgs
-and irobot_create_msgs.
+What a type means for a robot file is decided by this table only. Sources are the comments in the
+interface files of sensor_msgs, nav_msgs, std_srvs, nav2_msgs and irobot_create_msgs.
 """
 
 from __future__ import annotations
@@ -122,8 +121,9 @@ GOALS: Mapping[str, GoalKind] = {
     )
 }
 
-# Messages within a goal that are typed as fewer fields: labels by path, the yaw's last.
-GOAL_POSES: Mapping[str, tuple[str, str]] = {  # The path of the pose and of the frame, "" for none.
+# Messages within a goal that are typed as x, y and yaw: within each, the beginning of the paths of
+# position and orientation, and the path of the frame; "" for none.
+GOAL_POSES: Mapping[str, tuple[str, str]] = {
     "geometry_msgs/PoseStamped": ("pose.", "header.frame_id"),
     "geometry_msgs/Pose": ("", ""),
 }
@@ -134,11 +134,11 @@ OF_ROS = frozenset({"lifecycle_msgs", "rcl_interfaces", "type_description_interf
 COMMANDS = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty")  # Their requests have no field.
 TOGGLES: Mapping[str, str] = {"std_srvs/srv/SetBool": "data"}  # The bool of the request.
 
+_E_STOP = "irobot_create_msgs/srv/EStop"
+STOP_TYPES = frozenset({_E_STOP})  # A service of such a type is a STOP, whatever its name.
 # What a service of the type sends to stop and to release, if it is a STOP.
 STOPS: Mapping[str, StopServices] = {
-    "irobot_create_msgs/srv/EStop": StopServices(
-        "e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False}
-    ),
+    _E_STOP: StopServices("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False}),
     "std_srvs/srv/SetBool": StopServices("", {"data": True}, "", {"data": False}),
 }
 # In the name of a service: a STOP, however the words are joined (`softStop`, `stopmotors`).

@@ -46,7 +46,7 @@ def is_stop(sighting: Sighting) -> bool:
     if sighting.kind != "service":
         return False
     return (
-        "irobot_create_msgs/srv/EStop" in sighting.types
+        not known_types.STOP_TYPES.isdisjoint(sighting.types)
         or any(word in sighting.name.lower() for word in known_types.STOP_WORDS)
         or not _words(sighting.name).isdisjoint(known_types.STOP_WHOLE_WORDS)
     )
@@ -65,7 +65,7 @@ def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopSe
 
     Args:
         stop: The service that may be the STOP.
-        stops: The number of those.
+        stops: The number of services that may be the STOP.
         releases: The services that may release one.
     """
     beside = stop.name.rpartition("/")[0]

@@ -16,7 +16,7 @@ _FINAL = "finalized"  # The state from which there is no transition.
 
 
 class Lifecycle(Verb):
-    """The verb that shows or changes the state; what it changes is not undone by another STOP."""
+    """The verb that shows the state, or changes it by a transition."""
 
     id, title, tells = "lifecycle", "Lifecycle", True
     help = "Show the state of a managed node, or change it: configure, activate, ..."
