@@ -110,7 +110,8 @@ class Services:
             name: Its full name.
             request: The request.
             once: True to destroy the client after the answer, since rclpy checks every client at
-                each wake-up. Without an answer it stays, for an answer that is late.
+                each wake-up. Without an answer it stays, for an answer that is late; so it does
+                while another call of it waits.
             gate: The last check, made as the request leaves; None for a request that nobody typed.
             wait: Seconds to wait with a gate; without one, it is always DEADLINE.
             late: Called with an answer that comes after `wait`; only with a gate.
@@ -134,9 +135,18 @@ class Services:
             return future.result() if await self._in_time(future, wait, on_end) else None
         self.watch(future, client)
         answer = await future
-        if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
-            self._node.destroy_client(client)
+        key = (name, srv_type)
+        is_kept = self._clients.get(key) is client
+        if once and answer is not None and is_kept and not self._is_awaited(client):
+            self._node.destroy_client(self._clients.pop(key))
         return answer
+
+    def _is_awaited(self, client: Any) -> bool:
+        """Return True while another call of a client waits for its answer."""
+        return any(
+            of is client and not (future.done() or future.cancelled())
+            for _, _, future, of in self._pending
+        )
 
     def _keep_until_answered(self, turn: int, future: Any, client: Any) -> None:
         """Keep a request until it is answered; if there are too many, give up the oldest."""

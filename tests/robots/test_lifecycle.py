@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -68,6 +69,19 @@ async def test_a_refusal_names_the_inactive_server() -> None:
     async with managed() as (op, _):
         await op.press("g", "3", "enter")
         await op.until("/navigator is unconfigured")
+
+
+async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
+    async with managed() as (op, _):
+        robot, go_on = op.session.station.robot, threading.Event()
+        robot._thread.submit(go_on.wait)  # So that both questions leave before an answer comes.
+        asked = asyncio.gather(*(robot.lifecycle_transitions("/navigator") for _ in range(2)))
+        await asyncio.sleep(0)
+        go_on.set()
+        await op.until(asked.done)
+        first, second = asked.result()
+        assert "configure" in first
+        assert first == second
 
 
 async def test_what_the_node_rejects_is_said() -> None:
