@@ -64,10 +64,13 @@ class ListDiagnostics(Command):
 
 
 class LookAtDomains(VerbCommand):
+    """The command that looks for nodes in other domains, and shows them some seconds later."""
+
     def run(self, console: Console) -> Work:
         return self._look(console)
 
     async def _look(self, console: Console) -> None:
+        console.show_message(self.verb.begun, "Domains")
         outcome = await self.verb.run(console.station, {})
         console.show_message(outcome.text, "Domains")
 
