@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import textwrap
+from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.robot.state import Diagnostic, DiagnosticLevel
+from archo_tui.robot.state import DiagnosticLevel
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.alarm_conditions import worst_diagnostics
 from archo_tui.station.view import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
+
+
+class _Part(NamedTuple):
+    """A row of the list; it differs from the one before also if only the age in its text does."""
+
+    name: str
+    level: DiagnosticLevel
+    text: str
 
 
 class DiagnosticList(Dialog[None]):
@@ -30,8 +39,8 @@ class DiagnosticList(Dialog[None]):
         super().__init__()
         self._view = view
         self._box = Vertical(classes="dialog reading")
-        self._rows: Rows[Diagnostic] = Rows(
-            self._lines, lambda status: status.name, id="diagnostics", empty="", wraps=True
+        self._rows: Rows[_Part] = Rows(
+            _lines, lambda part: part.name, id="diagnostics", empty="", wraps=True
         )
 
     def body(self) -> ComposeResult:
@@ -46,13 +55,17 @@ class DiagnosticList(Dialog[None]):
 
     def show_view(self, view: View) -> None:
         """Show the present statuses."""
-        self._view = view
         self._rows.empty = no_diagnostics_text(view.snapshot)
-        self._rows.show(worst_diagnostics(view.snapshot, view.now))
+        self._rows.show(
+            [
+                _Part(status.name, status.level, diagnostic_line(status, view.now))
+                for status in worst_diagnostics(view.snapshot, view.now)
+            ]
+        )
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
 
-    def _lines(self, status: Diagnostic, width: int, _columns: Columns) -> list[Text]:
-        style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(status.level, "")
-        text = diagnostic_line(status, self._view.now)
-        wrapped = textwrap.wrap(text, max(width, 20), subsequent_indent=" " * 8)
-        return [(line, style) for line in wrapped]
+
+def _lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
+    style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.level, "")
+    wrapped = textwrap.wrap(part.text, max(width, 20), subsequent_indent=" " * 8)
+    return [(line, style) for line in wrapped]

@@ -88,6 +88,15 @@ async def test_a_name_with_odd_spaces_is_acknowledged_as_it_is_read() -> None:
         assert station.view.alarms[0].acknowledged
 
 
+async def test_a_silent_part_grows_older_in_the_list() -> None:
+    async with field() as (op, node):
+        node.parts.clear()
+        await op.until("STALE base: left motor (sn 12): no status for")
+        await op.press("A", "enter")
+        await op.until("? STALE base: left motor (sn 12): fine (old, ")
+        await op.until("(old, 1")  # 10 s and more: a silent part has been shown since 5 s.
+
+
 async def test_words_tell_pose_and_parts() -> None:
     _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
     assert "x 1.2, y 0.4, 90°, map" in said
