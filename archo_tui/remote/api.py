@@ -58,7 +58,7 @@ class Robot:
         self.close()
 
     def close(self) -> None:
-        """Leave: goals of `go` that still run are cancelled, and calls in other threads end.
+        """Cancel the goals of `go` that still run, and end calls in other threads.
 
         Returns once the goals have ended, at most 5 s later. Only `stop` can be called after it.
         """

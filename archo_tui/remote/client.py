@@ -111,7 +111,11 @@ class Connection:
 
     @property
     def who(self) -> dict[str, Any]:
-        """The hello, or else the card; empty if there is neither, or it is not whole."""
+        """The robot, namespace, engine and pid of the console, among other values.
+
+        They are those of its hello or, until a valid one has come, those of its card: the file
+        beside the socket with a copy of the hello. Empty if neither names the console.
+        """
         return next((one for one in (self.hello, self.card) if one and _is_whole(one)), {})
 
     @property

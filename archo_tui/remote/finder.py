@@ -140,7 +140,9 @@ def stop(
     notice: Callable[[str], None],
     more: Mapping[str, Any] | None = None,
 ) -> list[Stopped]:
-    """Send STOP to every console that could be meant, before any is waited for.
+    """Send STOP to every console that could be meant, then wait for all of them.
+
+    If the default console is not found, every console that fits `selection` gets the STOP.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.

@@ -72,11 +72,11 @@ class RequestHandler:
             self._station.post(partial(self._serve, client, request, stops))
 
     def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Take what a client sends while its request is carried out."""
+        """Pass on the answer to a question, or a `give_up`, of a client whose request runs."""
         self._station.post(partial(self._on_answer, client, answer))
 
     def gone(self, client: ClientSession) -> None:
-        """Call off what a client waits for that has left."""
+        """Call off the work that a client waits for, after its connection has closed."""
         self._station.post(partial(self._on_client_gone, client))
 
     # Called on the console's loop.
@@ -414,7 +414,7 @@ class _ClientWork:
         self.begin({})
 
     def begin(self, request: Mapping[str, Any]) -> None:
-        """Take in the next request of the client."""
+        """Set the attributes for the next request of the client."""
         words = request.get("words")
         if not self.is_assistant:
             self.is_assistant = request.get("assistant") is True

@@ -76,10 +76,16 @@ class RequestHandler(Protocol):
         """
 
     def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Take what a client sends while its request is carried out."""
+        """Pass on the answer to a question, or a `give_up`, of a client whose request runs.
+
+        Args:
+            client: The client that sent it.
+            answer: What docs/protocol.md lists.
+            stops: STOPs that had been read when it was read.
+        """
 
     def gone(self, client: ClientSession) -> None:
-        """Take note that a client has left."""
+        """Call off the work that a client waits for, after its connection has closed."""
 
 
 class Client:

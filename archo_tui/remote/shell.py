@@ -242,8 +242,12 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
 def consoles(words: Sequence[str]) -> int:
     """Print the consoles that run here.
 
+    Args:
+        words: With `--json` among them, each console is printed as JSON.
+
     Returns:
-        The exit code: UNREACHED if none runs, or one does not answer.
+        The exit code: UNREACHED if none runs or one has a fault, such as no answer or another
+        version of the protocol; otherwise 0.
     """
     faults: list[str] = []
     try:
