@@ -16,10 +16,15 @@ from archo_tui.verbs.base import THERE
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
-    """Return the full name that is meant by one that may lack its first `/` or the namespace.
+    """Complete a name that may lack its first `/` or the robot's namespace.
 
-    A name that begins with `/` is complete, as in ROS. Any other is looked for in the robot's
-    namespace first.
+    A name that begins with `/` is complete, as in ROS. Any other is completed with the robot's
+    namespace, unless only `/` before it gives one of the names found.
+
+    Args:
+        snapshot: Has the robot's namespace.
+        name: The name as typed.
+        found: The full names on the graph.
     """
     if name.startswith("/"):
         return name

@@ -113,7 +113,10 @@ class Verb:
         return self.tells
 
     def refusal(self, station: Station) -> str:
-        """Return why the verb cannot run now, or ""; nothing else decides that."""
+        """Return why the verb cannot run now, or "".
+
+        A console that only watches refuses every verb that acts; else `disabled_reason` decides.
+        """
         if self.acts and station.robot.watching:
             return WATCHING
         return self.disabled_reason(station)

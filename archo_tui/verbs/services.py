@@ -86,7 +86,9 @@ class Call(Verb):
 
 
 def refuse_transition(service: str, type_name: str) -> None:
-    """Raise ValueError for a service that makes a managed node's transitions, without a question.
+    """Raise ValueError for a `change_state` service, which only the verb `lifecycle` may call.
+
+    A plain call would skip the question that `lifecycle` asks.
 
     Args:
         service: Its full name.

@@ -52,7 +52,10 @@ class Status(Verb):
         return advice(alarm, remedy_hints(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if battery and motion were received, as far as the robot has them."""
+        """Return True if battery and motion were received, or are no longer waited for.
+
+        A topic that is not offered is waited for until THERE, any other until PATIENCE.
+        """
         snapshot, robot = station.robot.snapshot, station.robot.file
         missing = []
         if robot.battery is not None and snapshot.battery.received is None:
@@ -141,9 +144,9 @@ _PARTS = 60  # Parts of a span, of which the oldest is told.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
-    """Yield the value now and at the beginning of each span, with its age in s.
+    """Yield an age in s and the value then: now, and at the beginning of each of SPANS.
 
-    None stands for a value that was not heard, not reported, or no finite number.
+    None stands for a value that was not received, not reported, or no finite number.
     """
     now, history = station.clock.monotonic(), station.history
     found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
