@@ -44,14 +44,14 @@ class _AnyOf(VerbCommand):
         console.open(Choose(self.help, choices))
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return the rows of the list for one name."""
+        """Return the rows of one action or service; choosing a row opens its form."""
         from archo_tui.screens.choose import Choice
 
         types = ", ".join(self.types_by_name(console)[name])
         return [Choice(name, partial(self._open_form, console, name), types)]
 
     async def _open_form(self, console: Console, name: str) -> None:
-        """Open the form for the type of that action or service; its values go to `send`."""
+        """Open the form for the type of an action or service; its values go to `send`."""
         from archo_tui.screens.message_form import MessageForm
 
         try:
@@ -162,7 +162,11 @@ class AnyService(_AnyOf):
 
 
 def _unused_id(console: Console, name: str) -> str:
-    """Return an id for a used action or service that no command of this robot has."""
+    """Return an id for an action or service that is kept for a robot file.
+
+    The id is the last part of the name, numbered if it is a reserved word or the id of another goal
+    or command.
+    """
     kept = console.used
     used = {goal.id for goal in kept.goals if goal.action != name}
     for command in kept.commands:

@@ -75,7 +75,10 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
 
 
 def default_keys(commands: Sequence[Command]) -> dict[str, str]:
-    """Return the key of every command without a keymap.
+    """Return the keys that commands have before a keymap changes them.
+
+    Returns:
+        The key of every command by its id, "" for none.
 
     Raises:
         ArchoError: A key of the robot file is not valid or taken; the message names the line.

@@ -67,7 +67,10 @@ _SEARCH_WORDS = {
 
 
 class Commands(Choose):
-    """The palette."""
+    """The command palette: commands, nodes, parameters and themes in one list.
+
+    Rows that a typed text gives, such as `Go to shelf 12`, come before the others.
+    """
 
     empty_text = "no command matches"
 
@@ -128,11 +131,11 @@ def goal_choices(console: Console, typed: str) -> list[Choice]:
         return []
     reason = console.disabled_reason(go) or panel.refusal(typed)
     title = f"{kinds[0].title} {', '.join(words)}"
-    return [Choice(title, partial(_go, console, go, typed), "enter", reason)]
+    return [Choice(title, partial(_send_numbers, console, go, typed), "enter", reason)]
 
 
-def _go(console: Console, go: Command, typed: str) -> None:
-    """Send typed numbers as goals, if the robot can be sent any now."""
+def _send_numbers(console: Console, go: Command, typed: str) -> None:
+    """Send typed numbers as goals, or show why they cannot be sent now."""
     reason = console.disabled_reason(go) or console.main.goal.refusal(typed)
     if reason:
         console.show_message(f"not sent: {reason}")
