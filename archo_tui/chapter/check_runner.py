@@ -193,5 +193,13 @@ class CheckRunner:
         return True
 
     def wait_for_result(self, future: Any, nodes: Sequence[HostedNode]) -> Any:
-        """Return the result of a future, or None if it does not come within ANSWER seconds."""
+        """Return the result of a future, or None if it does not come within ANSWER seconds.
+
+        Args:
+            future: A future of the checker's node.
+            nodes: Nodes that must not crash meanwhile.
+
+        Raises:
+            CrashedError: One of the nodes crashed.
+        """
         return future.result() if self.spin_until(future.done, ANSWER, nodes) else None

@@ -44,7 +44,10 @@ def missing_result(
 
 
 def _is_meant_as(name: str, wanted: str) -> bool:
-    """Return True for a misspelling, the name in a namespace, or some of its words."""
+    """Return True if a name was probably meant to be the wanted one; any namespace is ignored.
+
+    A name counts if it is spelled alike, has all words of the wanted one, or has no other words.
+    """
     last = base_name(name)
     if SequenceMatcher(None, last.lower(), wanted).ratio() >= _MIN_SIMILARITY:
         return True

@@ -18,7 +18,7 @@ _EVERY_NODES = ("use_sim_time", "start_type_description_service")
 
 
 def _declared_values(node: Node) -> dict[str, Any]:
-    """Return the values of a node's parameters, without those of every node."""
+    """Return the values of the parameters that a node declares itself, by name."""
     return {
         name: node.get_parameter_or(name).value
         for name in node.list_parameters([], 0).names

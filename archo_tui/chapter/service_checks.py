@@ -34,7 +34,7 @@ def service_checks(runner: CheckRunner) -> Iterator[Result]:
 
 
 def _services_of(node: Node) -> dict[str, Any]:
-    """Return the services of a node by name, without those of every node."""
+    """Return a node's services by name, except those of actions and those that every node has."""
     return {
         service.service_name.lstrip("/"): service
         for service in node.services

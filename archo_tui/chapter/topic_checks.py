@@ -44,7 +44,7 @@ def topic_checks(runner: CheckRunner) -> Iterator[Result]:
 
 
 def _by_topic(ends: Iterable[Any]) -> dict[str, Any]:
-    """Return publishers or subscriptions by topic, without those of every node and of actions."""
+    """Return endpoints by topic, except those of actions and those that every node has."""
     return {
         end.topic_name.lstrip("/"): end
         for end in ends
