@@ -39,7 +39,8 @@ def test_a_warning_from_before_the_start_is_an_event_once(processes: Processes) 
             assert said, "the console has ended"
         out, _ = console.communicate("events\n", timeout=DEADLINE)
     finally:
-        console.kill()
-        robot.kill()
-        robot.wait()
+        for process in (console, robot):
+            process.kill()
+            with process:  # Closes its pipes.
+                pass
     assert out.count("WARN base: the base was started") == 1  # in the list of events
