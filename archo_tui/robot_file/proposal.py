@@ -77,10 +77,10 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     """
     own = [s for s in seen if s.types[0].partition("/")[0] not in known_types.OF_ROS]
     ordered = sorted(own, key=lambda sighting: (sighting.name.count("/"), sighting.name))
-    robots = _robots(ordered)
+    found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
+    robots = _robots(found)
     if len(robots) > 1:
         raise SeveralRobots(robots)
-    found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
     chosen = [pair for part in _TOPICS for pair in _topics(found, part)]
     chosen += _without_others(_goals(found))
     stops = [sighting for sighting in ordered if is_stop(sighting)]
@@ -99,17 +99,15 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     return Proposal(where, entries, unknown)
 
 
-def _robots(seen: Iterable[Sighting]) -> set[str]:
+def _robots(found: Iterable[Found]) -> set[str]:
     """Return the namespaces that have the same battery, motion or goal below them, if several do.
 
     Two topics `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
     """
     by_rest: dict[tuple[str, str], set[str]] = {}
-    for sighting in seen:
+    for entry, sighting in found:
         first, slash, rest = sighting.name[1:].partition("/")
-        if slash and any(
-            entry.part in ("battery", "motion", "goals") for entry in _entries(sighting)
-        ):
+        if slash and entry.part in ("battery", "motion", "goals"):
             by_rest.setdefault((sighting.kind, rest), set()).add(f"/{first}")
     return set().union(*(names for names in by_rest.values() if len(names) > 1))
 
@@ -118,8 +116,8 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
     """Yield what one sighting is taken for, with its full name in place of the one in the file."""
     if sighting.kind == "topic":
         yield from _battery(sighting)
-        yield from _motion(sighting)
-        yield from _pose(sighting)
+        yield from _known_topic(sighting, "motion")
+        yield from _known_topic(sighting, "pose")
         if known_types.DIAGNOSTICS in sighting.types:
             reason = topic_reason(sighting, known_types.DIAGNOSTICS)
             yield Entry("diagnostics", sighting.name, reason)
@@ -154,20 +152,16 @@ def _battery(sighting: Sighting) -> Iterator[Entry]:
         return
 
 
-def _motion(sighting: Sighting) -> Iterator[Entry]:
-    for kind in sighting.types:
-        if kind in known_types.MOTIONS:
-            topic = MotionTopic(sighting.name, {kind: known_types.MOTIONS[kind]})
-            yield Entry("motion", topic, topic_reason(sighting, kind))
-            return
-
-
-def _pose(sighting: Sighting) -> Iterator[Entry]:
-    for kind in sighting.types:
-        if kind in known_types.POSES:
-            topic = PoseTopic(sighting.name, {kind: known_types.POSES[kind]})
-            yield Entry("pose", topic, topic_reason(sighting, kind))
-            return
+def _known_topic(sighting: Sighting, part: Literal["motion", "pose"]) -> Iterator[Entry]:
+    """Yield a topic with its first type that the table has for the part."""
+    tables: Mapping[str, tuple[Any, Mapping[str, Any]]] = {
+        "motion": (MotionTopic, known_types.MOTIONS),
+        "pose": (PoseTopic, known_types.POSES),
+    }
+    make, known = tables[part]
+    kind = next((kind for kind in sighting.types if kind in known), None)
+    if kind is not None:
+        yield Entry(part, make(sighting.name, {kind: known[kind]}), topic_reason(sighting, kind))
 
 
 def _command(sighting: Sighting) -> Iterator[Entry]:
