@@ -21,14 +21,24 @@ _TIMEOUT = 30.0  # Seconds for the process.
 _MOST_BYTES = 10_000_000  # Of the answer: the names of tens of thousands of nodes.
 
 
+class ScanError(Exception):
+    """The error that the domains could not be looked at; its text says why."""
+
+
 async def find_nodes() -> Mapping[int, Sequence[str]]:
     """Return the full names of the nodes in each of DOMAINS that has any.
 
     Raises:
-        OSError: The process cannot be started.
-        TimeoutError: It did not answer in time.
-        ValueError: It failed.
+        ScanError: The process cannot be started, failed, or did not answer in time.
     """
+    try:
+        return await _ask_process()
+    except (OSError, ValueError, TimeoutError) as error:
+        raise ScanError(f"the domains could not be looked at: {error}") from None
+
+
+async def _ask_process() -> Mapping[int, Sequence[str]]:
+    """Run the process, and return its answer."""
     # The same modules, also those of a zip file.
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = await asyncio.create_subprocess_exec(

@@ -84,15 +84,15 @@ def look(_options: Namespace) -> int:
     import asyncio
     import importlib.util
 
-    from archo_tui.domain_scan import DOMAINS, find_nodes
+    from archo_tui.domain_scan import DOMAINS, ScanError, find_nodes
     from archo_tui.words.domains import domains_text
 
     if importlib.util.find_spec("rclpy") is None:
         raise ArchoError("look needs ROS 2: docs/ros2.md says how to install it")
     try:
         found = asyncio.run(find_nodes())
-    except (OSError, ValueError, TimeoutError) as error:
-        complain(f"the domains could not be looked at: {error}")
+    except ScanError as error:
+        complain(str(error))
         return FAILED
     for line in domains_text(found, DOMAINS[0], DOMAINS[-1]).splitlines():
         print(safe(line))

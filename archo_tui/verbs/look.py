@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.domain_scan import DOMAINS, find_nodes
+from archo_tui.domain_scan import DOMAINS, ScanError, find_nodes
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.safe_text import harmless
 from archo_tui.station.station import Station
@@ -23,7 +23,7 @@ class Look(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         try:
             found = await find_nodes()
-        except (OSError, ValueError, TimeoutError) as error:
-            return Outcome(Code.TIMEOUT, f"the domains could not be looked at: {error}")
+        except ScanError as error:
+            return Outcome(Code.TIMEOUT, str(error))
         text = domains_text(found, DOMAINS[0], DOMAINS[-1])
         return Outcome(Code.DONE, "\n".join(map(harmless, text.splitlines())))
