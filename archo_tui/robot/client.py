@@ -51,7 +51,6 @@ from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requester import YOU, current_requester
 from archo_tui.robot.resources import SEND
-from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.service_verbs import ServiceVerbs
@@ -412,28 +411,6 @@ class Robot:
             return await self._thread.run(there, QUESTION_TIMEOUT)
         except TimeoutError:
             return ()
-
-    async def sample(self, topics: Mapping[str, Any], seconds: float) -> Mapping[str, Sample]:
-        """Listen to topics for a while, and return what came by topic.
-
-        Args:
-            topics: Message classes by the full name of the topic.
-            seconds: How long to listen.
-
-        Raises:
-            TimeoutError: The ROS thread does not answer.
-        """
-        sampling = Sampling(self._node, self._clock, topics)
-
-        async def begin() -> None:
-            sampling.begin()
-
-        try:
-            await self._thread.run(begin, QUESTION_TIMEOUT)
-            await self._clock.sleep(seconds)
-        finally:
-            self._thread.submit(sampling.end)  # After `begin`, however late that comes.
-        return sampling.samples
 
     @contextlib.asynccontextmanager
     async def inspect(self, topic: str, message_class: Any) -> AsyncIterator[Inspection]:

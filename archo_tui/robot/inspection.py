@@ -86,6 +86,12 @@ class Inspection:
         self.newest = self.count + 1, data
         self.count += 1  # Last: who sees it finds the rest.
 
+    @property
+    def rate(self) -> float | None:
+        """Return the messages in a second; None before the second message."""
+        span = self.last - self.first
+        return (self.count - 1) / span if span > 0 else None
+
     def decode(self, data: bytes) -> Any:
         """Return a message without secrets. It takes long: call it on a thread of its own.
 

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import AsyncExitStack
 from dataclasses import replace
 from typing import Any
 
+from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.client import Robot
-from archo_tui.robot.sampling import Sample
+from archo_tui.robot.inspection import Inspection
 from archo_tui.robot.state import TOPIC, Resource
 from archo_tui.robot_file.known_types import READ
 from archo_tui.robot_file.sighting import Sighting
 
 
-async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:
+async def take_sightings(robot: Robot, clock: Clock, seconds: float) -> tuple[Sighting, ...]:
     """Return what is on the graph, after listening to the topics whose types are known.
 
     Args:
         robot: Runs, and knows the graph.
+        clock: The console's clock.
         seconds: How long to listen.
 
     Raises:
@@ -31,22 +35,29 @@ async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:
     }
     classes = {name: await in_daemon(message_classes.load, kind) for name, kind in named.items()}
     installed = {name: found for name, found in classes.items() if found is not None}
-    samples = await robot.sample(installed, seconds)
+    async with AsyncExitStack() as stack:
+        inspections = {
+            name: await stack.enter_async_context(robot.inspect(name, found))
+            for name, found in installed.items()
+        }
+        await clock.sleep(seconds)
     snapshot = robot.snapshot
     lifecycles = {node.name: node.lifecycle for node in snapshot.nodes if node.lifecycle}
-    return await in_daemon(_sightings, snapshot.resources, samples, lifecycles)
+    return await in_daemon(_sightings, snapshot.resources, inspections, lifecycles)
 
 
 def _sightings(
-    resources: Sequence[Resource], samples: Mapping[str, Sample], lifecycles: Mapping[str, str]
+    resources: Sequence[Resource],
+    inspections: Mapping[str, Inspection],
+    lifecycles: Mapping[str, str],
 ) -> tuple[Sighting, ...]:
     return tuple(
-        replace(_sighting(found, samples.get(found.name)), lifecycles=lifecycles)
+        replace(_sighting(found, inspections.get(found.name)), lifecycles=lifecycles)
         for found in resources
     )
 
 
-def _sighting(found: Resource, sample: Sample | None) -> Sighting:
+def _sighting(found: Resource, inspection: Inspection | None) -> Sighting:
     kind: Any = found.kind
     if kind != TOPIC:
         goal, feedback, result = _field_types(found.types[0])
@@ -57,12 +68,16 @@ def _sighting(found: Resource, sample: Sample | None) -> Sighting:
             result=result,
         )
     seen = Sighting(kind, found.name, found.types, found.nodes)
-    if sample is None:
+    if inspection is None:
         return replace(seen, was_listened_to=False)
-    if sample.message is None:
+    if not inspection.count:
         return seen
-    values = {field.path: field.default for field in messages.flat_fields(sample.message)}
-    return replace(seen, rate=sample.rate, values=values)
+    try:
+        message = inspection.decode(inspection.newest[1])
+    except ArchoError:  # Its publisher has another definition of the type.
+        return seen
+    values = {field.path: field.default for field in messages.flat_fields(message)}
+    return replace(seen, rate=inspection.rate, values=values)
 
 
 _Types = Mapping[str, str]  # By dotted path.

@@ -25,7 +25,7 @@ async def robot_file_text(station: Station) -> str:
         SeveralRobots: The namespace holds more than one robot.
         TimeoutError: The ROS thread does not answer.
     """
-    seen = await take_sightings(station.robot, LISTENING)
+    seen = await take_sightings(station.robot, station.clock, LISTENING)
     view = station.view
     attach = " --engine ros2 --attach" if station.attached else ""
     # The more names are on the graph, the longer this takes.

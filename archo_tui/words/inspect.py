@@ -10,10 +10,12 @@ class Counted(Protocol):
 
     count: int
     size: int
-    first: float
-    last: float
     least: float | None
     greatest: float | None
+
+    @property
+    def rate(self) -> float | None:
+        """Return the messages in a second."""
 
 
 def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
@@ -26,7 +28,7 @@ def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
     count, bytes_per_second = counted.count, counted.size / seconds
     data: dict[str, Any] = {
         "messages": count,
-        "rate": None,
+        "rate": counted.rate,
         "least": counted.least,
         "greatest": counted.greatest,
         "bytes_per_second": bytes_per_second,
@@ -34,9 +36,7 @@ def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
     sizes = f"{size_text(bytes_per_second)}/s"
     if counted.least is None or counted.greatest is None:
         return f"1 message in {seconds:g} s, {sizes}", data
-    span = counted.last - counted.first
-    data["rate"] = (count - 1) / span if span > 0 else None
-    rate = "--" if data["rate"] is None else f"{data['rate']:.1f}"
+    rate = "--" if counted.rate is None else f"{counted.rate:.1f}"
     between = f"{counted.least:.3f} .. {counted.greatest:.3f} s between them"
     return f"{rate} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
 

@@ -74,7 +74,8 @@ async def test_a_ros_thread_that_answers_too_late_leaves_no_subscription(
         with monkeypatch.context() as patch:
             patch.setattr(robot._thread, "run", run_too_late)
             with pytest.raises(TimeoutError):
-                await robot.sample({"/sampled": Float32}, 1.0)
+                async with robot.inspect("/sampled", Float32):
+                    pass
         done = asyncio.create_task(robot.wait_for_events())
         await op.until(done.done)
         assert "/sampled" not in [s.topic_name for s in robot._node.subscriptions]
