@@ -20,6 +20,7 @@ from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.message import Message
+from textual.timer import Timer, TimerCallback
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
@@ -227,6 +228,23 @@ class TerminalApp(App[None]):
     def on_paste_cut(self) -> None:
         text = "The paste was cut off: nothing of it was taken. Paste it again."
         self.notify(text, severity="warning", markup=False)
+
+    def set_timer(
+        self,
+        delay: float,
+        callback: TimerCallback | None = None,
+        *,
+        name: str | None = None,
+        pause: bool = False,
+    ) -> Timer:
+        """Call a function once, also if the delay passes while the timer begins to wait.
+
+        Textual's timer would then skip its only turn. It waits for 8 ms before it lays out all
+        screens for a new size of the terminal, so a busy machine lost that size for ever.
+        """
+        timer = super().set_timer(delay, callback, name=name, pause=pause)
+        timer._skip = False
+        return timer
 
     def restart(self, why: str) -> None:
         """End the process and start it again with the same options. Any thread, once mounted."""
