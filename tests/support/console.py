@@ -157,15 +157,18 @@ def _is_seen(snapshot: Snapshot) -> bool:
     )
 
 
-_read: WeakKeyDictionary[Any, tuple[int, str]] = WeakKeyDictionary()  # by screen
+_read: WeakKeyDictionary[Any, tuple[object, str]] = WeakKeyDictionary()  # by screen
 
 
 def screen_text(app: App[Any]) -> str:
     """What a screen shows, line by line; read again only after it was drawn again."""
-    draws = getattr(app.screen, "draws", -1)  # nobody counts them outside of a test
-    if draws < 0 or _read.get(app.screen, (-1, ""))[0] != draws:
-        _read[app.screen] = draws, _painted(app.screen)
-    return _read[app.screen][1]
+    screen = app.screen
+    draws = getattr(screen, "draws", -1)  # nobody counts them outside of a test
+    # What was read between a new size and its layout is no more than a blank.
+    state = draws, screen.size, screen._compositor.size
+    if draws < 0 or _read.get(screen, (None, ""))[0] != state:
+        _read[screen] = state, _painted(screen)
+    return _read[screen][1]
 
 
 def _painted(screen: Screen[Any]) -> str:
