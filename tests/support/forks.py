@@ -8,6 +8,7 @@ of xdist run the tests.
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import gc
 import os
 import signal
@@ -31,6 +32,7 @@ from xdist.workermanage import unserialize_warning_message  # type: ignore[impor
 from tests.support import chosen
 
 _MOST = 10  # Tests that a fork gets at a time; fewer towards the end.
+_END_TIMEOUT = 60  # Seconds for the threads that tests left to end, each of which is a defect.
 
 
 class _Fork:
@@ -162,6 +164,9 @@ class _Child:
                     following = portion[place + 1 :] or self._ask()
                     self._run(index, following[0] if following else None)
                 portion = following
+            capture: Any = self._session.config.pluginmanager.getplugin("capturemanager")
+            capture.suspend_global_capture()
+            faulthandler.dump_traceback_later(_END_TIMEOUT, exit=True)
             threading._shutdown()  # type: ignore[attr-defined]  # As an interpreter ends.
         except (ConnectionError, EOFError, KeyboardInterrupt):
             os._exit(1)  # The parent has gone, or was interrupted as well.
