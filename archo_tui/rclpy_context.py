@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
+from typing import Any
 
 import rclpy
 from rclpy.context import Context
@@ -22,7 +22,12 @@ class RclpyContext:
     """
 
     def __init__(
-        self, ros_args: Sequence[str], domain_id: int | None, *, hosts_files: bool
+        self,
+        ros_args: Sequence[str],
+        domain_id: int | None,
+        *,
+        hosts_files: bool,
+        hosts_programs: bool,
     ) -> None:
         """Initialize rclpy.
 
@@ -31,6 +36,7 @@ class RclpyContext:
             domain_id: The ROS domain; None means that of the environment.
             hosts_files: True if nodes of the user's files are hosted. A textbook's node is made
                 without a context, so in the default one, which is taken then.
+            hosts_programs: True if programs run in threads here, whose shutdown ends them alone.
 
         Raises:
             ArchoError: The arguments are wrong.
@@ -50,20 +56,41 @@ class RclpyContext:
                 text = f"unknown ROS arguments: {text}"
             raise ArchoError(text) from None
         self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
-        self._uninstall: Callable[[], None] | None = None
+        self._uninstall: list[Callable[[], None]] = []
+        in_program: Callable[[], bool] = _never
+        if hosts_programs:
+            from archo_tui.hosting import program_thread
+
+            in_program = program_thread.in_program
+            self._uninstall.append(program_thread.install())
         if hosts_files:
-            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
-            self._uninstall = global_executor.install()
+            rclpy.shutdown, rclpy.try_shutdown = (
+                _refused_outside(in_program, shutdown) for shutdown in self._shutdowns
+            )
+            self._uninstall.append(global_executor.install())
 
     def shutdown(self) -> None:
         """Shut the context down."""
         rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
-        if self._uninstall is not None:
-            self._uninstall()
+        for uninstall in self._uninstall:
+            uninstall()
         # rclpy makes a new default context unless this one is named.
         rclpy.try_shutdown(context=None if self._is_default else self.context)
 
 
-def _refuse_shutdown(**_: Any) -> NoReturn:
-    """Raise instead of `rclpy.shutdown`, which in a textbook's node would end the console."""
-    raise RuntimeError("rclpy.shutdown() would end every node here: call it in main() only")
+def _never() -> bool:
+    return False
+
+
+def _refused_outside(
+    in_program: Callable[[], bool], shutdown: Callable[..., None]
+) -> Callable[..., None]:
+    """Return a shutdown that raises in a textbook's node, where it would end the console."""
+
+    def shutdown_of_program(**options: Any) -> None:
+        if not in_program():
+            text = "rclpy.shutdown() would end every node here: call it in main() only"
+            raise RuntimeError(text)
+        shutdown(**options)
+
+    return shutdown_of_program

@@ -31,6 +31,7 @@ from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
+    from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.console_recorder import ConsoleRecorder
     from archo_tui.remote.request_handler import RequestHandler
@@ -73,7 +74,10 @@ class Session:
         from archo_tui.rclpy_context import RclpyContext
 
         self._rclpy = RclpyContext(
-            self._ros_args(), options.domain_id, hosts_files=bool(options.node_files)
+            self._ros_args(),
+            options.domain_id,
+            hosts_files=bool(options.node_files),
+            hosts_programs=bool(options.program_files) and options.engine == engine.EMBEDDED,
         )
         self._context = self._rclpy.context
         self.journal = Journal(journal_file())
@@ -178,9 +182,11 @@ class Session:
                 *(self._context, robot.note, robot.node_gone),
                 early_stop_request=robot.early_stop_request,
                 on_early_stop=robot.early_stop_confirmed,
+                make_program=self._make_program,
             )
-            robot.own_nodes = lambda: [hosted.name for hosted in self.host.nodes]
+            robot.own_nodes = self.host.names
             self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
+            self._programs = self._own_programs()
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._undo_init()
@@ -200,10 +206,11 @@ class Session:
 
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
         """Return the user's own files, with what happens when they are saved."""
-        from archo_tui.hosting.hosted_file import HostedFile
+        from archo_tui.hosting.hosted_file import HostedFile, HostedProgramFile
 
         kept, note = self.station.edits.values_set, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
+        watched += [HostedProgramFile(self.host.programs, p.file) for p in self._programs]
         if interfaces:
             from archo_tui.hosting.own_interfaces import OwnInterfaces
 
@@ -257,13 +264,15 @@ class Session:
             for file in self._node_files:
                 for make in file.load():
                     self.host.add(make)
+            for program in self._programs:
+                self.host.programs.add(program)
         if self.options.attach or self.options.only:
             return
         for make in self.options.node_makers:
             self.host.add(make)
         if self.options.node_makers:
             return
-        taken = {base_name(hosted.name) for hosted in self.host.nodes}
+        taken = {base_name(name) for name in self.host.names()}
         # rclpy's own errors: in one process DDS allows one type a topic; or the user's interfaces.
         name, expected = "the robot's own nodes", (RuntimeError, ImportError, AttributeError)
         try:
@@ -275,6 +284,27 @@ class Session:
 
             said = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{said}: --only leaves the robot's own nodes out") from None
+
+    def _make_program(self, *arguments: Any) -> HostedProgram:
+        """Make a program of the engine's kind: a thread, or on ROS 2 a child process."""
+        if self.options.engine == engine.EMBEDDED:
+            from archo_tui.hosting.program_thread import ProgramThread
+
+            return ProgramThread(*arguments)
+        if sys.platform != "win32":
+            from archo_tui.hosting.program_child import ProgramChild
+
+            return ProgramChild(*arguments)
+        raise ArchoError("--run with --engine ros2 does not work on Windows")
+
+    def _own_programs(self) -> list[Program]:
+        """Return the user's programs, which all get the ROS arguments of the console's nodes."""
+        from archo_tui.hosting.hosted_program import Program
+        from archo_tui.hosting.program_file import ProgramFile
+
+        args, domain = tuple(self._ros_args()), self.options.domain_id
+        files = [ProgramFile(str(given)) for given in self.options.program_files]
+        return [Program(file, args, domain_id=domain) for file in files]
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]
@@ -314,8 +344,9 @@ class Session:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
-        for line in files.unknown_lines(users, declared):
-            self.robot.note("WARN", "console", line)
+        if not self._programs:  # Nobody knows which nodes and parameters a program will have.
+            for line in files.unknown_lines(users, declared):
+                self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)

@@ -38,7 +38,7 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
         return _print_version(options.engine)
     from pathlib import Path
 
-    if options.node:
+    if options.node or options.run:
         # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
@@ -59,6 +59,7 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
             use_sim=options.use_sim,
             namespace=options.namespace,
             node_files=options.node,
+            program_files=options.run,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
             interfaces=[Path(folder) for folder in options.interfaces],

@@ -80,7 +80,17 @@ def _node_options(group: argparse._ArgumentGroup) -> None:
         "times",
     )
     group.add_argument(
-        "--only", action="store_true", help="host only the nodes of --node, not the robot's own"
+        "--run",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="run a Python file as `python FILE` does, with its main(), beside the console; its "
+        "nodes replace the robot's own of the same names; can be given several times",
+    )
+    group.add_argument(
+        "--only",
+        action="store_true",
+        help="host only the nodes of --node and --run, not the robot's own",
     )
     _interfaces_option(group, "; when one is saved, everything restarts")
 

@@ -15,7 +15,9 @@ from rclpy.context import Context
 
 from archo_tui.errors import in_one_line
 from archo_tui.hosting.hosted_node import HostedNode, without_file_name
+from archo_tui.hosting.hosted_program import HostedProgram
 from archo_tui.hosting.node_files import NodeFile, NodeFileError
+from archo_tui.hosting.programs import Programs
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 
@@ -40,6 +42,7 @@ class Host:
         on_end: Callable[[Sequence[str]], None],
         early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
         on_early_stop: Callable[[str], None] = lambda _: None,
+        make_program: Callable[..., HostedProgram] = HostedProgram,
     ) -> None:
         """Create a host without nodes.
 
@@ -51,6 +54,7 @@ class Host:
             early_stop_request: Returns the full name of the service of a STOP that is not released,
                 and the values of its request; "" for the name if there is no such STOP.
             on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
+            make_program: Makes a program, which is not begun yet.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
@@ -58,6 +62,13 @@ class Host:
         self._changing = threading.Lock()
         self._has_started = False
         self.nodes: list[HostedNode] = []
+        self.programs = Programs(
+            make_program,
+            on_event,
+            self._report_gone,
+            self._give_place,
+            lambda: bool(early_stop_request()[0]),
+        )
 
     def add(self, make: Callable[..., Any]) -> None:
         """Construct a node, which `start` spins.
@@ -111,14 +122,22 @@ class Host:
 
     def states(self) -> tuple[Hosted, ...]:
         """Return how each node is doing; may be called on any thread."""
-        return tuple(hosted.current_state() for hosted in self.nodes)
+        nodes = tuple(hosted.current_state() for hosted in self.nodes)
+        return nodes + self.programs.states()
+
+    def names(self) -> list[str]:
+        """Return the full names of all nodes of this process; may be called on any thread."""
+        return [*(hosted.name for hosted in self.nodes), *self.programs.names()]
 
     def start_node(self, name: str) -> Outcome:
-        """Construct a stopped or crashed node again and spin it.
+        """Construct a stopped or crashed node again and spin it, or run its program again.
 
         Args:
             name: The fully qualified name of one of the nodes.
         """
+        program = self.programs.find(name)
+        if program is not None:
+            return self.programs.start(program)
         with self._changing:
             named = [hosted for hosted in self.nodes if hosted.name == name]
             old = next((h for h in named if not h.state.life.is_running), named[0])
@@ -140,6 +159,9 @@ class Host:
         Returns:
             The outcome; TIMEOUT if a callback of the node does not return.
         """
+        program = self.programs.find(name)
+        if program is not None:
+            return self.programs.stop(program)
         with self._changing:
             hosted = self._find(name)
             if not hosted.stop():
@@ -155,6 +177,8 @@ class Host:
         Args:
             name: The fully qualified name of one of the nodes.
         """
+        if self.programs.find(name) is not None:
+            return Outcome(Code.REFUSED, f"{name} is a program of its own: it is not copied")
         with self._changing:
             kind = self._find(name).make
             first = next(hosted for hosted in self.nodes if hosted.make is kind)
@@ -261,22 +285,47 @@ class Host:
         It runs in the node's thread. A caller that stops the node holds the lock and waits for this
         thread, which therefore never waits for the lock without checking that.
         """
-        while not self._changing.acquire(timeout=_LOCK_POLL):
-            if hosted.is_stopping:
-                return
+        if not self._acquire_unless(lambda: hosted.is_stopping):
+            return
         try:
-            if hosted.is_stopping:
-                return
             self._restore_parameters(hosted)
-            for other in [h for h in self.nodes if h.file is None and h.name == hosted.name]:
-                other.stop()
-                self.nodes.remove(other)
-                self._report_ended(other)
+            self._remove_own(hosted.name)
             self._on_event("INFO", hosted.name.lstrip("/"), "its constructor has returned")
             if self._has_started:
                 self._start(hosted)
         finally:
             self._changing.release()
+
+    def _give_place(self, name: str, is_stopping: Callable[[], bool]) -> None:
+        """Stop a node of the robot's own, whose place a program's node of the same name takes.
+
+        It runs in a thread of the program, as `_on_made_late` does in the node's.
+
+        Args:
+            name: The full name of the node.
+            is_stopping: Returns True if the program is to end.
+        """
+        if self._acquire_unless(is_stopping):
+            try:
+                self._remove_own(name)
+            finally:
+                self._changing.release()
+
+    def _acquire_unless(self, is_stopping: Callable[[], bool]) -> bool:
+        """Take the lock; return False, without it, once `is_stopping` returns True."""
+        while not self._changing.acquire(timeout=_LOCK_POLL):
+            if is_stopping():
+                return False
+        if is_stopping():
+            self._changing.release()
+            return False
+        return True
+
+    def _remove_own(self, name: str) -> None:
+        for own in [h for h in self.nodes if h.file is None and h.name == name]:
+            own.stop()
+            self.nodes.remove(own)
+            self._report_ended(own)
 
     def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Construct nodes again; an event names each that cannot be, which is left out."""
@@ -356,18 +405,33 @@ class Host:
         # Whoever holds the lock may hang in the import of a file.
         is_locked = self._changing.acquire(timeout=END_TIMEOUT / 2)
         try:
+            self.programs.begin_to_end()
             for hosted in self.nodes:
                 hosted.begin_to_stop()
-            return [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
+            stuck = [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
+            return stuck + self.programs.end(lambda: end - time.monotonic())
         finally:
             if is_locked:
                 self._changing.release()
 
     def _report_ended(self, hosted: HostedNode) -> None:
         """Call `on_end` with what the node served and no other node of this process serves."""
-        others = [h for h in self.nodes if h is not hosted and h.state.life == Life.UP]
-        left = {name for other in others for name in other.state.serves}
-        self._on_end([name for name in hosted.state.serves if name not in left])
+        others = [h for h in self.nodes if h is not hosted]
+        self._report_gone(hosted.state.serves, others)
+
+    def _report_gone(
+        self, names: Sequence[str], others: Sequence[HostedNode] | None = None
+    ) -> None:
+        """Call `on_end` with the names that no other node of this process serves.
+
+        Args:
+            names: The services and actions that have gone.
+            others: The other nodes; None for all of them.
+        """
+        nodes = [h.state for h in (self.nodes if others is None else others)]
+        states = [state for state in (*nodes, *self.programs.states()) if state.life is Life.UP]
+        left = {name for state in states for name in state.serves}
+        self._on_end([name for name in names if name not in left])
 
     def _on_crashed(self, hosted: HostedNode) -> None:
         self._report_ended(hosted)

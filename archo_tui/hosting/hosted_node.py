@@ -24,6 +24,7 @@ from archo_tui.hosting import global_executor
 from archo_tui.hosting.explain import explain
 from archo_tui.hosting.global_executor import GlobalExecutor
 from archo_tui.hosting.node_files import FileNode, NodeFile, NodeFileError
+from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_limited, stack_of
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.workers import Workers, multi_threaded
@@ -34,7 +35,7 @@ from archo_tui.robot.state import Hosted, Life
 # Seconds to wait for a constructor before other nodes start, or for a callback before a node spins.
 CONSTRUCTION_TIME = 2.0
 JOIN_TIMEOUT = 3.0  # Seconds that a callback may still take when its node is stopped.
-_CONSTRUCTOR_POLL = 0.05  # Seconds between two checks of a constructor.
+CONSTRUCTOR_POLL = 0.05  # Seconds between two checks of a constructor.
 # The functions of rclpy that return only after other nodes have done something.
 _WAITING_FUNCTIONS = {
     *("spin", "spin_once", "spin_until_future_complete"),
@@ -149,7 +150,7 @@ class HostedNode:
         The constructor may spin the node and never return.
         """
         with contextlib.suppress(Exception):  # The constructor may not have come that far.
-            return tuple(sorted({name for node in self._begun for name in _served_names(node)}))
+            return tuple(sorted({name for node in self._begun for name in served_names(node)}))
         return ()
 
     def wait(self) -> bool:
@@ -162,8 +163,8 @@ class HostedNode:
         Raises:
             Exception: What the constructor raises.
         """
-        while not self._is_over.wait(None if self.file is None else _CONSTRUCTOR_POLL):
-            if not (self.is_overdue or self._waits_for_others()):
+        while not self._is_over.wait(None if self.file is None else CONSTRUCTOR_POLL):
+            if not (self.is_overdue or waits_for_others(self._thread)):
                 continue
             with self._lock:
                 self._is_late = not self._is_over.is_set()
@@ -176,16 +177,6 @@ class HostedNode:
     def is_overdue(self) -> bool:
         """True if CONSTRUCTION_TIME has passed since the constructor began."""
         return time.monotonic() - self._began >= CONSTRUCTION_TIME
-
-    def _waits_for_others(self) -> bool:
-        """Return whether the constructor is in a function of rclpy that waits for other nodes."""
-        frame = sys._current_frames().get(self._thread.ident or 0)
-        while frame is not None:
-            module = frame.f_globals.get("__name__", "")
-            if frame.f_code.co_name in _WAITING_FUNCTIONS and module.partition(".")[0] == "rclpy":
-                return True
-            frame = frame.f_back
-        return False
 
     def lateness_text(self) -> str:
         """Return in words where the constructor of a late node is, and what it waits for."""
@@ -240,7 +231,7 @@ class HostedNode:
         name = self.node.get_fully_qualified_name()
         self._executor, self._workers = self._main_executor(name)
         self._executor.add_node(self.node)
-        serves = _served_names(self.node)
+        serves = served_names(self.node)
         self.state = self.state._replace(name=name, life=Life.UP, serves=serves)
         self._name = name
 
@@ -378,11 +369,11 @@ class HostedNode:
     def _leave_graph(self) -> None:
         if self.is_made:
             self._executor.remove_node(self.node)
-            _destroy(self.node)
+            destroy(self.node)
         else:  # Take off what the constructor has put on the graph so far.
             for node in self._begun:
                 with contextlib.suppress(Exception):
-                    _destroy(node)
+                    destroy(node)
 
     def threads(self) -> list[threading.Thread]:
         """Return the threads of the node that run: the spinning one, and its workers."""
@@ -425,7 +416,7 @@ class HostedNode:
         if self._global is not self._executor:
             self._global.shutdown(0)
         if self.is_made:
-            _destroy(self.node)
+            destroy(self.node)
         if self.state.life != Life.CRASHED:
             self.state = self.state._replace(name=self.name, life=Life.STOPPED, error="")
         return True
@@ -446,7 +437,18 @@ def _end_spinning() -> NoReturn:
     raise Interrupted
 
 
-def without_file_name(file: NodeFile, text: str) -> str:
+def waits_for_others(thread: threading.Thread) -> bool:
+    """Return whether a thread is in a function of rclpy that waits for other nodes."""
+    frame = sys._current_frames().get(thread.ident or 0)
+    while frame is not None:
+        module = frame.f_globals.get("__name__", "")
+        if frame.f_code.co_name in _WAITING_FUNCTIONS and module.partition(".")[0] == "rclpy":
+            return True
+        frame = frame.f_back
+    return False
+
+
+def without_file_name(file: NodeFile | ProgramFile, text: str) -> str:
     """Shorten `FILE:31: NameError: ...` to `line 31: NameError: ...`, for places that name FILE."""
     prefix = f"{file}:"
     if not text.startswith(prefix):
@@ -455,7 +457,7 @@ def without_file_name(file: NodeFile, text: str) -> str:
     return f"line {rest}" if rest[:1].isdigit() else rest.strip()
 
 
-def _destroy(node: Node) -> None:
+def destroy(node: Node) -> None:
     """Take a node off the graph, with its action servers and clients.
 
     rclpy leaves these on the graph until they are garbage collected. Beside the node that is
@@ -468,7 +470,7 @@ def _destroy(node: Node) -> None:
     node.destroy_node()
 
 
-def _served_names(node: Node) -> tuple[str, ...]:
+def served_names(node: Node) -> tuple[str, ...]:
     """Return the full names of a node's services and actions, without those of its parameters."""
     own = f"{node.get_fully_qualified_name()}/"
     names = {service.service_name for service in node.services}

@@ -29,7 +29,7 @@ from archo_tui.hosting.watch import Stamps, stamps
 T = TypeVar("T")
 
 IMPORT_TIME = 10.0  # Seconds that a file may take to be imported.
-_OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the file is.
+OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the file is.
 
 
 class NodeFileError(ArchoError):
@@ -177,7 +177,7 @@ class NodeFile:
             NodeFileError: There is no such file or module.
         """
         self._given = given
-        self.path, self._name = _find(given)
+        self.path, self._name = find_file(given)
         self.code = OwnCode(given, self.path)
         self._modules: dict[str, ModuleType] = {}  # The file's own, by their names.
         self._before: dict[str, ModuleType] = {}  # Those of the text before.
@@ -245,7 +245,7 @@ class NodeFile:
             name
             for name, module in list(sys.modules.items())
             if name not in known
-            and not name.startswith(_OURS)
+            and not name.startswith(OURS)
             and self.code.is_own(getattr(module, "__file__", None) or "")
         ]
 
@@ -353,7 +353,7 @@ def _not_run_text(file: str, calls: list[SkippedCall]) -> str:
     return f"{file}:{line}: {by} calls {text}, which is not run here{more}"
 
 
-def _find(given: str) -> tuple[Path, str]:
+def find_file(given: str) -> tuple[Path, str]:
     """Return the path of a file or module, and the name that its module gets.
 
     Raises:

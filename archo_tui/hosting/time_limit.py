@@ -90,12 +90,12 @@ def interrupt(thread: threading.Thread) -> bool:
     return not thread.is_alive()
 
 
-def raise_in(thread: threading.Thread) -> None:
-    """Raise Interrupted in a thread, as soon as it runs Python code.
+def raise_in(thread: threading.Thread, error: type[BaseException] = Interrupted) -> None:
+    """Raise an error in a thread, as soon as it runs Python code.
 
     It uses CPython's PyThreadState_SetAsyncExc: https://docs.python.org/3/c-api/threads.html.
     """
     import ctypes  # Imported here, because it is rarely needed.
 
     number = ctypes.c_ulong(thread.ident or 0)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(error))

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from rclpy import _process, utilities
 from rclpy import logging as logging
-from rclpy import utilities
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -33,8 +33,6 @@ __all__ = [
     "spin_until_future_complete",
     "try_shutdown",
 ]
-
-_executor: Executor | None = None
 
 
 def init(
@@ -92,12 +90,12 @@ def create_node(node_name: str, **options: Any) -> Node:
 
 def get_global_executor() -> Executor:
     """Return the executor that `spin` uses if none is given."""
-    global _executor
-    if _executor is None:
+    process = _process.current()
+    if process.executor is None:
         from rclpy.executors import SingleThreadedExecutor
 
-        _executor = SingleThreadedExecutor()
-    return _executor
+        process.executor = SingleThreadedExecutor()
+    return process.executor
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
@@ -141,7 +139,7 @@ def spin_until_future_complete(
 
 
 def _reset_executor() -> None:
-    global _executor
-    if _executor is not None:
-        _executor.shutdown(0)
-        _executor = None
+    process = _process.current()
+    if process.executor is not None:
+        process.executor.shutdown(0)
+        process.executor = None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from rclpy import _arguments, _logging
+from rclpy import _arguments, _logging, _process
 from rclpy._graph import Graph, graph_of
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 
@@ -53,10 +53,14 @@ class Context:
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
-            args = sys.argv if args is None else args
+            process = _process.current()
+            if args is None or args is sys.argv:  # A program's own, where several share a process.
+                args = sys.argv if process.arguments is None else process.arguments
             for argument in args:
                 argument.encode()  # Raises UnicodeEncodeError for what is not UTF-8, as in rcl.
             self._arguments = _arguments.parse(args)
+            if domain_id is None:
+                domain_id = process.domain_id
             if domain_id is None:
                 domain_id = int(os.environ.get("ROS_DOMAIN_ID") or 0)
             if domain_id < 0:

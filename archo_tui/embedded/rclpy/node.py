@@ -11,6 +11,7 @@ from rclpy import (
     _arguments,
     _logging,
     _names,
+    _process,
     _time_source,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
@@ -107,6 +108,7 @@ class Node(NodeParameters, Destroyable):
             self._graph.nodes.append(self)
             self._graph.changed.notify_all()
         self._context._nodes.add(self)
+        _process.current().add_node(self)
 
         overrides = everybodys.parameters_of(self._full_name) | own.parameters_of(self._full_name)
         overrides |= {parameter.name: parameter.value for parameter in parameter_overrides or ()}

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import sys
-import threading
 from collections.abc import Sequence
 
-from rclpy import _arguments
+from rclpy import _arguments, _process
 from rclpy.context import Context
-
-_lock = threading.Lock()
-_default: Context | None = None
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
@@ -19,10 +15,10 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
     Args:
         shutting_down: True forgets it: the next call makes a new one.
     """
-    global _default
-    with _lock:
-        context = _default or Context()
-        _default = None if shutting_down else context
+    process = _process.current()
+    with process.lock:
+        context = process.default_context or Context()
+        process.default_context = None if shutting_down else context
         return context
 
 

@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 
 class Life(Enum):
-    """The state of a hosted node."""
+    """The state of a hosted node, or of a program."""
 
     UP = "up"
     STOPPED = "stopped by you"
     CRASHED = "crashed"
     STUCK = "does not stop"
     STARTING = "starting"  # Its constructor has not returned.
+    ENDED = "ended"  # Its program has returned.
 
     @property
     def is_running(self) -> bool:

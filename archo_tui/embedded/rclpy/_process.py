@@ -1,0 +1,49 @@
+"""The state that rclpy keeps once a process, here once a program that shares the process."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+if TYPE_CHECKING:
+    from rclpy.context import Context
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+
+class Process:
+    """The default context, the global executor and the command line of a program.
+
+    Attributes:
+        arguments: The words that `init` takes where none are given; None means `sys.argv`.
+        domain_id: The domain of its contexts; None means ROS_DOMAIN_ID, or 0.
+        default_context: The context that is meant if none is given; None until it is asked for.
+        executor: The executor that `spin` uses if none is given; None until it is asked for.
+    """
+
+    def __init__(
+        self, arguments: Sequence[str] | None = None, domain_id: int | None = None
+    ) -> None:
+        self.arguments, self.domain_id = arguments, domain_id
+        self.default_context: Context | None = None
+        self.executor: Executor | None = None
+        self.lock = threading.Lock()
+
+    def add_node(self, node: Node) -> None:
+        """Take note of a node that is made in a thread of the program, once it has its name."""
+
+
+main = Process()  # Of all threads that belong to no program.
+_of_threads: WeakKeyDictionary[threading.Thread, Process] = WeakKeyDictionary()
+
+
+def current() -> Process:
+    """Return the state of the program that the calling thread belongs to."""
+    return _of_threads.get(threading.current_thread(), main)
+
+
+def adopt(thread: threading.Thread, process: Process) -> None:
+    """Let a thread belong to a program."""
+    _of_threads[thread] = process

@@ -1,0 +1,253 @@
+"""A program of the user's own, which runs beside the console until its `main()` returns."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import NamedTuple
+
+from archo_tui.hosting.hosted_node import CONSTRUCTION_TIME, CONSTRUCTOR_POLL, without_file_name
+from archo_tui.hosting.node_files import NodeFileError
+from archo_tui.hosting.program_file import ProgramFile
+from archo_tui.hosting.time_limit import Interrupted
+from archo_tui.robot.state import Hosted, Life
+
+JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
+LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no flood.
+
+
+class Program(NamedTuple):
+    """A program to run.
+
+    Attributes:
+        file: Its file.
+        ros_args: The words from `--ros-args` on that `rclpy.init` gets.
+        arguments: The words before them.
+        name: The full name of its node, where that is known before it runs; "" if not.
+        domain_id: The ROS domain; None for that of the environment.
+        respawn_delay: Seconds after which it is run again when it has ended; None for never.
+    """
+
+    file: ProgramFile
+    ros_args: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
+    name: str = ""
+    domain_id: int | None = None
+    respawn_delay: float | None = None
+
+
+class ProgramEnd(NamedTuple):
+    """The end of a program.
+
+    Attributes:
+        code: Its exit code; 1 after an exception.
+        error: What it raised, in one line that begins with the file; "" if it raised nothing.
+        traceback: The traceback of that; "" if there is none.
+    """
+
+    code: int
+    error: str = ""
+    traceback: str = ""
+
+
+class HostedProgram(ABC):
+    """A program of the user's own, from its start to its end.
+
+    The two kinds are a thread with a context of its own (the embedded engine), and a child process
+    (ROS 2).
+
+    Attributes:
+        program: What runs.
+        file: Its file.
+        state: How it is doing.
+        crash: `FILE:LINE` and the error after a crash; "" otherwise.
+        has_name: True once it has made a node.
+        served: The full names of the services and actions that it was last known to serve.
+    """
+
+    thread_class: type[threading.Thread] = threading.Thread  # Of the thread that runs it.
+
+    def __init__(
+        self,
+        program: Program,
+        on_end: Callable[[HostedProgram], None],
+        on_node: Callable[[HostedProgram, str], None],
+        may_respawn: Callable[[], bool],
+    ) -> None:
+        """Create it, without running it.
+
+        Args:
+            program: What is to run.
+            on_end: Called when it has ended by itself, in a thread of its own.
+            on_node: Called with the full name of each node that it makes, in a thread of its own.
+            may_respawn: Returns False while a STOP is not released.
+        """
+        self.program, self.file = program, program.file
+        self._on_end, self._on_node, self._may_respawn = on_end, on_node, may_respawn
+        name, file = program.name or f"/{program.file.path.stem}", program.file
+        self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
+        self.crash = ""
+        self.has_name = False
+        self.served: tuple[str, ...] = ()
+        self._stopping = threading.Event()
+        self._thread = self.thread_class(target=self._run, name=name, daemon=True)
+
+    @property
+    def name(self) -> str:
+        """The full name of its first node; before that, the name of the file."""
+        return self.names[0]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The full names of its nodes; while there are none, its first one or the file's name."""
+        return self.node_names() or (self.state.name,)
+
+    @property
+    def is_stopping(self) -> bool:
+        """True if it has been asked to end."""
+        return self._stopping.is_set()
+
+    def current_states(self) -> tuple[Hosted, ...]:
+        """Return how it is doing, once for each of its nodes."""
+        state = self.state
+        if state.life is Life.UP:
+            self.served = self.serves_now()
+        return tuple(state._replace(name=name, serves=self.served) for name in self.names)
+
+    def begin(self) -> None:
+        """Run it, in threads or a process of its own.
+
+        Raises:
+            NodeFileError: Its text is not Python.
+        """
+        self.file.compile()
+        self.state = self.state._replace(saved=self.file.saved)
+        self._thread.start()
+
+    def wait(self) -> None:
+        """Wait until it spins or waits for other nodes, has ended, or has taken its time."""
+        end = time.monotonic() + CONSTRUCTION_TIME
+        while self._thread.is_alive() and time.monotonic() < end and not self.is_at_rest():
+            time.sleep(CONSTRUCTOR_POLL)
+
+    def report_not_restarted(self, error: NodeFileError) -> None:
+        """Show why the saved text does not run, beside the one that runs on."""
+        text = without_file_name(self.file, str(error))
+        self.state = self.state._replace(error=text, traceback=error.report)
+
+    def _run(self) -> None:
+        """Run it until it has ended, and again if it is to be respawned."""
+        with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
+            self._run_and_respawn()
+
+    def _run_and_respawn(self) -> None:
+        while True:
+            self.state = self.state._replace(life=Life.UP, error="", traceback="")
+            self._take_end(self.run_once())
+            delay = self.program.respawn_delay
+            if delay is None or self._stopping.is_set():
+                return
+            self._stopping.wait(max(delay, LEAST_RESPAWN_DELAY))
+            while not (self._may_respawn() or self._stopping.wait(CONSTRUCTOR_POLL)):
+                pass
+            if self._stopping.is_set():
+                return
+
+    def _take_end(self, end: ProgramEnd) -> None:
+        """Note how it has ended; unless it was stopped, report that."""
+        name = self.state.name
+        if self._stopping.is_set():
+            self.state = self.state._replace(name=name, life=Life.STOPPED, error="")
+            return
+        self.crash = end.error
+        error = without_file_name(self.file, end.error) or f"exit code {end.code}"
+        if end.code == 0:
+            self.state = self.state._replace(name=name, life=Life.ENDED, error="")
+        else:
+            self.state = self.state._replace(
+                name=name, life=Life.CRASHED, error=error, traceback=end.traceback
+            )
+        self._on_end(self)
+
+    def node_made(self, name: str) -> None:
+        """Take note of a node that it makes, whose name the program has from then on.
+
+        Args:
+            name: The full name of the node.
+        """
+        if not self.has_name:
+            self.has_name = True
+            self.state = self.state._replace(name=name)
+            self._thread.name = name  # By which its output is known.
+        self._on_node(self, name)
+
+    def begin_to_stop(self) -> None:
+        """Ask it to end as Ctrl-C does, without waiting for it."""
+        if self._stopping.is_set():
+            return
+        self._stopping.set()
+        if self._thread.is_alive():
+            self.interrupt()
+
+    def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
+        """End it.
+
+        Args:
+            timeout: Seconds to wait before it is ended by force.
+
+        Returns:
+            False if it did not end; it is marked as stuck then.
+        """
+        self.begin_to_stop()
+        if self._thread.ident is not None:
+            self._thread.join(timeout)
+        if self._thread.is_alive() and not self.kill():
+            self.state = self.state._replace(name=self.name, life=Life.STUCK)
+            return False
+        self.release()
+        if self.state.life is not Life.CRASHED:
+            self.state = self.state._replace(name=self.name, life=Life.STOPPED, error="")
+        return True
+
+    @abstractmethod
+    def run_once(self) -> ProgramEnd:
+        """Run the program until it has ended."""
+
+    @abstractmethod
+    def node_names(self) -> tuple[str, ...]:
+        """Return the full names of its nodes that are on the graph, the oldest first."""
+
+    @abstractmethod
+    def serves_now(self) -> tuple[str, ...]:
+        """Return the full names of the services and actions of its nodes, as far as known."""
+
+    @abstractmethod
+    def is_at_rest(self) -> bool:
+        """Return True if it waits for other nodes or for messages."""
+
+    @abstractmethod
+    def interrupt(self) -> None:
+        """Do to it what Ctrl-C does. Any thread; it may be called again."""
+
+    @abstractmethod
+    def kill(self) -> bool:
+        """End it by force, and return whether it has ended within half a second."""
+
+    def release(self) -> None:  # noqa: B027
+        """Take off the graph what is left of it there, once it has ended."""
+
+    @abstractmethod
+    def again(self) -> HostedProgram:
+        """Return the same program, not begun."""
+
+
+def exit_code(error: SystemExit) -> tuple[int, str]:
+    """Return the exit code that Python makes of a SystemExit, and the text that it prints."""
+    if error.code is None:
+        return 0, ""
+    if isinstance(error.code, int):
+        return error.code, ""
+    return 1, str(error.code)

@@ -1,0 +1,116 @@
+"""A program on ROS 2: a child process, whose nodes are on the graph like those of any other."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from typing import IO, Any
+
+from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd
+
+assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
+
+_KILL_TIMEOUT = 0.5  # Seconds that the system may take to end a process that is killed.
+
+
+class ProgramChild(HostedProgram):
+    """A program in a child process, without a standard input."""
+
+    def __init__(self, program: Program, *callbacks: Any) -> None:
+        """Create it, without running it; the callbacks are those of `HostedProgram`."""
+        super().__init__(program, *callbacks)
+        self._process: subprocess.Popen[str] | None = None
+        self._names: list[str] = []
+        self._lock = threading.Lock()  # Around the start of the process, which a stop may meet.
+
+    def again(self) -> ProgramChild:
+        return ProgramChild(self.program, self._on_end, self._on_node, self._may_respawn)
+
+    def run_once(self) -> ProgramEnd:
+        with self._lock:
+            if self.is_stopping:
+                return ProgramEnd(0)
+            process, reports = self._started()
+            self._process = process
+        streams = [process.stdout, process.stderr]
+        printers = [
+            threading.Thread(target=_write_lines, args=(stream,), name=self.name, daemon=True)
+            for stream in streams
+        ]
+        for printer in printers:
+            printer.start()
+        end: dict[str, Any] = {}
+        with reports:
+            for line in reports:
+                report = json.loads(line)
+                if "node" in report:
+                    self._names.append(report["node"])
+                    self.node_made(report["node"])
+                    for printer in printers:
+                        printer.name = self.name
+                else:
+                    end = report
+        code = process.wait()
+        for printer in printers:
+            printer.join()
+        self._names.clear()
+        if code < 0:
+            end = {"error": f"{self.file}: ended by {signal.Signals(-code).name}"}
+        return ProgramEnd(code, end.get("error", ""), end.get("traceback", ""))
+
+    def _started(self) -> tuple[subprocess.Popen[str], IO[str]]:
+        """Start the process; return it, and the stream of its reports."""
+        receiver, sender = os.pipe()
+        environment = dict(os.environ)
+        if self.program.domain_id is not None:
+            environment["ROS_DOMAIN_ID"] = str(self.program.domain_id)
+        runner = [sys.executable, "-m", "archo_tui.hosting.run_program", str(sender)]
+        try:
+            process = subprocess.Popen(
+                [*runner, str(self.file), *self.program.arguments, *self.program.ros_args],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                errors="replace",
+                env=environment | {"PYTHONUNBUFFERED": "1"},
+                pass_fds=[sender],
+                start_new_session=True,  # Ctrl-C at the terminal is the console's.
+            )
+        finally:
+            os.close(sender)
+        return process, os.fdopen(receiver, encoding="utf-8", errors="replace")
+
+    def node_names(self) -> tuple[str, ...]:
+        return tuple(self._names)
+
+    def serves_now(self) -> tuple[str, ...]:
+        return ()  # The graph tells it, as of every other process.
+
+    def is_at_rest(self) -> bool:
+        return self.has_name
+
+    def interrupt(self) -> None:
+        self._signal(signal.SIGINT)
+
+    def kill(self) -> bool:
+        self._signal(signal.SIGKILL)
+        self._thread.join(_KILL_TIMEOUT)
+        return not self._thread.is_alive()
+
+    def _signal(self, number: int) -> None:
+        with self._lock, contextlib.suppress(ProcessLookupError):
+            if self._process is not None and self._process.poll() is None:
+                os.killpg(self._process.pid, number)  # What it has started in its turn, too.
+
+
+def _write_lines(stream: IO[str]) -> None:
+    """Write a stream line by line in the calling thread, whose name says whose lines they are."""
+    with stream:
+        for line in stream:
+            sys.stdout.write(line)

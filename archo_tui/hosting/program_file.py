@@ -1,0 +1,126 @@
+"""A Python file that is run in this process as `python FILE` runs it: `--run FILE`, or a launch."""
+
+from __future__ import annotations
+
+import importlib
+import linecache
+import sys
+from pathlib import Path
+from types import ModuleType
+
+from archo_tui import regular_files
+from archo_tui.errors import ArchoError
+from archo_tui.hosting.explain import explain
+from archo_tui.hosting.node_files import OURS, NodeFileError, find_file
+from archo_tui.hosting.own_code import OwnCode
+from archo_tui.hosting.source import Source
+from archo_tui.hosting.watch import Stamps, stamps
+
+
+class ProgramFile:
+    """A Python file as a program, with the modules that it imports from its folder.
+
+    Attributes:
+        path: The path of the file.
+        code: Its code, and that of its folder, as messages name it.
+        loaded: The stamps of the text that last ran, or could not be compiled.
+        source: The text that last ran.
+    """
+
+    def __init__(self, given: str, function: str = "") -> None:
+        """Find the file, without reading it.
+
+        Args:
+            given: Its path, or the dotted name of a module, as the user typed it.
+            function: The function of the module that is called; "" if the file is run as
+                `__main__`.
+
+        Raises:
+            NodeFileError: There is no such file or module.
+        """
+        self._given, self._function = given, function
+        self.path, self._name = find_file(given)
+        self.code = OwnCode(given, self.path)
+        self.loaded: Stamps = {}
+        self.source = Source(b"")
+        self._compiled = compile("", given, "exec")
+        self._has_run = False
+
+    def __str__(self) -> str:
+        return self._given
+
+    @property
+    def saved(self) -> float:
+        """The Unix time in seconds at which the file was saved; 0.0 while there is no file."""
+        try:
+            return self.path.stat().st_mtime
+        except OSError:
+            return 0.0
+
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the file, and of the modules that are imported from its folder."""
+        own = {Path(sys.modules[name].__file__ or "") for name in self._own_modules()}
+        return stamps({self.path, *own})
+
+    def compile(self) -> None:
+        """Read and compile the text as it is now, without running it.
+
+        Raises:
+            NodeFileError: It cannot be read, or is not Python.
+        """
+        self.loaded = self.current_stamps()
+        try:
+            text = regular_files.read(self.path)
+            self._compiled = compile(text, str(self.path), "exec", dont_inherit=True)
+            self.source = Source(text)
+        except OSError as error:
+            raise NodeFileError(f"{self}: {error.strerror}") from None
+        except (SyntaxError, ValueError) as error:  # ValueError: null bytes.
+            raise NodeFileError(*explain(error, self.code, self.source)) from None
+
+    def run(self) -> None:
+        """Run the compiled text in the calling thread, until its `main()` returns.
+
+        Modules of its folder are imported anew, but for the first run.
+
+        Raises:
+            BaseException: What the text raises.
+        """
+        if self._has_run:
+            for name in self._own_modules():
+                del sys.modules[name]
+        self._has_run = True
+        package = self._name.rpartition(".")[0]
+        if package:
+            importlib.import_module(package)
+        elif str(self.path.parent) not in sys.path:
+            sys.path.insert(0, str(self.path.parent))  # As `python FILE` does.
+        importlib.invalidate_caches()
+        linecache.checkcache()
+        # Not in sys.modules, whose __main__ is this program.
+        module = ModuleType(self._name if self._function else "__main__")
+        module.__dict__.update(__file__=str(self.path), __package__=package)
+        exec(self._compiled, module.__dict__)
+        if self._function:
+            function = getattr(module, self._function, None)
+            if function is None:
+                raise NodeFileError(f"{self}: has no function {self._function}")
+            code = function()
+            if code is not None:
+                raise SystemExit(code)  # As the script that an installation makes.
+
+    def explain(self, error: BaseException) -> tuple[str, str]:
+        """Return what an error of the program means in one line, and its traceback."""
+        if isinstance(error, ArchoError):
+            return str(error), ""
+        return explain(error, self.code, self.source)
+
+    def _own_modules(self) -> list[str]:
+        """Return the names of the imported modules that are from the file's folder."""
+        return [
+            name
+            for name, module in list(sys.modules.items())
+            if not name.startswith(OURS)
+            and name != "__main__"
+            and self.code.is_own(getattr(module, "__file__", None) or "")
+        ]

@@ -1,0 +1,184 @@
+"""A program on the embedded engine: threads whose rclpy is as apart as that of a process."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+from rclpy import _process
+from rclpy.context import Context
+from rclpy.node import Node
+
+from archo_tui.hosting.hosted_node import destroy, served_names, waits_for_others
+from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd, exit_code
+from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in
+
+_SERVES_PERIOD = 1.0  # Seconds for which the names of what it serves are kept.
+
+
+class _Process(_process.Process):
+    """The state of rclpy of one program, with its nodes."""
+
+    def __init__(self, program: Program, on_node: Callable[[str], None]) -> None:
+        arguments = [str(program.file.path), *program.arguments, *program.ros_args]
+        super().__init__(arguments, program.domain_id)
+        self._on_node = on_node
+        self.nodes: list[weakref.ref[Node]] = []
+        self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
+        self.awaited: weakref.WeakSet[threading.Thread] = weakref.WeakSet()  # As non-daemons.
+
+    def add_node(self, node: Node) -> None:
+        self.nodes.append(weakref.ref(node))
+        self._on_node(node.get_fully_qualified_name())
+
+    def living_nodes(self) -> list[Node]:
+        """Return its nodes that are on the graph."""
+        nodes = [node for reference in list(self.nodes) if (node := reference()) is not None]
+        return [node for node in nodes if node in node._graph.nodes]
+
+    def contexts(self) -> set[Context]:
+        """Return the contexts that it uses."""
+        used = {node.context for reference in list(self.nodes) if (node := reference())}
+        return used | ({self.default_context} if self.default_context is not None else set())
+
+
+class _MainThread(threading.Thread):
+    """The thread of a program, which is no daemon for the threads that it starts in its turn."""
+
+    @property
+    def daemon(self) -> bool:
+        return threading.current_thread() is not self and super().daemon
+
+    @daemon.setter
+    def daemon(self, value: bool) -> None:
+        threading.Thread.daemon.__set__(self, value)  # type: ignore[attr-defined]
+
+
+class ProgramThread(HostedProgram):
+    """A program in threads of this process."""
+
+    thread_class = _MainThread
+
+    def __init__(self, program: Program, *callbacks: Any) -> None:
+        """Create it, without running it; the callbacks are those of `HostedProgram`."""
+        super().__init__(program, *callbacks)
+        self._process = self._new_process()
+        self._serves_read = 0.0
+        self._serves: tuple[str, ...] = ()
+
+    def _new_process(self) -> _Process:
+        return _Process(self.program, self.node_made)
+
+    def again(self) -> ProgramThread:
+        return ProgramThread(self.program, self._on_end, self._on_node, self._may_respawn)
+
+    def run_once(self) -> ProgramEnd:
+        self._process = self._new_process()
+        _adopt(threading.current_thread(), self._process)
+        try:
+            end = self._run_main()
+            for thread in list(self._process.awaited):
+                thread.join()  # As Python does before a process ends.
+            return end
+        except (Interrupted, KeyboardInterrupt):
+            return ProgramEnd(130)  # 128 and the number of SIGINT, as a shell says it.
+        finally:
+            self._clean_up()
+
+    def _run_main(self) -> ProgramEnd:
+        try:
+            self.file.run()
+        except SystemExit as error:
+            code, text = exit_code(error)
+            return ProgramEnd(code, f"{self.file}: {text}" if text else "")
+        except (Interrupted, KeyboardInterrupt):
+            raise
+        except BaseException as error:
+            return ProgramEnd(1, *self.file.explain(error))
+        return ProgramEnd(0)
+
+    def _other_threads(self) -> list[threading.Thread]:
+        threads = list(self._process.threads)
+        return [t for t in threads if t is not self._thread and t.is_alive()]
+
+    def _clean_up(self) -> None:
+        """Take off the graph what it left there, as the end of a process does."""
+        self.served = self._read_serves() or self.served
+        for node in self._process.living_nodes():
+            with contextlib.suppress(Exception):
+                destroy(node)
+        for context in self._process.contexts():
+            with contextlib.suppress(Exception):
+                context.try_shutdown()
+
+    def node_names(self) -> tuple[str, ...]:
+        return tuple(node.get_fully_qualified_name() for node in self._process.living_nodes())
+
+    def serves_now(self) -> tuple[str, ...]:
+        now = time.monotonic()
+        if now - self._serves_read > _SERVES_PERIOD:
+            self._serves_read, self._serves = now, self._read_serves()
+        return self._serves
+
+    def _read_serves(self) -> tuple[str, ...]:
+        found: set[str] = set()
+        for node in self._process.living_nodes():
+            with contextlib.suppress(Exception):  # It may be made or destroyed just now.
+                found.update(served_names(node))
+        return tuple(sorted(found))
+
+    def is_at_rest(self) -> bool:
+        threads = [self._thread, *self._other_threads()]
+        return self.has_name and any(waits_for_others(thread) for thread in threads)
+
+    def interrupt(self) -> None:
+        raise_in(self._thread, KeyboardInterrupt)
+        for context in self._process.contexts():  # As rclpy does when it gets the signal.
+            with contextlib.suppress(Exception):
+                context.try_shutdown()
+
+    def release(self) -> None:
+        self._clean_up()
+
+    def kill(self) -> bool:
+        self._clean_up()
+        others = self._other_threads()
+        return all([interrupt(thread) for thread in (*others, self._thread)])
+
+
+def _adopt(thread: threading.Thread, process: _Process) -> None:
+    _process.adopt(thread, process)
+    process.threads.add(thread)
+
+
+def in_program() -> bool:
+    """Return whether the calling thread belongs to a program."""
+    return isinstance(_process.current(), _Process)
+
+
+def install() -> Callable[[], None]:
+    """Let each thread that a program starts belong to that program.
+
+    Returns:
+        A function that restores Python's own behaviour.
+    """
+    original = threading.Thread.start
+
+    def start(self: threading.Thread) -> None:
+        process = _process.current()
+        if isinstance(process, _Process):
+            _adopt(self, process)
+            if not self.daemon:
+                process.awaited.add(self)
+                self.daemon = True  # The end of the console waits for none.
+        original(self)
+
+    def uninstall() -> None:
+        threading.Thread.start = original  # type: ignore[method-assign]
+
+    threading.Thread.start = start  # type: ignore[method-assign]
+    return uninstall

@@ -1,0 +1,174 @@
+"""The user's programs that run beside the console: `--run FILE`, and those of a launch file."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+from archo_tui.hosting.hosted_program import HostedProgram, Program
+from archo_tui.hosting.node_files import NodeFileError
+from archo_tui.hosting.program_file import ProgramFile
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Hosted, Life
+
+_BEHIND_STOP = "is not started behind a STOP that is not released: release it first"
+
+
+class Programs:
+    """The programs, which each may be ended and run again.
+
+    `states` and `names` may be called on any thread. All else may block for seconds, so it is never
+    called on the UI thread.
+    """
+
+    def __init__(
+        self,
+        make: Callable[..., HostedProgram],
+        on_event: Callable[[str, str, str], None],
+        on_gone: Callable[[Sequence[str]], None],
+        on_node: Callable[[str, Callable[[], bool]], None],
+        has_stop: Callable[[], bool],
+    ) -> None:
+        """Create it without programs.
+
+        Args:
+            make: Makes a hosted program, which is not begun yet.
+            on_event: Called with level, source and text of an event, on any thread.
+            on_gone: Called with the services and actions that an ended program has served.
+            on_node: Called with the full name of each node that a program makes, and with a
+                function that returns True if the program is to end; on any thread.
+            has_stop: Returns True while a STOP is not released.
+        """
+        self._make, self._on_event, self._on_gone = make, on_event, on_gone
+        self._on_node, self._has_stop = on_node, has_stop
+        self._changing = threading.Lock()
+        self._hosted: list[HostedProgram] = []
+        self._adding: HostedProgram | None = None  # Whose early crash `add` raises.
+
+    def add(self, program: Program) -> None:
+        """Run a program, and wait until it waits for others, has ended, or has taken its time.
+
+        Raises:
+            NodeFileError: Its text is not Python, or it has crashed by then without a node.
+        """
+        hosted = self._new(program)
+        self._adding = hosted
+        with self._changing:
+            self._hosted.append(hosted)
+            hosted.begin()
+        hosted.wait()
+        self._adding = None
+        if hosted.state.life is Life.CRASHED and not hosted.has_name:
+            error = hosted.crash or f"{hosted.file}: {hosted.state.error}"
+            raise NodeFileError(error, hosted.state.traceback)
+
+    def _new(self, program: Program) -> HostedProgram:
+        return self._make(program, self._ended, self._node_made, lambda: not self._has_stop())
+
+    def _node_made(self, hosted: HostedProgram, name: str) -> None:
+        self._on_node(name, lambda: hosted.is_stopping)
+
+    def _ended(self, hosted: HostedProgram) -> None:
+        state = hosted.state
+        if hosted is self._adding and state.life is Life.CRASHED and not hosted.has_name:
+            return
+        self._on_gone(hosted.served)
+        if state.life is Life.CRASHED:
+            self._on_event("ERROR", state.name.lstrip("/"), f"crashed: {state.error}")
+        else:
+            self._on_event("INFO", state.name.lstrip("/"), f"{hosted.file.path.name} has ended")
+
+    def states(self) -> tuple[Hosted, ...]:
+        """Return how each program is doing, once for each of its nodes."""
+        return tuple(state for hosted in list(self._hosted) for state in hosted.current_states())
+
+    def names(self) -> list[str]:
+        """Return the full names of their nodes; of one without nodes, the name of its file."""
+        return [name for hosted in list(self._hosted) for name in hosted.names]
+
+    def find(self, name: str) -> HostedProgram | None:
+        """Return the program that has a node of that full name; None if there is none."""
+        return next((h for h in list(self._hosted) if name in h.names), None)
+
+    def start(self, hosted: HostedProgram) -> Outcome:
+        """Run a program again that has ended, in any way."""
+        with self._changing:
+            if hosted.state.life.is_running:
+                return Outcome(Code.REFUSED, f"{hosted.name} is running")
+            if self._has_stop():
+                return Outcome(Code.REFUSED, f"{hosted.name} {_BEHIND_STOP}")
+            text = f"{hosted.name} started"
+            if not hosted.stop():
+                text += ", the one before is stuck: its code still runs"
+            try:
+                self._run_again(hosted)
+            except NodeFileError as error:
+                return Outcome(Code.REFUSED, str(error))
+        return Outcome(Code.DONE, text)
+
+    def stop(self, hosted: HostedProgram) -> Outcome:
+        """End a program as Ctrl-C does, and by force after JOIN_TIMEOUT."""
+        with self._changing:
+            name = hosted.name
+            if not hosted.stop():
+                return Outcome(Code.TIMEOUT, f"{name} does not stop: its code does not return")
+            self._on_gone(hosted.served)
+        return Outcome(Code.DONE, f"{name} stopped")
+
+    def reload(self, file: ProgramFile) -> None:
+        """Run the programs of a saved file as it is now; one that has ended stays so."""
+        with self._changing:
+            ours = [h for h in self._hosted if h.file is file]
+            olds = [h for h in ours if h.state.life in (Life.UP, Life.STARTING, Life.CRASHED)]
+            name = file.path.name
+            try:
+                file.compile()
+            except NodeFileError as error:
+                for hosted in olds:
+                    hosted.report_not_restarted(error)
+                self._on_event("ERROR", name, f"the saved text does not run: {error}")
+                return
+            if not olds:
+                text = f"{name} was saved, and has ended: s in Nodes runs it again"
+                self._on_event("INFO", name, text)
+            elif self._has_stop():
+                text = f"{name} was saved, and {_BEHIND_STOP}, then s in Nodes runs it anew"
+                self._on_event("WARN", name, text)
+            else:
+                self._restart(olds, name)
+
+    def _restart(self, olds: list[HostedProgram], file: str) -> None:
+        for old in olds:
+            if not old.stop():
+                text = "the one before is stuck: its code still runs"
+                self._on_event("WARN", old.name.lstrip("/"), text)
+            self._on_gone(old.served)
+            self._run_again(old)
+        names = ", ".join(sorted(old.name for old in olds))
+        self._on_event("YOU", "console", f"{file} was saved: {names} restarted")
+
+    def _run_again(self, old: HostedProgram) -> None:
+        """Run a program anew in the place of its earlier run.
+
+        Raises:
+            NodeFileError: Its text is not Python.
+        """
+        new = self._new(old.program)
+        new.begin()
+        self._hosted[self._hosted.index(old)] = new
+
+    def begin_to_end(self) -> None:
+        """Ask all of them to end, without waiting."""
+        for hosted in self._hosted:
+            hosted.begin_to_stop()
+
+    def end(self, seconds: Callable[[], float]) -> list[str]:
+        """End all of them.
+
+        Args:
+            seconds: Returns how long may still be waited.
+
+        Returns:
+            The names of those that did not end.
+        """
+        return [h.name for h in self._hosted if not h.stop(max(seconds(), 0.0))]

@@ -1,0 +1,73 @@
+"""The child process of a program on ROS 2: `python -m archo_tui.hosting.run_program FD FILE ...`.
+
+It runs the file as `python FILE ...` does, and reports on a file descriptor, a JSON object a line:
+each node that is made, and what the file raised.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import sys
+import threading
+import time
+from typing import Any
+
+assert sys.platform != "win32"  # As mypy is to know; there the console runs no programs on ROS 2.
+
+_GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
+
+
+def main() -> int:
+    """Run the file of the command line, and return its exit code."""
+    descriptor, given = int(sys.argv[1]), sys.argv[2]
+    os.set_inheritable(descriptor, False)
+    threading.Thread(target=_end_with_console, args=(descriptor,), daemon=True).start()
+    from rclpy.node import Node
+
+    from archo_tui.hosting.hosted_program import exit_code
+    from archo_tui.hosting.program_file import ProgramFile
+
+    def report(**what: Any) -> None:
+        os.write(descriptor, json.dumps(what).encode() + b"\n")
+
+    original = Node.__init__
+
+    def init(self: Node, *args: Any, **options: Any) -> None:
+        original(self, *args, **options)
+        report(node=self.get_fully_qualified_name())
+
+    Node.__init__ = init  # type: ignore[method-assign]
+    sys.argv = sys.argv[2:]
+    file = ProgramFile(given)
+    try:
+        file.compile()
+        file.run()
+    except SystemExit as error:
+        code, text = exit_code(error)
+        if text:
+            report(error=f"{given}: {text}")
+        return code
+    except KeyboardInterrupt:
+        return 130  # 128 and the number of SIGINT, as a shell says it.
+    except BaseException as error:
+        text, traceback = file.explain(error)
+        report(error=text, traceback=traceback)
+        return 1
+    return 0
+
+
+def _end_with_console(descriptor: int) -> None:
+    """Wait until nobody reads the reports any more, since the console was killed, and end."""
+    poller = select.poll()
+    poller.register(descriptor, 0)  # Only POLLERR, which is always told.
+    poller.poll()
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(_GRACE)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

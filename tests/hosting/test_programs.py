@@ -1,0 +1,306 @@
+"""Programs that run beside the console as `python FILE` runs them: `--run FILE`."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui.errors import ArchoError
+from archo_tui.hosting import hosted_program
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Hosted, Life
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from tests.support import chosen
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.real_time, pytest.mark.posix]
+
+# As in textbooks; what it does is in said.txt.
+TALKER = """
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+def say(text):
+    with open("said.txt", "a") as file:
+        print(text, file=file)
+
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.create_service(Trigger, "answer", lambda request, response: response)
+        say("{word}")
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Talker()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        say("interrupted")
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+        say("left")
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def talker(word: str = "made") -> Path:
+    return written("talker.py", TALKER.replace("{word}", word))
+
+
+def written(name: str, text: str) -> Path:
+    file = Path(name)
+    file.write_text(text)
+    return file
+
+
+def said() -> list[str]:
+    file = Path("said.txt")
+    return file.read_text().split() if file.exists() else []
+
+
+@contextmanager
+def running(*files: Path, only: bool = True, **options: Any) -> Iterator[Session]:
+    """A session that runs programs."""
+    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), program_files=files, only=only)
+    with Session(given._replace(**options)) as session:
+        yield session
+
+
+@pytest.fixture(autouse=True)
+def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run each test in a folder of its own, and let its processes find each other."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+def states(session: Session) -> dict[str, Hosted]:
+    return {hosted.name: hosted for hosted in session.host.states()}
+
+
+def life(session: Session, name: str = "/talker") -> Life:
+    return states(session)[name].life
+
+
+def texts(session: Session) -> list[str]:
+    return [event.text for event in session.robot.snapshot.events]
+
+
+def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: "/talker" in states(session))
+        wait_until(lambda: any(n.name == "/talker" for n in session.robot.snapshot.nodes))
+        assert life(session) is Life.UP
+        assert session.host.start_node("/talker") == (Code.REFUSED, "/talker is running")
+        assert session.host.copy_node("/talker").code == Code.REFUSED
+        assert session.host.stop_node("/talker") == (Code.DONE, "/talker stopped")
+        assert said() == ["made", "interrupted", "left"]
+        assert life(session) is Life.STOPPED
+        assert session.host.start_node("/talker") == (Code.DONE, "/talker started")
+        wait_until(lambda: said()[3:] == ["made"])
+        wait_until(lambda: life(session) is Life.UP)
+    assert said()[3:] == ["made", "interrupted", "left"]
+
+
+ENDS = """
+import sys
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("worker")
+node.create_timer(0.05, lambda: {what})
+rclpy.spin(node)
+{then}
+"""
+
+
+def test_a_program_that_shuts_down_ends_alone_and_saving_does_not_run_it_again() -> None:
+    worker = written("worker.py", ENDS.format(what="rclpy.shutdown()", then=""))
+    with running(talker(), worker) as session:
+        wait_until(lambda: life(session, "/worker") is Life.ENDED)
+        wait_until(lambda: "worker.py has ended" in texts(session))
+        assert life(session) is Life.UP
+        worker.write_text(worker.read_text() + "# saved\n")
+        said = "worker.py was saved, and has ended: s in Nodes runs it again"
+        wait_until(lambda: said in texts(session))
+        assert life(session, "/worker") is Life.ENDED
+        assert session.host.start_node("/worker").ok
+        wait_until(lambda: life(session, "/worker") is Life.ENDED)
+
+
+@pytest.mark.parametrize(
+    ("what", "then", "error"),
+    [
+        ("sys.exit(3)", "", "exit code 3"),
+        ("sys.exit('no map')", "", "no map"),
+        ("1 / 0", "", "line 7: ZeroDivisionError: division by zero, in: node.create_timer"),
+        ("rclpy.shutdown()", "[][1]", "line 9: IndexError: list index out of range, in: [][1]"),
+    ],
+)
+def test_a_program_that_fails_says_where_and_saving_runs_it(
+    what: str, then: str, error: str
+) -> None:
+    worker = written("worker.py", ENDS.format(what=what, then=then))
+    with running(worker) as session:
+        wait_until(lambda: life(session, "/worker") is Life.CRASHED)
+        state = states(session)["/worker"]
+        assert state.error.startswith(error)
+        assert ("Traceback" in state.traceback) == ("line" in error)
+        wait_until(lambda: any(t.startswith(f"crashed: {error}") for t in texts(session)))
+        worker.write_text(ENDS.format(what="None", then=""))
+        wait_until(lambda: life(session, "/worker") is Life.UP)
+        wait_until(lambda: "worker.py was saved: /worker restarted" in texts(session))
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("def", "bad.py:1: SyntaxError: invalid syntax, in: def"),
+        ("import rclpy\n1 / 0", "bad.py:2: ZeroDivisionError: division by zero, in: 1 / 0"),
+        ("input()", "bad.py:1: EOFError: EOF when reading a line, in: input()"),
+    ],
+)
+def test_a_program_that_fails_before_its_node_is_an_error_at_the_start(
+    text: str, error: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    limit = 0.3 if chosen.ENGINE == "embedded" else 10.0
+    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", limit)
+    with pytest.raises(ArchoError, match=f"^{error}"), running(written("bad.py", text)):
+        pass
+
+
+def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said() == ["made"])
+        talker("anew")
+        wait_until(lambda: said() == ["made", "interrupted", "left", "anew"])
+        written("talker.py", "def")
+        wrong = "the saved text does not run: talker.py:1: SyntaxError"
+        wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))
+        assert life(session) is Life.UP
+        assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
+
+
+def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
+    with running(talker(), only=False) as session:
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        talker("anew")
+        refused = "is not started behind a STOP that is not released: release it first"
+        saved = f"talker.py was saved, and {refused}, then s in Nodes runs it anew"
+        wait_until(lambda: saved in texts(session))
+        assert session.host.stop_node("/talker").ok
+        assert session.host.start_node("/talker") == (Code.REFUSED, f"/talker {refused}")
+        assert said() == ["made", "interrupted", "left"]
+
+
+def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
+    text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
+    with running(written("mine.py", text), only=False) as session:
+        wait_until(lambda: "/dashboard" in states(session))
+        assert states(session)["/dashboard"].file == "mine.py"
+        assert [h.name for h in session.host.nodes] == ["/battery_monitor", "/motor_controller"]
+
+
+LATE = """
+import threading
+import rclpy
+
+
+def say(text):
+    with open("said.txt", "a") as file:
+        print(text, file=file)
+
+
+def end():
+    say("shut")
+    rclpy.shutdown()
+
+
+rclpy.init()
+node = rclpy.create_node("late")
+threading.Thread(target=rclpy.spin, args=(node,)).start()
+node.create_timer(1.0, end)
+say("over")
+"""
+
+
+def test_a_program_lasts_as_long_as_the_threads_that_it_started() -> None:
+    with running(written("late.py", LATE), talker()) as session:
+        assert said() == ["over", "made"]
+        wait_until(lambda: life(session, "/late") is Life.ENDED)
+        assert said() == ["over", "made", "shut"]
+        assert life(session) is Life.UP
+
+
+SLEEPS = """
+import time
+from pathlib import Path
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("sleeper")
+while not Path("end").exists():
+    try:
+        time.sleep(1.5)
+    except BaseException:
+        pass
+"""
+
+
+def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 0.2)
+    monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3,))
+    with running(written("sleeper.py", SLEEPS)) as session:
+        wait_until(lambda: "/sleeper" in states(session))
+        outcome = session.host.stop_node("/sleeper")
+        if chosen.ENGINE == "embedded":  # A thread cannot be ended while it sleeps.
+            assert outcome.code == Code.TIMEOUT
+            assert life(session, "/sleeper") is Life.STUCK
+            assert not any("sleeper" in n.get_name() for n in _nodes(session))
+        else:
+            assert outcome == (Code.DONE, "/sleeper stopped")
+        written("end", "")
+        program = session.host.programs.find("/sleeper")
+        assert program is not None
+        wait_until(lambda: not program._thread.is_alive())
+
+
+def _nodes(session: Session) -> list[Any]:
+    return list(session._context._graph.nodes)
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there its programs are threads")
+def test_a_program_ends_with_a_console_that_is_killed() -> None:
+    talker()
+    words = ["--engine", "ros2", "--only", "--run", "talker.py", "--plain", "--no-remote"]
+    domain = {"ROS_DOMAIN_ID": str(chosen.next_domain())}
+    console = subprocess.Popen(
+        [sys.executable, "-m", "archo_tui", *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        env={**os.environ, **domain},
+    )
+    with console:
+        wait_until(lambda: said() == ["made"])
+        console.send_signal(signal.SIGKILL)
+    wait_until(lambda: said() == ["made", "interrupted", "left"])
