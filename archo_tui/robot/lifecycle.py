@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -68,14 +69,17 @@ class Lifecycles:
         for node in self._words.keys() - managed:
             del self._words[node], self._asked[node]
             self._silent.discard(node)
-            self._node.destroy_subscription(self._subscriptions.pop(node))
+            if (subscription := self._subscriptions.pop(node, None)) is not None:
+                self._node.destroy_subscription(subscription)
             self._on_change()
         now = self._clock.monotonic()
         for node in managed - self._words.keys():
             self._words[node], self._asked[node] = "", now
-            self._subscriptions[node] = self._node.listen_quietly(
-                TransitionEvent, f"{node}/transition_event", self._handler(node), 10
-            )
+            # If this fails, as for a topic of another type, it is asked again each _ASK_AGAIN.
+            with contextlib.suppress(Exception):
+                self._subscriptions[node] = self._node.listen_quietly(
+                    TransitionEvent, f"{node}/transition_event", self._handler(node), 10
+                )
             self._submit(partial(self._ask, node))
         for node, asked in self._asked.items():
             if now - asked >= _ASK_AGAIN:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
+from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
@@ -53,12 +54,14 @@ class _Subscription(NamedTuple):
     Attributes:
         qos: Its reliability and its durability.
         keys: The keys of its readers.
-        subscription: rclpy's object.
+        subscription: rclpy's object; None if rclpy made none.
+        fault: Why rclpy made none; "" if it did.
     """
 
     qos: tuple[ReliabilityPolicy, DurabilityPolicy]
     keys: tuple[object, ...]
     subscription: Any = None
+    fault: str = ""
 
 
 class ReadingSubscriptions:
@@ -110,9 +113,11 @@ class ReadingSubscriptions:
         for key in [key for key in self._subscriptions if key not in wanted]:
             # A topic without publishers keeps its subscription: they may come back.
             if published[key[0]]:
-                self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
+                self._end(self._subscriptions.pop(key))
         for key, readers in wanted.items():
             self._subscribe(key, readers, published[key[0]])
+            if self._subscriptions[key].fault:
+                faults.setdefault(readers[0].topic, self._subscriptions[key].fault)
         for topic, fault in faults.items():
             if self.faults.get(topic) != fault:
                 self._warn(fault)
@@ -168,7 +173,7 @@ class ReadingSubscriptions:
         if old is not None and old[:2] == made[:2]:
             return
         if old is not None:
-            self._node.destroy_subscription(old.subscription)
+            self._end(old)
 
         def on_message(message: Any) -> None:
             header = getattr(message, "header", None)
@@ -181,8 +186,18 @@ class ReadingSubscriptions:
             for name, new in news.items():
                 self._on_reading(name, new)
 
-        subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
-        self._subscriptions[key] = made._replace(subscription=subscription)
+        message_class = message_classes.load(kind)
+        try:
+            subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
+        except Exception as error:  # Fast DDS allows one type of a topic in a process.
+            fault = mismatch.not_subscribed(readers[0].topic, kind, in_one_line(error))
+            self._subscriptions[key] = made._replace(fault=fault)
+        else:
+            self._subscriptions[key] = made._replace(subscription=subscription)
+
+    def _end(self, ended: _Subscription) -> None:
+        if ended.subscription is not None:
+            self._node.destroy_subscription(ended.subscription)
 
 
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:

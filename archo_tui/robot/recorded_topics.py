@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes
 from archo_tui.robot.endpoints import fitting_qos
 from archo_tui.robot.listener import Listener
@@ -39,12 +40,20 @@ class RecordedTopics:
             kind = publishers[0].topic_type
             message_class = message_classes.load(kind)
             if message_class is None:
-                if topic not in self._warned:
-                    self._warned.add(topic)
-                    self._warn(f"not recorded: {mismatch.not_installed(topic, kind)}")
+                self._warn_once(topic, mismatch.not_installed(topic, kind))
                 continue
-            subscription = self._node.listen_quietly(
-                message_class, topic, lambda _: None, fitting_qos(publishers)
-            )
-            self._subscriptions.append(subscription)
             self._missing.remove(topic)
+            try:
+                subscription = self._node.listen_quietly(
+                    message_class, topic, lambda _: None, fitting_qos(publishers)
+                )
+            except Exception as error:  # Fast DDS allows one type of a topic in a process.
+                reason = in_one_line(error)
+                self._warn_once(topic, mismatch.not_subscribed(topic, kind, reason))
+            else:
+                self._subscriptions.append(subscription)
+
+    def _warn_once(self, topic: str, text: str) -> None:
+        if topic not in self._warned:
+            self._warned.add(topic)
+            self._warn(f"not recorded: {text}")

@@ -34,6 +34,11 @@ def not_installed(name: str, kind: str) -> str:
     return f"{name} is {kind}, which is not installed here"
 
 
+def not_subscribed(name: str, kind: str, reason: str) -> str:
+    """Return the error text for a topic to which rclpy makes no subscription, and its reason."""
+    return f"{name} is {kind}, and cannot be subscribed to here: {reason}"
+
+
 def unknown_field(kind: str, wanted: Iterable[tuple[str, str]], known: Collection[str]) -> str:
     """Return an error for the first field that a message type lacks, or "" if it has all.
 

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float32
 
 from archo_tui.replay.topics import RecordedTopics
+from archo_tui.robot.listener import Listener
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
@@ -69,3 +70,33 @@ def test_in_a_replay_both_are_read(file: Path) -> None:
     assert telemetry.battery.percentage == 80.0
     assert telemetry.gauges[0].value == 80.0
     assert heard == ["level"]
+
+
+async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Fast DDS refuses a second type of a topic in one process, for example."""
+    file = here / "base.yaml"
+    file.write_text(FILE.replace("topic: level", "topic: refused", 1) + "record: [refused]\n")
+    listen = Listener.listen_quietly
+
+    def refusing(self: Listener, kind: Any, topic: str, *rest: Any) -> Any:
+        if topic == "/refused":
+            raise RuntimeError("incompatible type")
+        return listen(self, kind, topic, *rest)
+
+    class Both(Talker):
+        def __init__(self, **options: Any) -> None:
+            super().__init__(**options)
+            self.create_publisher(Float32, "refused", 10)
+
+    monkeypatch.setattr(Listener, "listen_quietly", refusing)
+    async with robot(Both, robot=file) as it:
+        await until(lambda: it.snapshot.gauges[0].value == 80.0)
+        reason = "RuntimeError: incompatible type"
+        why = f"is std_msgs/msg/Float32, and cannot be subscribed to here: {reason}"
+        assert it.snapshot.faults["refused"] == f"refused {why}"
+        texts = [event.text for event in it.snapshot.events]
+        assert f"not recorded: /refused {why}" in texts
+        await while_passes(3)
+        assert [event.text for event in it.snapshot.events] == texts
