@@ -481,7 +481,7 @@ FAULTS = [
     Fault("robot/inspection.py", "            self._node.destroy_subscription(self._subscription)\n", "", ROBOT + "/test_inspection.py"),
     Fault("robot/inspection.py", "fitting_qos(publishers) == self._qos", "self._qos is not None", ROBOT + "/test_inspection.py"),
     Fault("robot/inspection.py", "self._node.without_secrets(deserialize_message(data, self._class))", "deserialize_message(data, self._class)", ROBOT + "/test_inspection.py"),
-    Fault("robot/message_text.py", "if number == number", "", ROBOT + "/test_message_text.py"),
+    Fault("robot/array_summary.py", "if number == number", "", ROBOT + "/test_message_text.py"),
     Fault("robot/interface_text.py", "nested not in (of, *above)", "nested != of", ROBOT + "/test_interface_text.py"),
     Fault("verbs/inspect.py", "if number != seen and has_room():", "if number and has_room():", "tests/verbs/test_follow.py"),
     Fault("plain/plain.py", "            else:\n                self._end_following()\n", "", "tests/verbs/test_follow.py"),

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot.definitions import ros2msg_type
+from archo_tui.robot.array_summary import listed, summarize
 from archo_tui.robot.fields import NESTED, element_of
 from archo_tui.robot.message_classes import EMPTY
 from archo_tui.safe_text import safe
@@ -26,10 +26,6 @@ _MAX_LINES, _MAX_CHARACTERS = 1_000, 100_000  # Of a text.
 _MAX_TEXT = 500  # Characters of a string in a text.
 _MAX_JSON = 100_000  # Characters: a program that reads slowly is sent no more at once.
 _JSON_ELEMENTS = (10_000, 1_000, MAX_ELEMENTS)  # Of an array, the first that fits _MAX_JSON.
-_FIRST_BYTES = 16  # Of a long array of bytes.
-_CHUNK = 50_000  # Elements that are compared at once, so that other threads get their turn.
-_BYTES = ("uint8", "octet")
-_NOT_NUMBERS = ("boolean", "string", "wstring")
 _PART = re.compile(r"(\w+)((?:\[\d{1,9}\])*)")
 
 
@@ -63,7 +59,7 @@ def find_field(message: Any, path: str) -> FieldValue:
                 size = "is no array" if element is None else f"has {len(value)} elements"
                 raise ArchoError(f"there is no {where}[{index}]: {where} {size}")
             kind, where = element, f"{where}[{index}]"
-            value = _listed(value[index : index + 1])[0]
+            value = listed(value[index : index + 1])[0]
     return FieldValue(path, kind, value)
 
 
@@ -135,7 +131,7 @@ def _value(value: Any, kind: str, form: _Form) -> Any:
     if element is not None:
         if len(value) > form.elements:
             return _description(value, element, form)
-        return [_value(item, element, form) for item in _listed(value)]
+        return [_value(item, element, form) for item in listed(value)]
     if NESTED.fullmatch(kind):
         return _message(value, form)
     if isinstance(value, bytes):
@@ -151,10 +147,10 @@ def _value(value: Any, kind: str, form: _Form) -> Any:
 def _number(value: float, kind: str, form: _Form) -> float | str:
     if not math.isfinite(value):
         return str(value) if form.is_json else value
-    return _shortest(value) if kind == "float" else value
+    return shortest(value) if kind == "float" else value
 
 
-def _shortest(value: float) -> float:
+def shortest(value: float) -> float:
     """Return the number with the fewest digits that is the same as a float32: 0.1."""
     for digits in range(6, 10):
         short = float(f"{value:.{digits}g}")
@@ -165,39 +161,20 @@ def _shortest(value: float) -> float:
 
 def _description(value: Any, element: str, form: _Form) -> Any:
     """Return type and length of a long array, and its range or its first bytes."""
-    told: dict[str, Any] = {"type": f"{ros2msg_type(element)}[{len(value)}]"}
-    if element in _BYTES:
-        first = value[:_FIRST_BYTES]
-        joined = b"".join(first) if element == "octet" else bytes(_listed(first))
-        told["first"] = joined.hex(" ")
-    elif not NESTED.fullmatch(element) and element.partition("<")[0] not in _NOT_NUMBERS:
-        told |= _range(value, element, form)
+    summary = summarize(value, element)
+    told: dict[str, Any] = {"type": summary.type}
+    if summary.first:
+        told["first"] = summary.first
+    if summary.least is not None:
+        told["least"] = _value(summary.least, element, form)
+        told["greatest"] = _value(summary.greatest, element, form)
+    if summary.nan:
+        told["nan"] = summary.nan
     if form.is_json:
         return told
     words = [told["type"]]
     if "least" in told:
         words.append(f"{told['least']} .. {told['greatest']}")
-    if told.get("nan"):
-        words.append(f"{told['nan']} nan")
-    return ", ".join(words) + (f", {told['first']} ..." if "first" in told else "")
-
-
-def _range(value: Any, element: str, form: _Form) -> dict[str, Any]:
-    """Return the least and the greatest number of an array, and how many are NaN."""
-    ends: list[Any] = []
-    missing = 0
-    for start in range(0, len(value), _CHUNK):
-        chunk = _listed(value[start : start + _CHUNK])
-        numbers = [number for number in chunk if number == number]
-        missing += len(chunk) - len(numbers)
-        ends += [min(numbers), max(numbers)] if numbers else []
-    told: dict[str, Any] = {}
-    if ends:
-        told["least"] = _value(min(ends), element, form)
-        told["greatest"] = _value(max(ends), element, form)
-    return {**told, "nan": missing} if missing else told
-
-
-def _listed(value: Any) -> list[Any]:
-    found: list[Any] = value.tolist() if hasattr(value, "tolist") else list(value)
-    return found
+    if summary.nan:
+        words.append(f"{summary.nan} nan")
+    return ", ".join(words) + (f", {summary.first} ..." if summary.first else "")

@@ -19,6 +19,14 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
 from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot.state.topic_info import TopicEnd, TopicInfo
+from archo_tui.robot.state.topic_view import (
+    Curve,
+    FieldKind,
+    FieldView,
+    Range,
+    TopicRequest,
+    TopicView,
+)
 from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
@@ -28,9 +36,12 @@ __all__ = [
     "SERVICE",
     "TOPIC",
     "Battery",
+    "Curve",
     "Diagnostic",
     "DiagnosticLevel",
     "Event",
+    "FieldKind",
+    "FieldView",
     "GaugeReading",
     "Goal",
     "Hosted",
@@ -45,11 +56,14 @@ __all__ = [
     "Parameter",
     "Phase",
     "Pose",
+    "Range",
     "Resource",
     "Snapshot",
     "StopAnswer",
     "TopicEnd",
     "TopicInfo",
+    "TopicRequest",
+    "TopicView",
     "TypedField",
     "in_namespace",
     "level_word",

@@ -1,0 +1,113 @@
+"""A topic at one moment: the fields of its last message, and how often messages come."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from enum import Enum, auto
+from typing import NamedTuple
+
+from archo_tui.robot.state.topic_info import TopicInfo
+
+Range = tuple[float, float]  # The least and the greatest value.
+Curve = tuple[Range | None, ...]  # The values of the last minute, the oldest first; None: no value.
+
+
+class FieldKind(Enum):
+    """The kinds of rows of a message."""
+
+    VALUE = auto()  # A number, a text, a bool or a time.
+    GROUP = auto()  # A message, whose fields follow.
+    ARRAY = auto()
+    MORE = auto()  # The elements of an open array that are not shown.
+
+
+class FieldView(NamedTuple):
+    """A field of a message, or an element of an array that is open.
+
+    Attributes:
+        path: Its dotted path: `pose.position.x`, `ranges[3]`.
+        kind: What it is.
+        type: Its type as .msg files write it; of an array with its length: `float32[360]`.
+        value: Its value, NaN also; None for a group or an array. A time of day is in Unix seconds.
+            For MORE, the length of the array.
+        is_time: True if the value is a time of day.
+        unit: Its unit; "" if neither its definition nor the robot file names one.
+        constant: The name that the type gives to this value, or "".
+        least: The least value since the topic was opened; of an array, of its elements now.
+        greatest: The greatest value, as `least`.
+        nan: Of an array, the number of elements that are NaN.
+        first: Of an array of bytes, the first ones in hexadecimal.
+        is_open: True for an array whose elements follow.
+        curve: Its values of the last minute, if they were asked for.
+    """
+
+    path: str
+    kind: FieldKind
+    type: str
+    value: bool | float | str | None = None
+    is_time: bool = False
+    unit: str = ""
+    constant: str = ""
+    least: float | None = None
+    greatest: float | None = None
+    nan: int = 0
+    first: str = ""
+    is_open: bool = False
+    curve: Curve = ()
+
+    @property
+    def number(self) -> float | None:
+        """The value if it can be plotted: a finite number or a bool, but no time of day."""
+        if self.kind is not FieldKind.VALUE or self.is_time:
+            return None
+        is_number = isinstance(self.value, (bool, int, float)) and math.isfinite(self.value)
+        return self.value if is_number else None  # type: ignore[return-value]  # no text is left
+
+
+class TopicView(NamedTuple):
+    """A topic at one moment.
+
+    Attributes:
+        topic: Its full name.
+        type: The type of its messages; "" while none is known.
+        received: The messages that came since it was opened.
+        rate: The messages in a second; None before the second one.
+        bytes_per_second: The bytes of them in a second; None as for `rate`.
+        age: Seconds since the last message; None before the first one.
+        fields: The fields of the last message, in its order.
+        is_cut: True if it has more fields than are shown.
+        plots: The values of the last minute by path, for those that were asked for.
+        ends: Its publishers and subscriptions; None if they are not known.
+        fault: Why nothing is shown, or why not the last message; "" if nothing is wrong.
+    """
+
+    topic: str
+    type: str = ""
+    received: int = 0
+    rate: float | None = None
+    bytes_per_second: float | None = None
+    age: float | None = None
+    fields: tuple[FieldView, ...] = ()
+    is_cut: bool = False
+    plots: Mapping[str, Curve] = {}
+    ends: TopicInfo | None = None
+    fault: str = ""
+
+
+class TopicRequest(NamedTuple):
+    """The parts of a view that a screen needs.
+
+    Attributes:
+        open_arrays: The arrays whose elements are shown, by path, each with the first element.
+        visible: The paths of the fields whose curve is shown beside them.
+        curve_columns: The number of columns of such a curve.
+        plotted: The paths of the fields that are plotted.
+        plot_columns: The number of columns of a plot.
+    """
+
+    open_arrays: Mapping[str, int] = {}
+    visible: frozenset[str] = frozenset()
+    curve_columns: int = 0
+    plotted: tuple[str, ...] = ()
+    plot_columns: int = 0
