@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import AsyncIterator, Callable, Collection, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NoReturn
 
 from archo_tui import engine
 
@@ -62,6 +62,8 @@ from archo_tui.robot.state import (
     NodeInfo,
     Snapshot,
     TopicInfo,
+    TopicRequest,
+    TopicView,
     TypedField,
 )
 from archo_tui.robot.stop_verbs import StopVerbs
@@ -69,6 +71,7 @@ from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
+from archo_tui.robot.topic_follower import TopicFollower
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import model
@@ -413,17 +416,23 @@ class Robot:
             return ()
 
     @contextlib.asynccontextmanager
-    async def inspect(self, topic: str, message_class: Any) -> AsyncIterator[Inspection]:
+    async def inspect(
+        self,
+        topic: str,
+        message_class: Any,
+        on_data: Callable[[float, bytes], None] = lambda *_: None,
+    ) -> AsyncIterator[Inspection]:
         """Subscribe to a topic for as long as the context is entered.
 
         Args:
             topic: The full name of the topic.
             message_class: The class of its messages.
+            on_data: Called on the ROS thread with the monotonic time and the bytes of each message.
 
         Raises:
             TimeoutError: The ROS thread does not answer.
         """
-        inspection = Inspection(self._node, self._clock, topic, message_class)
+        inspection = Inspection(self._node, self._clock, topic, message_class, on_data)
 
         async def begin() -> None:
             inspection.begin()
@@ -437,6 +446,15 @@ class Robot:
     def refit(self, inspection: Inspection) -> None:
         """Have an inspection subscribe again if its publishers have changed their QoS."""
         self._thread.submit(inspection.refit)
+
+    async def follow_topic(
+        self,
+        topic: str,
+        request: Callable[[], TopicRequest],
+        show: Callable[[TopicView], None],
+    ) -> NoReturn:
+        """Show a topic several times a second until the task is cancelled: see `TopicFollower`."""
+        await TopicFollower(self, self._clock, topic, request, show).run()
 
     def node_gone(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.

@@ -6,6 +6,7 @@ ones, cost the ROS thread little, and the black box gets none.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.qos import QoSProfile
@@ -35,7 +36,14 @@ class Inspection:
         greatest: The longest time between two of them, in seconds; None before the second.
     """
 
-    def __init__(self, node: Listener, clock: Clock, topic: str, message_class: Any) -> None:
+    def __init__(
+        self,
+        node: Listener,
+        clock: Clock,
+        topic: str,
+        message_class: Any,
+        on_data: Callable[[float, bytes], None] = lambda *_: None,
+    ) -> None:
         """Subscribe to nothing yet.
 
         Args:
@@ -43,7 +51,9 @@ class Inspection:
             clock: The clock of the times.
             topic: The full name of the topic.
             message_class: The class of its messages.
+            on_data: Called on the ROS thread with the monotonic time and the bytes of each message.
         """
+        self._on_data = on_data
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
         self._qos: QoSProfile | None = None
@@ -85,6 +95,7 @@ class Inspection:
         self.size += len(data)
         self.newest = self.count + 1, data
         self.count += 1  # Last: who sees it finds the rest.
+        self._on_data(now, data)
 
     @property
     def rate(self) -> float | None:
@@ -102,10 +113,14 @@ class Inspection:
             ArchoError: It is larger than the bound, or no such message.
         """
         if len(data) > MAX_BYTES:
-            size, most = len(data) / 1e6, MAX_BYTES / 1e6
-            raise ArchoError(f"not shown: a message of {size:.1f} MB, more than {most:g} MB")
+            raise ArchoError(too_large(len(data)))
         try:
             return self._node.without_secrets(deserialize_message(data, self._class))
         except Exception as error:  # rclpy raises several types for bytes of another definition.
             why = f"not readable, its publisher may have another definition: {in_one_line(error)}"
             raise ArchoError(why) from None
+
+
+def too_large(size: int) -> str:
+    """Return why a message of so many bytes is not shown."""
+    return f"not shown: a message of {size / 1e6:.1f} MB, more than {MAX_BYTES / 1e6:g} MB"

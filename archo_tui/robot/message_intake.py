@@ -1,0 +1,118 @@
+"""The messages of an inspected topic between their arrival and their decoding.
+
+All are counted, some are kept: however many come, and however large they are, at most thirty a
+second wait to be decoded.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from typing import NamedTuple
+
+from archo_tui.robot.inspection import MAX_BYTES
+
+_INTERVAL = 0.04  # Seconds between two kept messages; with the newest of each look, 30 a second.
+_WAITING_BYTES = 16_000_000  # Of all messages that wait.
+_WINDOW = 5.0  # Seconds in which the rate is measured.
+_BUCKETS_PER_SECOND = 2
+
+
+class RawMessage(NamedTuple):
+    """A serialized message and its time of arrival in seconds."""
+
+    time: float
+    data: bytes
+
+
+class _Bucket(NamedTuple):
+    """The messages that came within half a second.
+
+    Attributes:
+        number: Which half second, counted from 0.0.
+        first: When the first one came, in seconds.
+        messages: How many came.
+        size: Their bytes.
+    """
+
+    number: int
+    first: float
+    messages: int
+    size: int
+
+
+class MessageIntake:
+    """Takes messages on one thread and gives them away on another.
+
+    Attributes:
+        received: The messages that came.
+        last: When the last one came, in seconds; None before the first.
+        last_size: The bytes of the last one.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # Held for no longer than an append takes.
+        self.received = 0
+        self.last: float | None = None
+        self.last_size = 0
+        self._waiting: list[RawMessage] = []
+        self._waiting_bytes = 0
+        self._kept_at: float | None = None
+        self._newest: RawMessage | None = None  # If it is not among those that wait.
+        self._buckets: deque[_Bucket] = deque(maxlen=int(_WINDOW * _BUCKETS_PER_SECOND) + 1)
+
+    def add(self, time: float, data: bytes) -> None:
+        """Take a message.
+
+        Args:
+            time: When it came, in seconds.
+            data: The serialized message.
+        """
+        with self._lock:
+            self._count(time, len(data))
+            self.received, self.last, self.last_size = self.received + 1, time, len(data)
+            self._newest = None
+            if len(data) > MAX_BYTES:
+                return
+            message = RawMessage(time, data)
+            is_due = self._kept_at is None or not 0 <= time - self._kept_at < _INTERVAL
+            if is_due and self._waiting_bytes + len(data) <= _WAITING_BYTES:
+                self._waiting.append(message)
+                self._waiting_bytes += len(data)
+                self._kept_at = time
+            else:
+                self._newest = message
+
+    def take(self) -> list[RawMessage]:
+        """Return the messages that wait, the newest at the end, and forget them."""
+        with self._lock:
+            found = [*self._waiting, *([] if self._newest is None else [self._newest])]
+            self._waiting.clear()
+            self._waiting_bytes, self._newest = 0, None
+        return found
+
+    @property
+    def is_too_large(self) -> bool:
+        """True if the last message is too large to be decoded."""
+        return self.last_size > MAX_BYTES
+
+    def rates(self, now: float) -> tuple[float, float] | None:
+        """Return the messages and the bytes in a second; None before two messages in 5 s."""
+        with self._lock:
+            buckets, last = tuple(self._buckets), self.last
+        recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]
+        count = sum(bucket.messages for bucket in recent)
+        span = 0.0 if not recent or last is None else last - recent[0].first
+        if count < 2 or span <= 0:
+            return None
+        rate = (count - 1) / span
+        return rate, rate * sum(bucket.size for bucket in recent) / count
+
+    def _count(self, time: float, size: int) -> None:
+        number = int(time * _BUCKETS_PER_SECOND)
+        last = self._buckets[-1] if self._buckets else None
+        if last is not None and last.number == number:
+            messages = last.messages + 1
+            self._buckets[-1] = last._replace(messages=messages, size=last.size + size)
+        else:
+            self._buckets.append(_Bucket(number, time, 1, size))

@@ -1,0 +1,153 @@
+"""The following of one topic for a screen: a view of it five times a second while it is open.
+
+Messages are counted on the ROS thread, and decoded on threads of their own, which take a bounded
+share of the time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Any, NoReturn, Protocol
+
+from archo_tui.clock import Clock
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.robot import message_classes
+from archo_tui.robot.inspection import Inspection
+from archo_tui.robot.message_intake import MessageIntake
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Snapshot, TopicInfo, TopicRequest, TopicView
+from archo_tui.robot.topic_watch import TopicWatch
+from archo_tui.robot_file.field_units import field_units
+from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.ros_names import package_of
+
+PERIOD = 0.2  # Seconds between two views.
+_REFIT = 2.0  # Seconds between two looks at the publishers.
+_SHARE = 0.2  # The share of a processor's time that decoding takes at most.
+_LONG = 0.05  # Seconds of decoding after which only the newest message is decoded the next time.
+_NO_ANSWER = "the console's own node does not answer"
+
+
+class Followed(Protocol):
+    """The part of the robot that a follower uses."""
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """Return the newest snapshot."""
+
+    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
+        """Return the publishers and subscriptions of a topic, or why they are not known."""
+
+    def inspect(
+        self, topic: str, message_class: Any, on_data: Callable[[float, bytes], None]
+    ) -> AbstractAsyncContextManager[Inspection]:
+        """Subscribe to a topic for as long as the context is entered."""
+
+    def refit(self, inspection: Inspection) -> None:
+        """Have an inspection subscribe again if its publishers have changed their QoS."""
+
+
+class TopicFollower:
+    """Shows one topic until its task is cancelled, also before and after it has publishers."""
+
+    def __init__(
+        self,
+        robot: Followed,
+        clock: Clock,
+        topic: str,
+        request: Callable[[], TopicRequest],
+        show: Callable[[TopicView], None],
+    ) -> None:
+        """Follow nothing yet.
+
+        Args:
+            robot: The robot.
+            clock: The clock of the robot.
+            topic: The full name of the topic.
+            request: Returns what the next view has to have.
+            show: Called with each view.
+        """
+        self._robot, self._clock, self._topic = robot, clock, topic
+        self._request, self._show = request, show
+
+    async def run(self) -> NoReturn:
+        """Follow the topic: while its type is not known or not installed, say so."""
+        while True:
+            ends, view = await self._ask(), TopicView(self._topic)
+            if isinstance(ends, Outcome):
+                view = view._replace(fault=ends.text)
+            elif kinds := types_of(ends):
+                view = view._replace(type=kinds[0], ends=ends)
+                made = await in_daemon(message_classes.load, kinds[0])
+                if made is not None:
+                    view = await self._follow_type(made, kinds[0], ends)
+                else:
+                    view = view._replace(fault=missing_type(self._topic, kinds[0]))
+            else:
+                view = view._replace(ends=ends, fault="it is not on the graph: waiting for it")
+            self._show(view)
+            await self._clock.sleep(_REFIT)
+
+    async def _ask(self) -> TopicInfo | Outcome:
+        return await self._robot.topic_info(self._topic)
+
+    async def _follow_type(self, message_class: Any, kind: str, ends: TopicInfo) -> TopicView:
+        """Show messages of a type until the topic has another one.
+
+        Returns:
+            The view to show then.
+        """
+        snapshot, intake = self._robot.snapshot, MessageIntake()
+        units = field_units(snapshot.file, snapshot.full, self._topic, kind)
+        try:
+            async with self._robot.inspect(self._topic, message_class, intake.add) as inspection:
+                watch = TopicWatch(self._topic, kind, units, intake, inspection.decode)
+                refit_at, spent = self._clock.monotonic() + _REFIT, 0.0
+                while True:
+                    view, spent = await in_daemon(self._update, watch, self._request(), spent)
+                    self._show(view._replace(ends=ends, fault=view.fault or _fault(ends, kind)))
+                    await self._clock.sleep(max(PERIOD, spent / _SHARE))
+                    if self._clock.monotonic() < refit_at:
+                        continue
+                    refit_at = self._clock.monotonic() + _REFIT
+                    self._robot.refit(inspection)
+                    asked = await self._ask()
+                    ends = ends if isinstance(asked, Outcome) else asked
+                    if types_of(ends) and kind not in types_of(ends):
+                        return TopicView(self._topic, ends=ends, fault="its type has changed")
+        except TimeoutError:
+            return TopicView(self._topic, kind, ends=ends, fault=_NO_ANSWER)
+
+    def _update(
+        self, watch: TopicWatch, request: TopicRequest, spent: float
+    ) -> tuple[TopicView, float]:
+        """Return the new view, and the processor time in seconds that it took.
+
+        Args:
+            watch: The messages.
+            request: What the view has to have.
+            spent: The processor time of the view before.
+        """
+        begun, now = time.thread_time(), self._clock.monotonic()
+        view = watch.update(now, request, only_newest=spent > _LONG)
+        return view, time.thread_time() - begun
+
+
+def types_of(ends: TopicInfo) -> list[str]:
+    """Return the types of a topic's publishers, else of its subscriptions, sorted."""
+    return sorted({end.type for end in ends.publishers or ends.subscriptions})
+
+
+def missing_type(topic: str, kind: str) -> str:
+    """Return why messages of a type that is not installed are not shown, and the remedy."""
+    return f"{not_installed(topic, kind)}: install its package {package_of(kind)}, and restart"
+
+
+def _fault(ends: TopicInfo, kind: str) -> str:
+    """Return what is wrong with the publishers of a topic, of which one type is shown, or ""."""
+    if not ends.publishers:
+        return "it has no publisher: waiting for one"
+    others = [other for other in types_of(ends) if other != kind]
+    return f"also published as {', '.join(others)}, which is not shown" if others else ""
