@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.robot import ros2_command
 from archo_tui.robot.interface_text import definitions_text
-from archo_tui.robot.state import TOPIC
+from archo_tui.robot.state import TOPIC, TopicView
 
 
 class ShowResource(Command):
     id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
-    help = "Show the selected topic, service or action: its full type, its nodes, and their QoS"
+    help = (
+        "Show the selected topic, its fields live, with plots and QoS; "
+        "of a service or an action its full type and its nodes"
+    )
     verbs = ("echo", "hz", "interface")
 
     def disabled_reason(self, console: Console) -> str:
@@ -20,13 +25,29 @@ class ShowResource(Command):
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.text import ShowText
-        from archo_tui.screens.topic import TopicDialog
 
         row = console.main.graph.selected
         assert row is not None
         if row.resource.kind == TOPIC:
-            ask = partial(console.station.robot.topic_info, row.resource.name)
-            read_type = partial(in_daemon, definitions_text, row.resource.types)
-            console.open(TopicDialog(row.resource.name, row.details, ask, read_type))
+            show_topic(console, row.resource.name, row.resource.types)
         else:
             console.open(ShowText(row.resource.name, row.details))
+
+
+def show_topic(console: Console, name: str, types: Sequence[str]) -> None:
+    """Open the dialog that looks into a topic.
+
+    Args:
+        console: The console.
+        name: The full name of the topic.
+        types: Its types, whose definitions can be shown.
+    """
+    from archo_tui.screens.topic import TopicDialog
+
+    def copy(view: TopicView) -> None:
+        command = ros2_command.echo(name, view.type)
+        console.copy(command)
+        console.show_message(command, title="Copied the command")
+
+    follow = partial(console.station.robot.follow_topic, name)
+    console.open(TopicDialog(name, follow, partial(in_daemon, definitions_text, types), copy))

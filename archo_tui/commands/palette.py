@@ -9,7 +9,7 @@ from archo_tui.commands.base import EVERYWHERE, Command, Console
 
 class OpenPalette(Command):
     id, key = "palette", "ctrl+p"
-    help = "Open the command palette: every command, parameter and node, and the themes"
+    help = "Open the command palette: every command, parameter, node and topic, and the themes"
     where = EVERYWHERE
 
     def run(self, console: Console) -> None:

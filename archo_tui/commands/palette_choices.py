@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
-from archo_tui.commands import nodes, parameters
+from archo_tui.commands import graph, nodes, parameters
 from archo_tui.commands.base import Command, Console
+from archo_tui.robot.state import TOPIC
 from archo_tui.robot.values import text_of
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.station.view import View
@@ -113,6 +114,7 @@ def palette_choices(console: Console) -> list[Choice]:
         *sorted(commands.values(), key=lambda choice: bool(choice.reason)),
         *_node_choices(console),
         *_parameter_choices(console),
+        *_topic_choices(console),
         *_theme_choices(console),
         Choice(
             "Save a picture of the screen", console.write_screenshot, words="screenshot export svg"
@@ -180,6 +182,14 @@ def _node_choices(console: Console) -> Iterator[Choice]:
     for row in node_rows(console.view):
         act = partial(nodes.show, console, row)
         yield Choice(f"Node {row.name.lstrip('/')}", act, words="info details")
+
+
+def _topic_choices(console: Console) -> Iterator[Choice]:
+    for resource in console.view.snapshot.resources:
+        if resource.kind == TOPIC:
+            act = partial(graph.show_topic, console, resource.name, resource.types)
+            words = "echo plot inspect fields rate QoS"
+            yield Choice(f"Topic {resource.name}", act, words=words)
 
 
 def _theme_choices(console: Console) -> Iterator[Choice]:

@@ -12,10 +12,9 @@ from archo_tui.robot.field_notes import FieldNotes, notes_of
 from archo_tui.robot.fields import NESTED, element_of
 from archo_tui.robot.message_classes import EMPTY, name_of
 from archo_tui.robot.message_text import shortest
-from archo_tui.robot.state import FieldKind, FieldView
+from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView
 
 MAX_FIELDS = 2_000  # Rows of one message.
-SHOWN_ELEMENTS = 20  # Of an open array.
 _MAX_TEXT = 500  # Characters of a string.
 _TIME, _DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"
 

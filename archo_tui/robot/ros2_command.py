@@ -20,6 +20,11 @@ def send_goal(name: str, type_name: str, goal: Any) -> str:
     return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
 
 
+def echo(topic: str, type_name: str) -> str:
+    """Return the command that prints the messages of a topic."""
+    return f"ros2 topic echo {quote(topic)} {quote(type_name)}"
+
+
 def cancel(name: str) -> str:
     """Return the command that cancels every goal of an action: an empty id and time mean all."""
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.inspection import too_large
 from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import TopicRequest, TopicView
@@ -52,6 +52,8 @@ class TopicWatch:
                 self._fault = ""
             except ArchoError as error:
                 self._fault = str(error)
+            except Exception as error:  # A hostile message may raise anything.
+                self._fault = f"not shown: {in_one_line(error)}"
         rates, last = self._intake.rates(now), self._intake.last
         is_too_large = self._intake.is_too_large
         return TopicView(

@@ -1,67 +1,252 @@
-"""The dialog about one topic: its type and rate, and its ends with their QoS."""
+"""The dialog that looks into one topic: its fields live, plots of them, and its ends with QoS."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any
 
 from textual.app import ComposeResult
-from textual.containers import VerticalScroll
+from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Static
 
-from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import TopicInfo
+from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
+from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
+from archo_tui.widgets.field_lines import (
+    curve_columns,
+    field_columns,
+    field_line,
+    field_titles,
+    plot_columns,
+    topic_plots,
+)
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.rows import Columns, Rows, Text
+from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
+from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.graph import topic_lines
+from archo_tui.words.topic import summary
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
+_LOW = 20  # Rows of the terminal below which the line of titles has no room.
+_LOWEST = 14  # Rows below which the ends have none.
+_PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
+_PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
+_KEYS = "enter fold  p plot  space freeze  / narrow  t type  y copy  esc close"
+_FEW_KEYS = "p plot  space freeze  / narrow  esc close"
+Follow = Callable[
+    [Callable[[], TopicRequest], Callable[[TopicView], None]], Coroutine[Any, Any, None]
+]
 
 
 class TopicDialog(Dialog[None]):
-    """A text that the arrows scroll; escape, enter and q close it, and t shows the type."""
+    """The fields of a topic as a list, its plots, and its ends.
+
+    It fills the screen between the banner and the footer, so that the robot's state stays in sight,
+    and follows the topic while it is open.
+    """
 
     BINDINGS = [
-        ("escape,enter,q", "close", "Close"),
+        ("escape", "leave", "Leave the search, or close"),
+        ("q", "close", "Close"),
+        ("enter", "fold", "Open or close a message or an array"),
+        ("p", "plot", "Plot the field, or plot it no more"),
+        ("space", "freeze", "Show no newer messages, or show them again"),
+        ("slash", "narrow", "Show the fields whose path has a text"),
         ("t", "show_type", "The definition of the type"),
+        ("y", "copy", "Copy the ros2 command that shows the topic"),
     ]
 
     def __init__(
         self,
         name: str,
-        known: str,
-        ask: Callable[[], Awaitable[TopicInfo | Outcome]],
+        follow: Follow,
         read_type: Callable[[], Awaitable[str]],
+        copy: Callable[[TopicView], None],
     ) -> None:
         """Create the dialog.
 
         Args:
             name: The full name of the topic.
-            known: What is known without asking the graph.
-            ask: Asks the graph for the ends of the topic.
+            follow: Follows the topic: called with what returns the request, and with what shows a
+                view.
             read_type: Returns the definition of its type.
+            copy: Copies the command that shows the topic.
         """
         super().__init__()
-        self._read_type = read_type
-        self._topic, self._known, self._ask = name, known, ask
+        self._topic, self._follow = name, follow
+        self._read_type, self._copy = read_type, copy
+        self._view = TopicView(name)
+        self._folded: set[str] = set()  # The groups that are folded, by path.
+        self._open_arrays: dict[str, int] = {}
+        self._plotted: list[str] = []
+        self._is_frozen = False
+        self._border = "", ""  # The texts on it: topic and type, and the keys.
+        self._summary, self._titles = Line(classes="summary"), Line(classes="titles")
+        self._rows: Rows[FieldView] = Rows(
+            self._draw_field,
+            lambda field: field.path,
+            id="topic-fields",
+            empty="",
+            action="screen.fold",
+            columns=field_columns,
+        )
+        self._search = Search(self._rows, self._show_fields)
+        self._plot, self._ends = TextLines(), VerticalScroll(id="topic-ends")
+        self._box = Vertical(classes="dialog topic")
 
     def body(self) -> ComposeResult:
-        with VerticalScroll(classes="dialog reading") as box:
-            box.border_title = escape(self._topic)
-            box.border_subtitle = "t type   esc close"
-            yield Static(Content(self._known))
-            yield Static(Content("asking the graph ..."), id="topic-ends")
+        with self._box:
+            self._box.border_title = escape(self._topic)
+            yield self._summary
+            yield self._titles
+            yield self._rows
+            yield self._search.line
+            self._plot.display = False
+            yield self._plot
+            with self._ends:
+                yield Static(id="topic-ends-text")
 
     def on_mount(self) -> None:
-        start_worker(self, self._show_ends, _GROUP)
+        self._rows.show_cursor()
+        self.set_focus(self._rows)
+        self._show(self._view)
+        start_worker(self, self._follow_topic, _GROUP)
 
-    async def _show_ends(self) -> None:
-        answer = await self._ask()
-        text = Content(answer.text) if isinstance(answer, Outcome) else content(topic_lines(answer))
-        self.set_text("#topic-ends", Content.assemble("\n", text.rstrip()))
+    async def _follow_topic(self) -> None:
+        await self._follow(self._request, self._receive)
+
+    def on_resize(self) -> None:
+        height = self.app.size.height
+        self._titles.display, self._ends.display = height >= _LOW, height >= _LOWEST
+        self.call_after_refresh(self._show_again)
+
+    def _request(self) -> TopicRequest:
+        top = self._rows.scroll_offset.y
+        seen = self._rows.items[top : top + self._rows.size.height]
+        return TopicRequest(
+            dict(self._open_arrays),
+            frozenset(field.path for field in seen),
+            curve_columns(self._rows.columns),
+            tuple(self._plotted),
+            plot_columns(self._plot.size.width),
+        )
+
+    def _receive(self, view: TopicView) -> None:
+        if not self._is_frozen and not self.has_left:
+            self._show(view)
+
+    def _show_again(self) -> None:
+        if not self.has_left:
+            self._show(self._view)
+
+    def _show(self, view: TopicView) -> None:
+        had_ends, self._view = self._view.ends, view
+        self._show_border()
+        self._summary.show_spans(summary(view, is_frozen=self._is_frozen))
+        if view.ends is not None and view.ends != had_ends:
+            self.set_text("#topic-ends-text", content(topic_lines(view.ends)).rstrip())
+        self._show_fields()
+        self._show_plots()
+
+    def _show_border(self) -> None:
+        """Write topic, type and keys on the border, as much as fits."""
+        view, width = self._view, self.app.size.width
+        kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
+        title = escape(f"{view.topic}   {kind}".rstrip())
+        keys = _KEYS if width > len(_KEYS) + 4 else _FEW_KEYS
+        if (title, keys) != self._border:  # Setting it draws the whole box.
+            self._border = title, keys
+            self._box.border_title, self._box.border_subtitle = title, keys
+
+    def _show_fields(self) -> None:
+        shown = [field for field in self._view.fields if not self._is_folded(field.path)]
+        found = [field for field in shown if self._search.matches(field.path)]
+        self._search.summary(len(found), len(shown))
+        self._rows.empty = f"no field has {self._search.search_text}" if shown else ""
+        self._rows.show(found)
+        self._titles.show(Content.styled(field_titles(self._columns), "bold"))
+
+    def _is_folded(self, path: str) -> bool:
+        return any(path.startswith((f"{closed}.", f"{closed}[")) for closed in self._folded)
+
+    def _show_plots(self) -> None:
+        self._plot.display = bool(self._plotted)
+        if self._plotted:
+            fields = {field.path: field for field in self._view.fields}
+            height = min(
+                _PLOT_ROWS * len(self._plotted) + 1, int(self._box.size.height * _PLOT_SHARE)
+            )
+            if self._plot.styles.height is None or self._plot.styles.height.value != height:
+                self._plot.styles.height = height
+            size = self._plot.size.width, height
+            self._plot.show(topic_plots(fields, self._view.plots, self._plotted, size))
+
+    @property
+    def _columns(self) -> Columns:
+        return self._rows.columns or field_columns((), self._rows.size.width)
+
+    def _draw_field(self, field: FieldView, _width: int, columns: Columns) -> list[Text]:
+        return [field_line(field, columns, self._folded, self._plotted)]
+
+    def action_leave(self) -> None:
+        """Close the search if there is one, else the dialog."""
+        if self._search.value or self.focused is self._search:
+            self._search.close()
+        else:
+            self.dismiss()
+
+    def action_narrow(self) -> None:
+        """Open the field that narrows the list."""
+        self._search.open()
+
+    def action_fold(self) -> None:
+        """Open or close the message or array under the cursor; show the next elements of one."""
+        field = self._rows.item
+        if field is None or field.kind is FieldKind.VALUE:
+            return
+        if self._is_frozen and field.kind is not FieldKind.GROUP:
+            self.notify("Elements are shown once it is not frozen: press space.", markup=False)
+        elif field.kind is FieldKind.GROUP:
+            self._folded ^= {field.path}
+            self._show_fields()
+            self._rows.redraw()
+        elif field.kind is FieldKind.ARRAY and field.path in self._open_arrays:
+            del self._open_arrays[field.path]
+        elif field.kind is FieldKind.ARRAY:
+            self._open_arrays[field.path] = 0
+        elif field.kind is FieldKind.MORE:
+            array, length = field.path[:-2], int(field.value or 0)
+            following = self._open_arrays.get(array, 0) + SHOWN_ELEMENTS
+            self._open_arrays[array] = following if following < length else 0
+
+    def action_plot(self) -> None:
+        """Plot the field under the cursor, or plot it no more."""
+        field = self._rows.item
+        if field is None:
+            return
+        if field.path in self._plotted:
+            self._plotted.remove(field.path)
+        elif field.kind is FieldKind.VALUE and not isinstance(field.value, str):
+            self._plotted.append(field.path)
+        else:
+            self.notify(f"{field.path} is no number", severity="warning", markup=False)
+        self._rows.redraw()
+        self._show_plots()
+
+    def action_freeze(self) -> None:
+        """Show no newer messages, or show them again."""
+        self._is_frozen = not self._is_frozen
+        self._show(self._view)
+
+    def action_copy(self) -> None:
+        """Copy the command that shows the topic."""
+        self._copy(self._view)
 
     def action_show_type(self) -> None:
         """Show the definition of the type, in a dialog over this one."""

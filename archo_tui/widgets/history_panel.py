@@ -5,25 +5,20 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from itertools import groupby
 from typing import NamedTuple
 
-from rich.segment import Segment
 from textual.app import ComposeResult
-from textual.geometry import Region
-from textual.strip import Strip
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Goal, Phase
+from archo_tui.robot.state import Goal, Phase, Range
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.view import View
-from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.plot import MARK, Range, curve
+from archo_tui.widgets.plot import plot_lines
 from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import rich_style
-from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
+from archo_tui.widgets.text_lines import TextLines
+from archo_tui.words.state import ACTIVE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
 _MIN_ROWS = 3  # Of a plot.
@@ -112,15 +107,7 @@ def _plot(
     tone = WARN if mark is not None and latest is not None and latest < mark else ACTIVE
     caption = (f"{'':{_LABEL_WIDTH + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
     lines: list[Spans] = [caption if mark is None else (*caption, (f"   low {mark:g}", OLD))]
-    for row, text in enumerate(curve(values, low, high, rows, mark)):
-        at = {0: high, rows - 1: low}.get(row)
-        side = f"{'' if at is None else f'{at:g}':>{_LABEL_WIDTH}}{'│' if at is None else '┤'} "
-        parts = (
-            ("".join(part), EDGE if dashed else tone)
-            for dashed, part in groupby(text, lambda char: char == MARK)
-        )
-        lines.append(((side[:-1], OLD), *parts))
-    return lines
+    return [*lines, *plot_lines(values, low, high, rows, _LABEL_WIDTH, tone, mark)]
 
 
 def _round_up(high: float) -> float:
@@ -189,29 +176,6 @@ def _time_axis(view: View, span: float, cells: int) -> str:
     if gap < 2:
         return f" {last} ".rjust(cells, "─")
     return f" {first} {'─' * (gap // 2)} {middle} {'─' * (gap - gap // 2)} {last}"
-
-
-class TextLines(LineWidget):
-    """Rows of text, of which only those that changed are redrawn."""
-
-    DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._lines: Sequence[Spans] = ()
-
-    def show(self, lines: Sequence[Spans]) -> None:
-        """Show other lines."""
-        before, self._lines = self._lines, lines
-        for y in range(max(len(before), len(lines))):
-            if list(before[y : y + 1]) != list(lines[y : y + 1]):
-                self.refresh(Region(0, y, self.size.width, 1))
-
-    def render_line(self, y: int) -> Strip:
-        base, variables = self.base, self.app.theme_variables
-        line = self._lines[y] if y < len(self._lines) else ()
-        segments = [Segment(text, base + rich_style(tone, variables)) for text, tone in line]
-        return Strip(segments).crop_extend(0, self.size.width, base)
 
 
 class HistoryPanel(Panel, can_focus=True):

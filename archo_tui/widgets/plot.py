@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
+
+from archo_tui.robot.state import Range
+from archo_tui.words.state import EDGE, OLD, Spans
 
 _BLANK = 0x2800
 # Left and right column of dots, from above.
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 MARK = "┄"  # Dashes in the marked row.
-
-Range = tuple[float, float]  # Least and greatest value.
 
 
 def curve(
@@ -49,3 +51,35 @@ def curve(
         "".join(chr(_BLANK | cell) if cell else MARK if row == dashed else " " for cell in line)
         for row, line in enumerate(cells)
     ]
+
+
+def plot_lines(
+    values: Sequence[Range | None],
+    low: float,
+    high: float,
+    rows: int,
+    label_width: int,
+    tone: str,
+    mark: float | None = None,
+) -> list[Spans]:
+    """Return the rows of a curve with its axis at the left, from the top.
+
+    Args:
+        values: As for `curve`, which has also `low`, `high`, `rows` and `mark`.
+        low: The value at the lower end of the axis.
+        high: The value at the upper end.
+        rows: The number of rows.
+        label_width: The cells left of the axis.
+        tone: The tone of the curve.
+        mark: A value whose row is dashed; None for none.
+    """
+    lines: list[Spans] = []
+    for row, text in enumerate(curve(values, low, high, rows, mark)):
+        at = {0: high, rows - 1: low}.get(row)
+        side = f"{'' if at is None else f'{at:g}':>{label_width}}{'│' if at is None else '┤'}"
+        parts = (
+            ("".join(part), EDGE if dashed else tone)
+            for dashed, part in groupby(text, lambda char: char == MARK)
+        )
+        lines.append(((side, OLD), *parts))
+    return lines

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from archo_tui.robot.state import TOPIC, Resource, TopicInfo
+from archo_tui.robot.state import TOPIC, Resource, TopicEnd, TopicInfo
 from archo_tui.ros_names import base_name
 from archo_tui.station.view import View
 from archo_tui.words.state import OLD, PLAIN, WARN, Spans
@@ -49,35 +49,40 @@ class ResourceRow(NamedTuple):
     @property
     def details(self) -> str:
         """Return everything that is known of it, in lines for a dialog."""
-        is_topic = self.resource.kind == TOPIC
-        does = "published by" if is_topic else "served by"
         lines = [
             f"{self.resource.kind:<14}{self.resource.name}",
             f"{'type':<14}{self.types}",
-            *(f"{does if not n else '':<14}{node}" for n, node in enumerate(self.resource.nodes)),
+            f"{'served by':<14}{', '.join(self.resource.nodes) or 'nobody'}",
         ]
-        if not self.resource.nodes:
-            lines.append(f"{does:<14}nobody")
-        if is_topic:
-            lines.append(f"{'rate':<14}{self.rate or 'not measured by this console'}")
         return "\n".join(lines)
 
 
 def topic_lines(info: TopicInfo) -> Spans:
-    """Return who publishes and who subscribes, each with type and QoS, and what does not fit."""
-    parts = {"publishers": info.publishers, "subscribers": info.subscriptions}
-    width = max((len(end.node) for ends in parts.values() for end in ends), default=0)
-    types = max((len(end.type) for ends in parts.values() for end in ends), default=0)
-    spans: list[tuple[str, str]] = []
-    for title, ends in parts.items():
-        lines = "".join(f"  {end.node:<{width}}  {end.type:<{types}}  {end.qos}\n" for end in ends)
-        spans += [(f"{title}\n", OLD), (lines or "  none\n", PLAIN)]
-    if info.mismatches:
-        spans.append(("does not fit\n", OLD))
-        spans.append(("".join(f"  {text}\n" for text in info.mismatches), WARN))
-    elif info.publishers and info.subscriptions:
-        spans.append(("types and QoS of all of them fit\n", PLAIN))
+    """Return who publishes and who subscribes, each with its QoS, and what does not fit.
+
+    Types stand there if they differ.
+    """
+    parts = {"from": info.publishers, "to": info.subscriptions}
+    ends = [end for side in parts.values() for end in side]
+    width = max((len(_end_name(end)) for end in ends), default=0)
+    has_types = len({end.type for end in ends}) > 1
+    types = max((len(end.type) for end in ends), default=0) + 2 if has_types else 0
+    spans = [(f"{text}\n", WARN) for text in info.mismatches]
+    for title, side in parts.items():
+        for number, end in enumerate(side):
+            kind = f"{end.type if has_types else '':<{types}}"
+            spans.append((f"{'' if number else title:<5}", OLD))
+            spans.append((f"{_end_name(end):<{width}}  {kind}{end.qos}\n", PLAIN))
+        if not side:
+            spans += [(f"{title:<5}", OLD), ("nobody\n", PLAIN)]
+    if not info.mismatches and all(parts.values()):
+        spans.append(("types and QoS of all of them fit\n", OLD))
     return tuple(spans)
+
+
+def _end_name(end: TopicEnd) -> str:
+    """Return the name of an end's node; of hidden nodes only this console is among the ends."""
+    return "(this console)" if "/_" in end.node else end.node
 
 
 def resource_rows(view: View) -> tuple[ResourceRow, ...]:

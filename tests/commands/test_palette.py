@@ -74,6 +74,8 @@ TYPED = {
     "Node battery_monitor": ("node battery", "monitor", "battery info"),
     "Node dashboard": ("dashboard", "dash", "node dash"),
     "Node motor_controller": ("node motor", "motor info", "controller details"),
+    "Topic /battery_level": ("topic battery", "level topic", "echo battery"),
+    "Topic /motor_status": ("topic motor", "motor status", "plot motor"),
     "Theme high-contrast": ("high contrast", "contrast", "theme high"),
     "Theme nord": ("nord", "theme nord", "nord colors"),
     "Theme textual-dark": ("textual dark", "theme dark textual", "textual-d"),
@@ -102,7 +104,7 @@ async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
 async def test_each_kind_of_entry_has_its_words_in_the_table() -> None:
     async with console(*FAST) as op:
         titles = [one.title for one in palette_choices(op.app)]
-        named = [t for t in titles if not t.startswith(("Theme", "Set", "Node"))]
+        named = [t for t in titles if not t.startswith(("Theme", "Set", "Node", "Topic"))]
         assert [t for t in named if not t.startswith(tuple(TYPED))] == []
         assert [title for title in TYPED if not any(t.startswith(title) for t in titles)] == []
 

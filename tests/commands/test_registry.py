@@ -63,7 +63,10 @@ KEYS = {
         "enter": "open_diagnostics",
     },
     "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
-    "TopicDialog": {"enter": "close", "escape": "close", "q": "close", "t": "show_type"},
+    "TopicDialog": {
+        "enter": "fold", "p": "plot", "space": "freeze", "slash": "narrow", "t": "show_type",
+        "y": "copy", "escape": "leave", "q": "close",
+    },
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
         "pageup": "scroll(-1)", "pagedown": "scroll(1)",

@@ -67,6 +67,8 @@ async def rest(app: ArchoApp, quiet: Quiet) -> None:
     """Let the screen lay out and draw all that it has to."""
     await quiet.settle()
     app.tick()  # a new size may have more to say
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    robot.show_topic()
     await quiet.settle()
 
 
@@ -165,7 +167,15 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
         ("search", "normal", ["6", "slash", *"shelf", "enter"], False),
         ("full screen", "normal", ["6", "e"], False),
         ("graph", "normal", ["8", "down"], False),
-        ("resource", "normal", ["8", "down", "enter"], True),
+        ("resource", "normal", ["8", "end", "enter"], True),
+        ("topic", "normal", ["8", "home", "down", "enter"], True),
+        ("topic plotted", "normal", ["8", "home", "down", "enter", "p", "down", "down", "p"], True),
+        (
+            "topic opened",
+            "normal",
+            ["8", "home", "down", "enter", "end", "up", "enter", "end"],
+            True,
+        ),
         ("event", "normal", ["6", "home", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
     ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from types import SimpleNamespace
 from typing import Any
@@ -12,10 +12,11 @@ from unittest.mock import patch
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot, TopicEnd, TopicInfo
+from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot, TopicRequest, TopicView
 from archo_tui.robot.stops import Stops
 from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME
+from tests.support.topics import topic_view
 from tests.support.waiting import DEADLINE
 
 
@@ -57,6 +58,7 @@ class StubRobot:
         self.watching = False
         self.stops = Stops()
         self._receiver: Any = None
+        self.show_topic: Callable[[], None] = lambda: None
 
     def subscribe(self, receiver: Any) -> None:
         self._receiver = receiver
@@ -75,9 +77,15 @@ class StubRobot:
     async def describe(self, node: str) -> NodeInfo | Outcome:
         return MOTOR if node == "/motor_controller" else Outcome(Code.REFUSED, "not on the graph")
 
-    async def topic_info(self, topic: str) -> TopicInfo:
-        end = TopicEnd("/battery_monitor", "std_msgs/msg/Float32", "RELIABLE, VOLATILE")
-        return TopicInfo((end,), (end._replace(node="/dashboard"),))
+    async def follow_topic(
+        self,
+        topic: str,
+        request: Callable[[], TopicRequest],
+        show: Callable[[TopicView], None],
+    ) -> None:
+        """Show a topic now, and as often as `show_topic` is called."""
+        self.show_topic = lambda: show(topic_view(topic, request()))
+        self.show_topic()
 
     def __getattr__(self, verb: str) -> Any:
         async def refuse(*_: Any, **__: Any) -> Outcome:

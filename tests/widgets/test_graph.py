@@ -98,8 +98,11 @@ async def test_enter_shows_all_that_is_known_of_one() -> None:
         await quiet.settle()
         text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
         assert "archo_interfaces/msg/BatteryStatus" in text
-        assert "published by  /battery_monitor" in text
-        assert "rate          1.0 Hz" in text
+        assert "from /battery_monitor" in text
+        send(app, "escape", "end", "enter")
+        await quiet.settle()
+        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+        assert "served by     /motor_controller" in text
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 36), (200, 24)])

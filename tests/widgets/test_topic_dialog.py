@@ -1,14 +1,21 @@
-"""Enter on a topic of the Graph: who publishes, who subscribes, and which side is to change."""
+"""Enter on a topic: its fields live, what is plotted, its ends, and which side is to change."""
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Any
 
+import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import String
+from std_msgs.msg import Float32, String
 
-from tests.support.console import console
+from archo_tui.app import ArchoApp
+from tests.support.console import Console, console, send
+from tests.support.quiet import Quiet
+from tests.support.states import NORMAL
+from tests.support.stub import StubRobot, stub_app
 
 
 class Lidar(Node):
@@ -28,26 +35,154 @@ class Viewer(Node):
         self.create_subscription(String, "scan", lambda _: None, qos)
 
 
+class Counter(Node):
+    """It counts at 10 Hz."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("counter", **options)
+        self._count, publisher = 0.0, self.create_publisher(Float32, "count", 10)
+
+        def publish() -> None:
+            self._count += 0.5
+            publisher.publish(Float32(data=self._count))
+
+        self.create_timer(0.1, publish)
+
+
+async def open_topic(op: Console, name: str) -> None:
+    """Open the dialog of a topic by the Graph."""
+    await op.until(lambda: any(r.name == name for r in op.app.view.snapshot.resources))
+    await op.press("8")
+    while not (row := op.app.main.graph.selected) or row.resource.name != name:
+        await op.press("down")
+    await op.press("enter")
+
+
 async def test_ends_that_do_not_fit_are_named_with_the_side_to_change() -> None:
     async with console(node_makers=[Lidar, Viewer], wait=False) as op:
-        await op.until(lambda: any(r.name == "/scan" for r in op.app.view.snapshot.resources))
-        await op.press("8")
-        while not (row := op.app.main.graph.selected) or row.resource.name != "/scan":
-            await op.press("down")
-        await op.press("enter")
-        await op.until("does not fit")
-        await op.until("std_msgs/msg/String  BEST_EFFORT, VOLATILE")
-        await op.until("std_msgs/msg/String  RELIABLE, TRANSIENT_LOCAL")
+        await open_topic(op, "/scan")
+        await op.until(lambda: "from /lidar BEST_EFFORT, VOLATILE" in op.words)
+        await op.until(lambda: "to /viewer RELIABLE, TRANSIENT_LOCAL" in op.words)
         await op.until("viewer hears nothing of lidar on /scan: it asks for RELIABLE")
-        await op.until("Publish RELIABLE, or subscribe with BEST_EFFORT")
+        await op.until("Publish RELIABLE, or")
         await op.press("escape")
 
 
-async def test_ends_that_fit_are_said_to_fit() -> None:
-    async with console() as op:
-        await op.press("8")
-        while not (row := op.app.main.graph.selected) or row.resource.name != "/battery_level":
-            await op.press("down")
-        await op.press("enter")
+async def test_fields_follow_the_topic_while_it_is_open() -> None:
+    async with console(node_makers=[Counter], wait=False) as op:
+        await open_topic(op, "/count")
         await op.until("types and QoS of all of them fit")
-        assert "/dashboard" in op.text
+        await op.until("10.0 Hz   80 B/s")
+        await op.until(lambda: op.line("data").split()[4:6] == ["..", op.line("data").split()[2]])
+        await op.press("space")
+        await op.until("frozen")
+        frozen = op.line("data")
+        await op.at(op.app.station.clock.monotonic() + 3)
+        assert op.line("data") == frozen
+        await op.press("space")
+        await op.until(lambda: op.line("data") != frozen)
+        counter = op.session.host.nodes[0].node
+        assert counter.count_subscribers("/count") == 1
+        await op.press("escape")
+        await op.until(lambda: counter.count_subscribers("/count") == 0)
+
+
+@asynccontextmanager
+async def opened(size: tuple[int, int] = (120, 36)) -> AsyncIterator[Opened]:
+    """The dialog of a topic with fields of every kind."""
+    app = stub_app(NORMAL, size=size)
+    async with app.run_test(size=size):
+        quiet = Quiet(app)
+        await quiet.settle()
+        shown = Opened(app, quiet)
+        await shown.press("8", "home", "down", "enter")
+        yield shown
+
+
+class Opened:
+    """The dialog, by its keys and lines."""
+
+    def __init__(self, app: ArchoApp, quiet: Quiet) -> None:
+        self.app, self._quiet = app, quiet
+
+    async def press(self, *keys: str) -> None:
+        """Press keys, one after the other, and let the next view come."""
+        robot: StubRobot = self.app.station.robot  # type: ignore[assignment]
+        for key in keys:
+            send(self.app, key)
+            await self._quiet.settle()
+        robot.show_topic()
+        await self._quiet.settle()
+
+    @property
+    def text(self) -> str:
+        """Return what is on the screen."""
+        return "\n".join(strip.text for strip in self.app.screen._compositor.render_strips())
+
+    def notified(self, text: str) -> bool:
+        """Return True if a notification says that."""
+        return any(text in one.message for one in self.app._notifications)
+
+
+async def test_enter_folds_a_message_and_opens_an_array() -> None:
+    async with opened() as shown:
+        assert "base_link" in shown.text
+        await shown.press("down", "down", "down", "down", "enter")
+        assert "▸ header" in shown.text
+        assert "base_link" not in shown.text
+        await shown.press("down", "down", "enter")
+        assert "[9]" in shown.text
+        await shown.press(*["down"] * 21)
+        assert "[19]" in shown.text
+        assert "enter shows 20 more of 360" in shown.text
+        await shown.press("enter")
+        assert "[39]" in shown.text
+
+
+async def test_the_search_leaves_the_fields_that_have_a_text() -> None:
+    async with opened() as shown:
+        await shown.press("slash", *"volt", "enter")
+        assert "voltage" in shown.text
+        assert "percentage" not in shown.text
+        assert "1 of 10" in shown.text
+        await shown.press("escape")
+        assert "percentage" in shown.text
+        await shown.press("escape")
+        assert "voltage" not in shown.text
+
+
+async def test_p_plots_numbers_on_one_axis_and_nothing_else() -> None:
+    async with opened() as shown:
+        await shown.press("p", "down", "p")
+        assert "60 s ago" in shown.text
+        assert "voltage 24.5 V" in shown.text
+        await shown.press("p", "up", "p")
+        assert "60 s ago" not in shown.text
+        await shown.press("down", "down", "down", "p")
+        assert shown.notified("battery_health is no number")
+        assert "60 s ago" not in shown.text
+
+
+async def test_y_copies_the_ros2_command() -> None:
+    async with opened() as shown:
+        await shown.press("y")
+        wanted = "ros2 topic echo /battery_level archo_interfaces/msg/BatteryStatus"
+        assert shown.app.clipboard == wanted
+
+
+async def test_what_is_frozen_opens_no_elements() -> None:
+    async with opened() as shown:
+        await shown.press("space", "end", "up", "enter")
+        assert shown.notified("press space")
+        assert "[19]" not in shown.text
+
+
+@pytest.mark.parametrize("size", [(50, 15), (80, 24), (40, 10), (200, 60)])
+async def test_it_fits_every_size_and_leaves_the_state_in_sight(size: tuple[int, int]) -> None:
+    async with opened(size) as shown:
+        assert shown.app.screen.query_one(".topic").region.y == 2  # Header and banner are above.
+        assert "percentage" in shown.text
+        assert "81.55 %" in shown.text
+        assert "STOP" in shown.text
+        await shown.press("p")
+        assert "percentage" in shown.text

@@ -20,6 +20,7 @@ from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
 from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot.state.topic_info import TopicEnd, TopicInfo
 from archo_tui.robot.state.topic_view import (
+    SHOWN_ELEMENTS,
     Curve,
     FieldKind,
     FieldView,
@@ -34,6 +35,7 @@ __all__ = [
     "LEVELS",
     "OWN_LEVELS",
     "SERVICE",
+    "SHOWN_ELEMENTS",
     "TOPIC",
     "Battery",
     "Curve",

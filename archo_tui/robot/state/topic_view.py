@@ -13,6 +13,9 @@ Range = tuple[float, float]  # The least and the greatest value.
 Curve = tuple[Range | None, ...]  # The values of the last minute, the oldest first; None: no value.
 
 
+SHOWN_ELEMENTS = 20  # Of an open array.
+
+
 class FieldKind(Enum):
     """The kinds of rows of a message."""
 

@@ -1,0 +1,145 @@
+"""The rows of a topic's fields as text, and the plots below them. Pure functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+from archo_tui.robot.state import Curve, FieldKind, FieldView
+from archo_tui.widgets.plot import plot_lines
+from archo_tui.widgets.rows import QUIET, Columns, Text, column, crop, pad
+from archo_tui.words.state import ACTIVE, OLD, STRONG, Spans
+from archo_tui.words.topic import range_text, sparkline, value_text
+
+_NAME = (12, 40)  # Least and most cells of names.
+_VALUE = (14, 28)
+_RANGE = 24
+_CURVE = (16, 60)
+_MARK = " ●"  # Behind a field that is plotted.
+_GAP = 2  # Cells between two columns.
+_MEASURED = 200  # Rows whose names decide the width of their column.
+_AXIS = 10  # Cells left of a plot.
+_MIN_ROWS = 2  # Of a plot, besides its caption.
+_INDENT = "  "
+
+
+def field_columns(fields: Sequence[FieldView], width: int) -> Columns:
+    """Return the cells of names, values, ranges and curves; 0 for one that has no room."""
+    least, most = _NAME
+    most = min(most, max(width // 2 - _GAP, least))
+    # With room for the mark, which has no other place where there are no curves.
+    names = column((_name(field, ()) + _MARK for field in fields[:_MEASURED]), least, most)
+    room = width - names - _GAP
+    if room < _VALUE[0] + _RANGE + _GAP:
+        return names, room, 0, 0
+    room -= _RANGE + _GAP
+    if room < _VALUE[0] + _CURVE[0] + len(_MARK) + _GAP:
+        return names, room, _RANGE, 0
+    curve = min(max(room - _VALUE[1] - _GAP, _CURVE[0] + len(_MARK)), _CURVE[1] + len(_MARK))
+    return names, room - curve - _GAP, _RANGE, curve
+
+
+def curve_columns(columns: Columns) -> int:
+    """Return the number of columns of the curves beside the fields."""
+    return max(columns[3] - len(_MARK), 0) if columns else 0
+
+
+def field_titles(columns: Columns) -> str:
+    """Return the line above the fields."""
+    return _line("field", "value", "least .. greatest", "last minute", columns)
+
+
+def field_line(
+    field: FieldView, columns: Columns, closed: Collection[str], plotted: Collection[str]
+) -> Text:
+    """Return `  speed   0.8 m/s   0 .. 0.8   ▁▁█████▁ ●`.
+
+    Args:
+        field: The field.
+        columns: The cells of the columns.
+        closed: The paths of the groups that are folded.
+        plotted: The paths of the fields that are plotted.
+    """
+    mark = _MARK if field.path in plotted else ""
+    name = _name(field, closed)
+    if not columns[3]:  # The mark has no column of its own.
+        name, mark = f"{name}{mark}", ""
+    curve = f"{sparkline(field.curve):<{curve_columns(columns)}}{mark}"
+    line = _line(name, value_text(field), range_text(field), curve, columns)
+    is_quiet = field.kind in (FieldKind.GROUP, FieldKind.MORE)
+    return line, QUIET if is_quiet else ""
+
+
+def _name(field: FieldView, closed: Collection[str]) -> str:
+    """Return the last part of a field's path, indented, with a mark if enter opens or closes it."""
+    depth = field.path.count(".") + field.path.count("[")
+    _, _, name = field.path.rpartition(".")
+    if field.path.endswith("]"):
+        name = name[name.index("[") :] if "[" in name else name
+    if field.kind is FieldKind.MORE:
+        name = "next"
+    mark = ""
+    if field.kind is FieldKind.GROUP:
+        mark = "▸ " if field.path in closed else "▾ "
+    elif field.kind is FieldKind.ARRAY:
+        mark = "▾ " if field.is_open else "▸ "
+    return f"{_INDENT * depth}{mark or _INDENT}{name}"
+
+
+def _line(name: str, value: str, least_greatest: str, curve: str, columns: Columns) -> str:
+    names, values, ranges, curves = columns
+    line = f"{pad(name, names)}  {pad(crop(value, values), values)}"
+    line += f"  {pad(crop(least_greatest, ranges), ranges)}" if ranges else ""
+    return (f"{line}  {curve}" if curves else line).rstrip()
+
+
+def plot_columns(width: int) -> int:
+    """Return the number of columns of a plot in so many cells: two dots in each."""
+    return max(2 * (width - _AXIS - 2), 0)
+
+
+def topic_plots(
+    fields: Mapping[str, FieldView],
+    plots: Mapping[str, Curve],
+    paths: Sequence[str],
+    size: tuple[int, int],
+) -> list[Spans]:
+    """Return the plots of fields below each other, with a common axis of time.
+
+    Args:
+        fields: The fields by path.
+        plots: Their values by path.
+        paths: The fields to plot, the first at the top.
+        size: The cells and the lines available.
+    """
+    width, height = size
+    shown = list(paths)
+    while shown and (height - 1) // len(shown) < _MIN_ROWS + 1:
+        shown.pop()
+    if not shown or width < 2 * _AXIS:
+        return [(("too small for the plot", OLD),)]
+    rows = (height - 1) // len(shown) - 1
+    lines: list[Spans] = []
+    for path in shown:
+        field = fields.get(path)
+        value = "--" if field is None else value_text(field)
+        lines.append(((f"{'':{_AXIS + 2}}{path} ", OLD), (value, STRONG)))
+        values = plots.get(path, ())
+        low, high = _scale(values)
+        lines += plot_lines(values, low, high, rows, _AXIS, ACTIVE)
+    more = f" {len(paths) - len(shown)} more have no room" if len(shown) < len(paths) else ""
+    begin, end = " 60 s ago ", f"{more} now "
+    line = f"{begin}{'─' * max(width - _AXIS - 1 - len(begin) - len(end), 0)}{end}"
+    return [*lines, ((f"{'└':>{_AXIS + 1}}{line}", OLD),)]
+
+
+def _scale(values: Curve) -> tuple[float, float]:
+    """Return the ends of the axis: round numbers, in about a tenth of the range around it."""
+    known = [value for both in values if both is not None for value in both]
+    if not known:
+        return 0.0, 1.0
+    low, high = float(min(known)), float(max(known))
+    span = high - low or abs(high) or 1.0
+    step = 10.0 ** math.floor(math.log10(span)) / 2
+    bottom, top = math.floor(low / step) * step, math.ceil(high / step) * step
+    return (bottom, top) if top > bottom else (bottom, bottom + step)

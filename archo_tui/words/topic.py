@@ -1,0 +1,106 @@
+"""The texts of a topic that is open: how often messages come, and its fields. Pure functions."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+
+from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
+from archo_tui.safe_text import harmless
+from archo_tui.words.inspect import size_text
+from archo_tui.words.state import OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
+
+_BARS = "▁▂▃▄▅▆▇█"
+_FIRST_DATE = 1e8  # Unix seconds; an earlier stamp is a simulation's or a robot's own time.
+_LAST_DATE = 2e11  # No later one can be written as a date.
+
+
+def summary(view: TopicView, *, is_frozen: bool) -> Spans:
+    """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary.
+
+    Args:
+        view: The topic.
+        is_frozen: True if newer messages are not shown.
+    """
+    texts = []
+    if view.rate is not None:
+        texts.append(f"{view.rate:.1f} Hz")
+    if view.bytes_per_second is not None:
+        texts.append(f"{size_text(view.bytes_per_second)}/s")
+    if view.age is not None:
+        texts.append(f"{age_text(view.age)} old")
+    elif view.type and not view.fault:
+        texts.append("no message yet")
+    frozen = ("   frozen: space shows new messages", STRONG) if is_frozen else ("", PLAIN)
+    cut = f"   only the first {len(view.fields)} fields" if view.is_cut else ""
+    line = "   ".join(texts)
+    fault = f"{'   ' if line else ''}{view.fault}" if view.fault else ""
+    return (line, PLAIN), frozen, (harmless(fault), WARN), (cut, OLD)
+
+
+def value_text(field: FieldView) -> str:
+    """Return the value of a field with its unit, or the name that its type gives to the value."""
+    if field.kind is FieldKind.GROUP:
+        return ""
+    if field.kind is FieldKind.ARRAY:
+        return f"{field.type} {field.first}".rstrip()
+    if field.kind is FieldKind.MORE:
+        return f"enter shows {SHOWN_ELEMENTS} more of {field.value}"
+    text = _value_text(field)
+    if field.constant:
+        return f"{text} {field.constant}"
+    return f"{text} {field.unit}" if field.unit and text != "nan" else text
+
+
+def _value_text(field: FieldView) -> str:
+    value = field.value
+    if field.is_time:
+        return time_text(float(value or 0))
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (int, float)):
+        return number_text(value)
+    return harmless(str(value))
+
+
+def number_text(value: float) -> str:
+    """Return a number in few characters: whole ones grouped, others by seven digits."""
+    if isinstance(value, int):
+        return thousands(value)
+    return str(value) if not math.isfinite(value) else f"{value:.7g}"
+
+
+def range_text(field: FieldView) -> str:
+    """Return `0.12 .. 9.8, 3 nan`: of a number since the topic was opened, of an array now."""
+    parts = []
+    if field.least is not None and field.greatest is not None:
+        parts.append(f"{number_text(field.least)} .. {number_text(field.greatest)}")
+    if field.nan:
+        parts.append(f"{field.nan} nan")
+    return ", ".join(parts)
+
+
+def time_text(seconds: float) -> str:
+    """Return a Unix time as the time of day with milliseconds, and an early one in seconds."""
+    if not _FIRST_DATE <= seconds <= _LAST_DATE:
+        return f"{seconds:.3f} s"
+    return f"{datetime.fromtimestamp(seconds):%H:%M:%S.%f}"[:-3]
+
+
+def sparkline(curve: Curve) -> str:
+    """Return a bar for each column of a curve, scaled from its least to its greatest value.
+
+    Of a column's range the end is drawn that differs more from the column before.
+    """
+    known = [value for both in curve if both is not None for value in both]
+    if not known:
+        return ""
+    low, span = min(known), max(known) - min(known)
+    bars, before = "", known[0]
+    for both in curve:
+        if both is None:
+            bars += " "
+            continue
+        before = max(both, key=lambda value: abs(value - before))
+        bars += _BARS[round((before - low) / span * (len(_BARS) - 1))] if span else _BARS[0]
+    return bars
