@@ -18,7 +18,7 @@ from archo_tui.replay.faults import Faults
 from archo_tui.replay.installed_types import InstalledTypes
 from archo_tui.replay.linear_reader import LinearReader
 from archo_tui.replay.mcap_index import MAX_CHANNELS, MAX_RANGES, Index
-from archo_tui.replay.message_reader import FileRange, Topic, read_messages
+from archo_tui.replay.message_reader import EncodedMessage, FileRange, Topic, read_messages
 from archo_tui.replay.summary import read_summary
 
 
@@ -99,6 +99,19 @@ class BagFile:
                 self._faults.add_message(encoded.topic.name, encoded.order, str(error))
                 continue
             yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
+
+    def encoded_messages(
+        self, begin: float, end: float, topic: str
+    ) -> tuple[list[EncodedMessage], Faults]:
+        """Return the messages of a topic as bytes, in the order of time, and what was left out.
+
+        Args:
+            begin: Unix time of the first message.
+            end: Unix time of the last message.
+            topic: The full name of the topic.
+        """
+        faults = Faults()
+        return read_messages(self._ranges, begin, end, (topic,), faults), faults
 
     def _index_file(self, path: Path, budget: ReadBudget) -> Index:
         """Index a file and collect its message ranges; raise ArchoError if it is no MCAP file."""

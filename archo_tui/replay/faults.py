@@ -12,9 +12,14 @@ _MAX_REASON = 200  # Characters.
 
 
 class Faults:
-    """A collector of faults; equal ones count once."""
+    """A collector of faults; equal ones count once.
+
+    Attributes:
+        is_cut: True if something was too much, and the rest is left out.
+    """
 
     def __init__(self) -> None:
+        self.is_cut = False
         self._lines: dict[str, None] = {}  # In order, each once.
         self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
         self._reasons: dict[str, str] = {}  # By topic, for its first message.
@@ -24,6 +29,11 @@ class Faults:
         text = harmless(text)
         if text not in self._lines:
             self._lines[text if len(self._lines) < _MAX_LINES else "and more"] = None
+
+    def add_cut(self, text: str) -> None:
+        """Add a line that says what was too much, so that the rest is left out."""
+        self.is_cut = True
+        self.add(f"{text}: the rest is left out")
 
     def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
         """Count a message that cannot be read; it counts once, however often it is tried.

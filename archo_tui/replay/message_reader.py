@@ -93,7 +93,7 @@ def read_messages(
                             raise BudgetExceeded(f"more than {limit} at a time")
                         found.append(message)
         except BudgetExceeded as error:
-            faults.add(f"{error}: the rest is left out")
+            faults.add_cut(str(error))
             break
         except Unreadable as error:
             if not messages.is_cut:  # The reader of the file has reported that already.

@@ -7,6 +7,7 @@ from typing import Any, NoReturn, cast
 
 from archo_tui.clock import Clock
 from archo_tui.replay.player import Player
+from archo_tui.replay.recorded_topic import RecordedTopicFollower
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import (
     ACTION,
@@ -16,8 +17,8 @@ from archo_tui.robot.state import (
     Names,
     NodeInfo,
     Snapshot,
-    TopicEnd,
-    TopicInfo,
+    TopicRequest,
+    TopicView,
 )
 from archo_tui.robot.stops import Stops
 from archo_tui.station.alarms import Alarm
@@ -33,8 +34,9 @@ class RecordedRobot:
 
     watching = True
 
-    def __init__(self, player: Player) -> None:
+    def __init__(self, player: Player, clock: Clock) -> None:
         self._player, self.file, self.stops = player, player.file, Stops()
+        self._clock = clock
 
     @property
     def snapshot(self) -> Snapshot:
@@ -55,14 +57,14 @@ class RecordedRobot:
         """Refuse, since a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)
 
-    async def topic_info(self, topic: str) -> TopicInfo | Outcome:
-        """Return who published a topic and which ends did not fit, as far as it was recorded."""
-        resource = next((r for r in self.snapshot.resources if r.name == topic), None)
-        if resource is None:
-            return Outcome(Code.REFUSED, "not on the graph")
-        types = ", ".join(resource.types)
-        ends = tuple(TopicEnd(node, types, "QoS not recorded") for node in resource.nodes)
-        return TopicInfo(ends, (), resource.mismatches)
+    async def follow_topic(
+        self,
+        topic: str,
+        request: Callable[[], TopicRequest],
+        show: Callable[[TopicView], None],
+    ) -> NoReturn:
+        """Show a topic at the position, several times a second, until the task is cancelled."""
+        await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
         """Return what a node published and served, as far as it was recorded."""
@@ -128,7 +130,7 @@ class RecordedStation(Station):
         self.player = player
         nothing: Any = NullRecorder()
         super().__init__(
-            cast("Any", RecordedRobot(player)),
+            cast("Any", RecordedRobot(player, clock)),
             cast("Any", RecordedHost(player)),
             nothing,
             nothing,

@@ -25,7 +25,7 @@ from archo_tui.ros_names import package_of
 
 PERIOD = 0.2  # Seconds between two views.
 _REFIT = 2.0  # Seconds between two looks at the publishers.
-_SHARE = 0.2  # The share of a processor's time that decoding takes at most.
+SHARE = 0.2  # The share of a processor's time that decoding takes at most.
 _LONG = 0.05  # Seconds of decoding after which only the newest message is decoded the next time.
 _NO_ANSWER = "the console's own node does not answer"
 
@@ -108,7 +108,7 @@ class TopicFollower:
                 while True:
                     view, spent = await in_daemon(self._update, watch, self._request(), spent)
                     self._show(view._replace(ends=ends, fault=view.fault or _fault(ends, kind)))
-                    await self._clock.sleep(max(PERIOD, spent / _SHARE))
+                    await self._clock.sleep(max(PERIOD, spent / SHARE))
                     if self._clock.monotonic() < refit_at:
                         continue
                     refit_at = self._clock.monotonic() + _REFIT

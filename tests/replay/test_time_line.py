@@ -152,6 +152,19 @@ async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
         assert "To the next mark: an alarm, a command, the" in watcher.text
 
 
+async def test_enter_on_a_topic_shows_its_fields_at_the_position(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        await watcher.show(watcher.player.end)
+        await watcher.press("8", "home", "down", "enter")
+        assert "/battery_level   archo_interfaces/msg/BatteryStatus" in watcher.text
+        assert "percentage" in watcher.text
+        assert "QoS not recorded" in watcher.text
+        await watcher.press("t")
+        assert "float32 voltage" in watcher.text
+        await watcher.press("escape", "escape")
+        assert "/battery_level   archo" not in watcher.text
+
+
 async def test_each_panel_is_reached_by_its_number(drive: Path) -> None:
     async with replay(drive, (160, 48)) as watcher:
         for number in range(1, 10):

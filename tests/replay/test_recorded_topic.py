@@ -1,0 +1,102 @@
+"""A topic of a recording is shown at the position of the time line, as it was heard live."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+
+import pytest
+from std_msgs.msg import Float32, UInt8MultiArray
+
+from archo_tui.clock import Clock
+from archo_tui.replay import message_reader
+from archo_tui.replay.bag_file import BagFile
+from archo_tui.replay.player import Player
+from archo_tui.replay.recorded_topic import RecordedTopicFollower
+from archo_tui.robot.state import TopicRequest, TopicView
+from tests.replay.bags import START, written
+from tests.support import clock
+from tests.support.archo import ARCHO
+from tests.support.quiet import until
+
+COUNT = 1_000  # Messages, a tenth of a second apart.
+REQUEST = TopicRequest(plotted=("data",), plot_columns=10)
+
+
+def value(views: list[TopicView]) -> object:
+    """The value in the newest view."""
+    return views[-1].fields[0].value if views and views[-1].fields else None
+
+
+@asynccontextmanager
+async def following(
+    path: Path, topic: str = "/count"
+) -> AsyncIterator[tuple[Player, list[TopicView]]]:
+    """A player of a bag, and the views of a topic so far."""
+    time = clock.current or Clock()
+    player, views = Player(BagFile(path), ARCHO, time), list[TopicView]()
+    await until(lambda: player.is_complete)
+    follower = RecordedTopicFollower(player, time, topic, lambda: REQUEST, views.append)
+    task = asyncio.ensure_future(follower.run())
+    try:
+        yield player, views
+    finally:
+        task.cancel()
+
+
+@pytest.fixture
+def counts(tmp_path: Path) -> Path:
+    """A bag of 100 s with a number that counts tenths of a second."""
+    sent = [("/count", Float32(data=float(number))) for number in range(COUNT)]
+    return written(tmp_path / "counts.mcap", sent)
+
+
+async def test_the_fields_are_those_at_the_position(counts: Path) -> None:
+    async with following(counts) as (player, views):
+        for seconds, shown in ((0.05, 0.0), (90.05, 900.0), (30.05, 300.0), (30.25, 302.0)):
+            player.go_to(START + seconds)
+            await until(partial(_shows, views, shown))
+        field = views[-1].fields[0]
+        assert (field.least, field.greatest) == (0.0, 302.0)
+        assert views[-1].rate == pytest.approx(10, rel=0.01)
+        assert views[-1].age == pytest.approx(0.05, abs=0.01)
+        assert views[-1].plots["data"][-1] is not None
+
+
+async def test_they_follow_while_it_plays(counts: Path) -> None:
+    async with following(counts) as (player, views):
+        player.go_to(START + 10)
+        player.play(on=True)
+        await until(lambda: _above(views, 150.0))
+        assert len(views) > 10
+
+
+def _shows(views: list[TopicView], wanted: float) -> bool:
+    return value(views) == wanted
+
+
+def _above(views: list[TopicView], least: float) -> bool:
+    now = value(views)
+    return isinstance(now, float) and now > least
+
+
+async def test_a_topic_that_was_not_recorded_is_named_so(counts: Path) -> None:
+    async with following(counts, "/other") as (_, views):
+        await until(lambda: views)
+        assert views[-1].fault == "it was not recorded"
+
+
+async def test_of_too_many_bytes_those_around_the_position_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(message_reader, "MAX_BYTES", 20_000)
+    sent = [("/image", UInt8MultiArray(data=bytes([number] * 1_000))) for number in range(200)]
+    path = written(tmp_path / "images.mcap", sent)
+    async with following(path, "/image") as (player, views):
+        player.go_to(START + 15.05)
+        await until(lambda: views and views[-1].fields)
+        row = next(row for row in views[-1].fields if row.path == "data")
+        assert row.first.startswith("96 96 ")
