@@ -31,7 +31,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
         "░": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
         **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # They follow a number.
-        "▶": ">", "←": "<", "→": ">",
+        "▶": ">", "▸": ">", "▾": "v", "←": "<", "→": ">",
         "…": "~", "\N{NO-BREAK SPACE}": " ",
     }
 )  # fmt: skip

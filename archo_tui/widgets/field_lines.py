@@ -65,7 +65,10 @@ def field_line(
     if not columns[3]:  # The mark has no column of its own.
         name, mark = f"{name}{mark}", ""
     curve = f"{sparkline(field.curve):<{curve_columns(columns)}}{mark}"
-    line = _line(name, value_text(field), range_text(field), curve, columns)
+    value, least_greatest = value_text(field), range_text(field)
+    if field.kind is FieldKind.ARRAY and not columns[2]:  # An array has no other value.
+        value = f"{value} {least_greatest}".rstrip()
+    line = _line(name, value, least_greatest, curve, columns)
     is_quiet = field.kind in (FieldKind.GROUP, FieldKind.MORE)
     return line, QUIET if is_quiet else ""
 

@@ -6,6 +6,7 @@ import math
 from datetime import datetime
 
 from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
+from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
 from archo_tui.words.inspect import size_text
 from archo_tui.words.state import OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
@@ -43,7 +44,7 @@ def value_text(field: FieldView) -> str:
     if field.kind is FieldKind.GROUP:
         return ""
     if field.kind is FieldKind.ARRAY:
-        return f"{field.type} {field.first}".rstrip()
+        return f"{base_name(field.type)} {field.first}".rstrip()
     if field.kind is FieldKind.MORE:
         return f"enter shows {SHOWN_ELEMENTS} more of {field.value}"
     text = _value_text(field)
@@ -63,21 +64,27 @@ def _value_text(field: FieldView) -> str:
     return harmless(str(value))
 
 
-def number_text(value: float) -> str:
-    """Return a number in few characters: whole ones grouped, others by seven digits."""
+def number_text(value: float, digits: int = 7) -> str:
+    """Return a number in few characters: whole ones grouped, others by some digits."""
     if isinstance(value, int):
         return thousands(value)
-    return str(value) if not math.isfinite(value) else f"{value:.7g}"
+    return str(value) if not math.isfinite(value) else f"{value:.{digits}g}"
 
 
 def range_text(field: FieldView) -> str:
     """Return `0.12 .. 9.8, 3 nan`: of a number since the topic was opened, of an array now."""
     parts = []
     if field.least is not None and field.greatest is not None:
-        parts.append(f"{number_text(field.least)} .. {number_text(field.greatest)}")
+        parts.append(f"{_short(field.least)} .. {_short(field.greatest)}")
     if field.nan:
         parts.append(f"{field.nan} nan")
     return ", ".join(parts)
+
+
+def _short(value: float) -> str:
+    """Return a number by four digits, or more where they are before the point."""
+    is_long = 1e4 <= abs(value) < 1e9
+    return number_text(round(value) if is_long else value, digits=4)
 
 
 def time_text(seconds: float) -> str:
