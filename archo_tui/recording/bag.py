@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import yaml
 
 from archo_tui.errors import in_one_line
-from archo_tui.recording.cdr_size import cdr_size
 from archo_tui.recording.ring import LazyMessage, ReceivedMessage
 from archo_tui.regular_files import read
 from archo_tui.robot import message_classes
+from archo_tui.robot.cdr_size import cdr_size
 from archo_tui.robot.definitions import definition
 
 METADATA = "metadata.yaml"

@@ -10,10 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.robot.cdr_size import cdr_size
 from archo_tui.robot.endpoints import fitting_qos
 from archo_tui.robot.listener import Listener
 
@@ -56,6 +57,7 @@ class Inspection:
         self._on_data = on_data
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
+        self._is_tap = False  # True while the messages are those of another subscription.
         self._qos: QoSProfile | None = None
         self.newest: tuple[int, bytes] = (0, b"")
         self.topic = topic
@@ -65,12 +67,23 @@ class Inspection:
         self.greatest: float | None = None
 
     def begin(self) -> None:
-        """Subscribe, with a QoS that fits the publishers. ROS thread only."""
+        """Subscribe, with a QoS that fits the publishers. ROS thread only.
+
+        Where the node listens to the topic already, its subscription serves.
+        """
+        self._is_tap = self._node.listens(self._class, self.topic)
+        if self._is_tap:
+            self._node.tap(self._class, self.topic, self._take_message)
+            return
         self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
 
     def refit(self) -> None:
         """Subscribe again if the present publishers need another QoS. ROS thread only."""
+        if self._node.listens(self._class, self.topic) != self._is_tap:
+            self.end()
+            self.begin()
+            return
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if self._subscription is None or not publishers or fitting_qos(publishers) == self._qos:
             return
@@ -79,9 +92,14 @@ class Inspection:
 
     def end(self) -> None:
         """Unsubscribe. ROS thread only."""
+        self._node.untap(self._take_message)
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
+
+    def _take_message(self, _topic: str, message: Any) -> None:
+        # Jazzy appends bytes that belong to no field.
+        self._take(serialize_message(message)[: cdr_size(message)])
 
     def _take(self, data: bytes) -> None:
         now = self._clock.monotonic()

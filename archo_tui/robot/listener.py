@@ -12,6 +12,19 @@ from rclpy.qos import QoSProfile
 MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
 
 
+class _Heard:
+    """A subscription with decoded messages.
+
+    Attributes:
+        subscription: rclpy's object.
+        last: Its last message; None before the first.
+    """
+
+    def __init__(self) -> None:
+        self.subscription: Any = None
+        self.last: Any = None
+
+
 class Listener(Node):
     """A node that calls `on_message` with each message, before the callback of its subscription."""
 
@@ -33,6 +46,9 @@ class Listener(Node):
         """
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
+        self._heard: dict[tuple[str, Any], _Heard] = {}  # By full topic and message class.
+        # The same; they outlast a subscription that is replaced by one with another QoS.
+        self._taps: dict[tuple[str, Any], list[MessageCallback]] = {}
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -77,6 +93,40 @@ class Listener(Node):
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
 
+    def listens(self, kind: Any, topic: str) -> bool:
+        """Return True if the node has a subscription by `listen` or `listen_quietly`.
+
+        Args:
+            kind: The message class.
+            topic: The full name of the topic.
+        """
+        return (topic, kind) in self._heard
+
+    def tap(self, kind: Any, topic: str, callback: MessageCallback) -> None:
+        """Call a function with each message of a subscription, and at once with the last one.
+
+        Args:
+            kind: The message class.
+            topic: The full name of the topic, to which the node listens.
+            callback: Called with topic and message on the thread that spins the node.
+        """
+        self._taps.setdefault((topic, kind), []).append(callback)
+        last = self._heard[topic, kind].last
+        if last is not None:
+            callback(topic, last)
+
+    def untap(self, callback: MessageCallback) -> None:
+        """Call a function no more that `tap` got."""
+        for taps in self._taps.values():
+            if callback in taps:
+                taps.remove(callback)
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        for key, heard in tuple(self._heard.items()):
+            if heard.subscription is subscription:
+                del self._heard[key]
+        return super().destroy_subscription(subscription)
+
     def without_secrets(self, message: Any) -> Any:
         """Return a message as `on_message` would get it. Any thread."""
         mask = self._masks.get(type(message))
@@ -92,8 +142,14 @@ class Listener(Node):
     ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
+        heard = self._heard[name, kind] = _Heard()
+
         def both(message: Any) -> None:
             self._on_message(name, message if mask is None else mask(message))
             callback(message)
+            heard.last = message
+            for tap in tuple(self._taps.get((name, kind), ())):
+                tap(name, message)
 
-        return self.create_subscription(kind, topic, both, qos, **options)
+        heard.subscription = self.create_subscription(kind, topic, both, qos, **options)
+        return heard.subscription
