@@ -7,12 +7,14 @@ from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from textual.screen import Screen
 from textual.widgets import Input
 
-from archo_tui.commands.base import EVERYWHERE, Answers, Command, Work
+from archo_tui.commands import registry
+from archo_tui.commands.base import Answers, Command, Console, Work
+from archo_tui.commands.footer import blocked_commands, keys_of_footer
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
@@ -25,10 +27,13 @@ from archo_tui.station import form_history
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
-from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.screen_state import ScreenState
+
+if TYPE_CHECKING:
+    from archo_tui.replay.player import Player
 
 TICK = 1.0  # Seconds between two updates of ages and the time of day.
 LONGEST = 30.0  # Seconds that the end waits for answers: longer than any request takes.
@@ -114,6 +119,8 @@ class ArchoApp(KeyedApp):
         """Update ages and the time of day; called each second."""
         self.station.tick()
         self._show()
+        if self.replay is not None:
+            self.replay.update_screen()
 
     def update_screen(self) -> None:
         """Show a change of this process at once, instead of with the next message of the robot."""
@@ -129,28 +136,18 @@ class ArchoApp(KeyedApp):
         # Before or after the life of the screen.
         if not (self.is_running and self.main.is_mounted):
             return
-        blocked = frozenset(c.id for c in self.registry if self.disabled_reason(c))
-        self.view = replace(self.view, blocked=blocked)
-        footer = [
-            FooterKey(
-                c.id,
-                c.footer_key or self.view.key(c.id),
-                c.footer,
-                c.id in blocked,
-                c.where == EVERYWHERE,
-            )
-            for c in self.registry
-            if c.footer and (c.footer_key or self.view.key(c.id))
-        ]
-        self.main.show(self.view, footer)
+        self.view = replace(self.view, blocked=blocked_commands(self))
+        self.main.show(self.view, keys_of_footer(self))
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
             if isinstance(screen, Dismissable) and screen.is_mounted:
                 screen.show_view(self.view)
+            if self.replay is not None and screen is self.replay.main:
+                break  # The dialogs over it show the replay.
 
     def _view(self) -> ScreenState:
         first = not self.has_sent
-        return ScreenState(**vars(self.station.view), keys=self._shown_keys, is_first=first)
+        return ScreenState(**vars(self.station.view), keys=self.shown_keys, is_first=first)
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id, or say why it cannot run.
@@ -159,7 +156,10 @@ class ArchoApp(KeyedApp):
             name: The command's id.
             counted: True if a STOP has been counted already, as its key was read.
         """
-        command = self._command(name)
+        command = self._find_command(name)
+        if command is None:  # Clicked as a replay began or ended.
+            return
+        console: Console = self.replay if self.replay is not None and name != "stop" else self
         if name == "stop":
             if not counted:
                 self.stops.register()
@@ -173,13 +173,15 @@ class ArchoApp(KeyedApp):
         # A key that is pressed again runs again: something may have happened in between.
         if held and self.repeated and not (command.always_tried and self.stops.superseded):
             return
-        reason = self.disabled_reason(command)
+        reason = console.disabled_reason(command)
         if reason:
             if not command.always_tried or reason == WATCHING:
                 self.notify(reason, severity="warning", markup=False)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return
-        work = command.run(self)  # At once: the next key may be meant for what this one focuses.
+        work = command.run(console)  # At once: the next key may be meant for what this one focuses.
+        if name == "stop" and self.replay is not None:
+            self.notify("STOP goes to the live robot, not to the replay.", markup=False)
         if work is not None:
             self.run_worker(self._await_command(name, work), group=COMMANDS)
 
@@ -236,6 +238,27 @@ class ArchoApp(KeyedApp):
         closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
+
+    def begin_replay(self, player: Player) -> None:
+        """Show a recording over this console, which goes on; keys are the replay's, STOP is not."""
+        from archo_tui.commands.replay_console import ReplayConsole
+
+        commands = registry(player.file, verbs(player.file, {}))
+        self.replay = ReplayConsole(self, player, commands, self.keys, self.size)
+        self._live_bindings = dict(self._bindings.key_to_bindings)
+        self._bind_commands(self.replay.registry, self.replay.keys)
+        self.show_dialog(self.replay.main)
+        self.call_after_refresh(self.tick)
+
+    def end_replay(self) -> None:
+        """Lead back to this console."""
+        if self.replay is None:
+            return
+        above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
+        self.replay = None
+        self._bindings.key_to_bindings = self._live_bindings
+        for screen in reversed(above):
+            screen.dismiss()
 
     @contextmanager
     def opening(self) -> Iterator[None]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Mapping
-from typing import Any, cast
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, cast
 
 from textual import events
 from textual.binding import Binding
@@ -35,6 +35,9 @@ from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.rows import Rows
 
+if TYPE_CHECKING:
+    from archo_tui.commands.replay_console import ReplayConsole
+
 HELD = 0.7  # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s.
 
 
@@ -60,10 +63,11 @@ class KeyedApp(TerminalApp):
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
         self.registry = self.commands(snapshot)
         self.main = self.main_screen(snapshot)
-        self._keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
-        self._shown_keys = readable_keys(self._keys)
-        self.stop_key = self._keys["stop"]
-        self._bind_commands()
+        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
+        self.replay: ReplayConsole | None = None  # Over the live console; keys are the replay's.
+        self.shown_keys = readable_keys(self.keys)
+        self.stop_key = self.keys["stop"]
+        self._bind_commands(self.registry, self.keys)
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
         self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
@@ -91,14 +95,19 @@ class KeyedApp(TerminalApp):
         """Return the screen beneath all dialogs."""
         return MainScreen(snapshot, self.size, starts_in_field=not self.station.robot.watching)
 
-    def _bind_commands(self) -> None:
+    @property
+    def front(self) -> KeyedApp | ReplayConsole:
+        """Return what keys are meant for: the replay while one is shown, else this console."""
+        return self.replay or self
+
+    def _bind_commands(self, commands: Iterable[Command], keys: Mapping[str, str]) -> None:
         """Bind all keys with priority, so that a key acts before the next one is handed on.
 
         Over a slow line several arrive at once. check_action gives letters back to a field.
         App.bind has no priority, and a keymap of Textual's drops commands that share a key.
         """
-        for command in self.registry:
-            key, action = self._keys[command.id], f"command('{command.id}')"
+        for command in commands:
+            key, action = keys[command.id], f"command('{command.id}')"
             if not key:
                 continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
@@ -204,7 +213,8 @@ class KeyedApp(TerminalApp):
 
     def _is_free(self, event: events.Event) -> bool:
         """Return True for a key that works everywhere, so is meant for no dialog."""
-        free = {self._keys[c.id] for c in self.registry if c.where == EVERYWHERE}
+        front = self.front
+        free = {front.keys[c.id] for c in front.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
     def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
@@ -216,7 +226,9 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.MouseUp) and self._pressed_stop:
             self._pressed_stop = False
             return True
-        if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
+        if not isinstance(event, events.MouseDown) or self.replay is not None:
+            return False  # A replay hides the button.
+        if not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
         stands = front is not self.main and not (isinstance(front, Dismissable) and front.has_left)
@@ -364,50 +376,54 @@ class KeyedApp(TerminalApp):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return False to leave a key to the focused field or dialog."""
+        main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             is_inside = field is not None or isinstance(self.focused, Board)
-            leads_out = is_inside or self.main.search is not None or self.main.is_full
-            return self.screen is self.main and leads_out
+            leads_out = is_inside or main.search is not None or main.is_full
+            return self.screen is main and leads_out
         if action == "beside":
             step = cast("int", parameters[0])
-            return (
-                self.screen is self.main
-                and self.main.goal.next_focus(self.focused, step) is not None
-            )
+            return self.screen is main and main.goal.next_focus(self.focused, step) is not None
         if action != "command":
             return super().check_action(action, parameters)
-        command = self._command(str(parameters[0]))
+        command = self._find_command(str(parameters[0]))
+        if command is None:
+            return False
         if command.where == EVERYWHERE:
             return True
-        if self.screen is not self.main or (field is not None and self._is_text(command, field)):
+        if self.screen is not main or (field is not None and self._is_text(command, field)):
             return False
-        return not command.panel or command.panel == self.main.focused_panel
+        return not command.panel or command.panel == main.focused_panel
 
     def _is_text(self, command: Command, field: Input) -> bool:
         """Return True if the command's key is text, or moves or edits, in the field."""
-        key = self._shown_keys[command.id]
+        key = self.front.shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
 
-    def _command(self, name: str) -> Command:
-        return next(c for c in self.registry if c.id == name)
+    def _find_command(self, name: str) -> Command | None:
+        """Return the command that a key or a click means now; STOP's is always the live one."""
+        registry = self.registry if name == "stop" else self.front.registry
+        return next((command for command in registry if command.id == name), None)
 
     def action_beside(self, step: int) -> None:
         """Move the focus from the field to the board and on, or back."""
-        beside = self.main.goal.next_focus(self.focused, step)
+        main = self.front.main
+        beside = main.goal.next_focus(self.focused, step)
         if isinstance(beside, Field):
-            self.main.goal.focus_field()
+            main.goal.focus_field()
         elif beside is not None:
-            self.main.set_focus(beside, scroll_visible=False)
+            main.set_focus(beside, scroll_visible=False)
 
     def action_leave_field(self) -> None:
         """Leave a field for where the focus was, clear a search, or leave the full screen."""
-        search = self.main.search
+        main = self.front.main
+        search = main.search
         if isinstance(self.focused, Input):
-            self.main.focus_back()
+            main.focus_back()
         elif isinstance(self.focused, Board):
-            self.main.goal.focus_field()
+            main.goal.focus_field()
         elif search is not None:
             search.close()
         else:
-            self.main.leave_full()
+            main.leave_full()

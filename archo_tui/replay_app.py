@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands.base import Command
@@ -12,8 +13,6 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.time_line import TimeLine
-
-_FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 
 
 class ReplayApp(ArchoApp):
@@ -34,16 +33,7 @@ class ReplayApp(ArchoApp):
         return MainScreen(snapshot, self.size, TimeLine(self._player))
 
     def on_mount(self) -> None:
-        start_worker(self, self._play, "play")
-
-    async def _play(self) -> None:
-        showed_all = False
-        while True:
-            whole = self._player.is_complete  # A jump may begin to read another hour.
-            if self._player.is_playing or not (whole and showed_all):
-                self.update_screen()
-            showed_all = whole
-            await self.station.clock.sleep(_FRAME)
+        start_worker(self, partial(self._player.follow, self.update_screen), "play")
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         """Show the error as a notification, since a replay has no events in which to report it."""

@@ -29,7 +29,7 @@ def replay(options: Namespace) -> int:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
-    from archo_tui.replay.resolve import load_robot_file, open_bag, opening_time
+    from archo_tui.replay.resolve import load_robot_file, make_player, open_bag
 
     bag = open_bag(options.recording)
     robot = load_robot_file(bag, options.robot)
@@ -42,7 +42,6 @@ def replay(options: Namespace) -> int:
     from archo_tui.commands import keymap, registry
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
-    from archo_tui.replay.player import Player
     from archo_tui.replay.recorded_station import RecordedStation
     from archo_tui.replay_app import ReplayApp
     from archo_tui.shutdown import heed_signals
@@ -53,9 +52,7 @@ def replay(options: Namespace) -> int:
     heed_signals()
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()
-    player = Player(bag, robot, clock)
-    player.go_to(opening_time(bag.path, bag.start))
-    station = RecordedStation(player, clock)
+    station = RecordedStation(make_player(bag, robot, clock), clock)
     app = ReplayApp(station, keys, themes.remembered_theme())
     with guarded_stderr(log_file()):
         app.run()

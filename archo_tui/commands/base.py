@@ -6,7 +6,7 @@ import os.path
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from textual.screen import Screen
 from textual.theme import Theme
@@ -21,6 +21,9 @@ from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
+
+if TYPE_CHECKING:
+    from archo_tui.replay.player import Player
 
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
@@ -41,12 +44,21 @@ class Console(Protocol):
     station: Station
     verbs: Mapping[str, Verb]
     view: ScreenState  # The state that is shown now.
-    main: MainScreen
     theme: str  # The name of the theme.
-    repeated: bool  # True while the command's key is held down.
-    input: InputTime | None  # When the key or click that is being handled was read.
     typed: dict[str, dict[str, str]]  # What was last typed into each form, by path.
     used: RobotFile  # The robot file, with the goals and services used besides.
+
+    @property
+    def main(self) -> MainScreen:
+        """Return the screen beneath the dialogs."""
+
+    @property
+    def repeated(self) -> bool:
+        """Return True while the command's key is held down."""
+
+    @property
+    def input(self) -> InputTime | None:
+        """Return when the key or click that is being handled was read."""
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -68,6 +80,12 @@ class Console(Protocol):
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
+
+    def begin_replay(self, player: Player) -> None:
+        """Show a recording over the live console, which goes on."""
+
+    def end_replay(self) -> None:
+        """Lead back to the live console."""
 
     def opening(self) -> AbstractContextManager[None]:
         """Return a context in which keys wait for the dialog that is about to be opened."""

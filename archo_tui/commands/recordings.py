@@ -6,17 +6,20 @@ from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import Command, Console, Work
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.paths import state_file
 from archo_tui.robot.outcome import Code, Outcome
 
 if TYPE_CHECKING:
+    from archo_tui.clock import Clock
     from archo_tui.recording.store import Recording
+    from archo_tui.replay.player import Player
     from archo_tui.screens.recordings import RecordingList
 
 
 class ShowRecordings(Command):
     id = "recordings"
-    help = "List the recordings: when, why, how long; delete one"
+    help = "List the recordings: when, why, how long; play one, delete one"
 
     def run(self, console: Console) -> Work:
         return self._show(console)
@@ -29,6 +32,9 @@ class ShowRecordings(Command):
         if found is None:
             return
 
+        def play(recording: Recording) -> Work:
+            return _play(console, recording, dialog)
+
         def copy(recording: Recording) -> None:
             command = f"archo-tui replay {recording.name}"
             console.copy(command)
@@ -39,7 +45,7 @@ class ShowRecordings(Command):
             answers = {"Delete": lambda: self._delete(console, recording, dialog)}
             console.confirm("Delete a recording", question, "Keep it", answers)
 
-        dialog = RecordingList(found, copy, ask)
+        dialog = RecordingList(found, play, copy, ask)
         console.open(dialog)
 
     async def _delete(self, console: Console, recording: Recording, dialog: RecordingList) -> None:
@@ -54,6 +60,29 @@ class ShowRecordings(Command):
         found = await _list_recordings(console)
         if found is not None and not dialog.has_left:
             dialog.show_recordings(found)
+
+
+async def _play(console: Console, recording: Recording, dialog: RecordingList) -> None:
+    """Open a recording beside the event loop, and show it in place of the list."""
+    try:
+        player = await in_daemon(_open, recording, console.station.clock)
+    except ArchoError as error:
+        said = str(error)
+    except Exception as error:  # A damaged file may raise anything; the live console goes on.
+        said = f"{recording.name}: {in_one_line(error)}"
+    else:
+        if not dialog.has_left:  # The operator has not closed it meanwhile.
+            dialog.dismiss()
+            console.begin_replay(player)
+        return
+    console.report_failure(Outcome(Code.REFUSED, f"not played: {said}"))
+
+
+def _open(recording: Recording, clock: Clock) -> Player:
+    from archo_tui.replay import resolve
+
+    bag = resolve.open_bag(str(recording.folder))
+    return resolve.make_player(bag, resolve.load_robot_file(bag, ""), clock)
 
 
 async def _list_recordings(console: Console) -> list[Recording] | None:

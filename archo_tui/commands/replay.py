@@ -22,7 +22,18 @@ _HARMLESS = frozenset(
 
 
 def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return those of the console's commands that only show, and the replay's own."""
+    """Return the commands of a replay that is a program of its own."""
+    return (
+        *showing_commands(player, commands),
+        RefuseStop(),
+        CopySelection(),
+        QuitReplay(),
+        QuitReplayEverywhere(),
+    )
+
+
+def showing_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
+    """Return those of the console's commands that only show, and those of the time line."""
     shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
     panels.footer_key = "1-9"
@@ -42,11 +53,7 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
         StepMark(player, "mark_before", "N", -1),
         *shown,
         PanelKey(TIME, "Time line"),
-        RefuseStop(),
-        CopySelection(),
         ShowRecordedAlarms(player),
-        QuitReplay(),
-        QuitReplayEverywhere(),
     )
 
 

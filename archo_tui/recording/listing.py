@@ -46,13 +46,21 @@ def list_recordings(*, as_json: bool) -> Iterator[str]:
 
 def format_line(recording: store.Recording, width: int) -> str:
     """Return name, length, size and reason of a recording, its name padded to `width` cells."""
-    size = (
-        f"{recording.bytes / 1e6:7.1f} MB"
-        if recording.bytes >= 1e6
-        else f"{recording.bytes / 1e3:7.0f} kB"
-    )
-    kept = ", kept" if recording.kept and KEPT not in recording.why.split(", ") else ""
-    return f"{recording.name:<{width}}  {recording.seconds:5.0f} s  {size}  {recording.why}{kept}"
+    length, size = f"{recording.seconds:5.0f} s", size_text(recording)
+    return f"{recording.name:<{width}}  {length}  {size}  {why_text(recording)}"
+
+
+def size_text(recording: store.Recording) -> str:
+    """Return the size on the disk in 10 cells: `    212 kB`."""
+    if recording.bytes >= 1e6:
+        return f"{recording.bytes / 1e6:7.1f} MB"
+    return f"{recording.bytes / 1e3:7.0f} kB"
+
+
+def why_text(recording: store.Recording) -> str:
+    """Return what triggered a recording, and whether it was kept by hand."""
+    is_kept = recording.kept and KEPT not in recording.why.split(", ")
+    return f"{recording.why}{', kept' if is_kept else ''}"
 
 
 def delete_named(names: Sequence[str]) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from datetime import datetime
 from math import floor
 
@@ -18,6 +19,7 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.view import View
 
+_FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
@@ -137,6 +139,16 @@ class Player:
     def unreadable(self) -> int:
         """Return how many messages of the window could not be applied so far."""
         return self._window.unreadable
+
+    async def follow(self, update: Callable[[], None]) -> None:
+        """Call `update` for each frame while it plays or is being read, for ever."""
+        showed_all = False
+        while True:
+            whole = self.is_complete  # A jump may begin to read another hour.
+            if self.is_playing or not (whole and showed_all):
+                update()
+            showed_all = whole
+            await self._clock.sleep(_FRAME)
 
     def snapshot(self) -> Snapshot:
         """Return the state of the robot at the position."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recording import store
 from archo_tui.recording.bag import read_info
 from archo_tui.replay.bag_file import BagFile
+from archo_tui.replay.player import Player
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import RobotFile
 
@@ -86,3 +88,13 @@ def load_robot_file(bag: BagFile, given: str) -> RobotFile:
     if bag.robot:
         return load.parse(bag.robot, bag.path / "robot.yaml")
     return load.load(load.default_path())
+
+
+def make_player(bag: BagFile, robot: RobotFile, clock: Clock) -> Player:
+    """Return the player of a bag, paused shortly before what triggered the recording.
+
+    It reads the disk, so a console that runs calls it on another thread.
+    """
+    player = Player(bag, robot, clock)
+    player.go_to(opening_time(bag.path, bag.start))
+    return player

@@ -30,9 +30,9 @@ class DialogFooter(Line):
         super().__init__(classes="below")
 
     def on_mount(self) -> None:
-        main = self.app.screen_stack[0]
-        if isinstance(main, MainScreen):
-            self.show(main.everywhere_keys)
+        mains = [screen for screen in self.app.screen_stack if isinstance(screen, MainScreen)]
+        if mains:  # The last one is beneath this dialog: in a replay there are two.
+            self.show(mains[-1].everywhere_keys)
 
 
 class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):

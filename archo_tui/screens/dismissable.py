@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from textual import events
 from textual.await_complete import AwaitComplete
 from textual.screen import ScreenResultType
 
@@ -52,7 +53,7 @@ class Dismissable(Base[ScreenResultType]):
         """Close the screen, though the answer that it waits for has not come."""
         self.dismiss()
 
-    def on_screen_resume(self) -> None:
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
         if self._result is not None:
             self.dismiss()
 

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from datetime import datetime
+from functools import partial
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.recording.listing import format_line
+from archo_tui.recording.listing import size_text, why_text
 from archo_tui.recording.store import Recording
 from archo_tui.screens.dialog import Dialog
-from archo_tui.widgets.rows import Columns, Rows, Text
+from archo_tui.terminal.app import start_worker
+from archo_tui.widgets.rows import Columns, Rows, Text, crop
 
 
-def recording_lines(recording: Recording, _width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`."""
-    return [(format_line(recording, len(recording.name)), "")]
+def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
+    """Return a row such as `2026-11-22 03:12:07    65 s   212 kB   STOP, kept`."""
+    when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
+    row = f"{when}  {recording.seconds:5.0f} s  {size_text(recording)}   {why_text(recording)}"
+    return [(crop(row, width), "")]
 
 
 class RecordingList(Dialog[None]):
-    """A list in which enter copies the command that plays a recording, and d deletes one."""
+    """A list in which enter plays a recording, y copies the command for it, and d deletes it."""
 
     BINDINGS = [
-        Binding("enter,y", "copy", "Copy the command", priority=True),
+        Binding("enter", "play", "Play", priority=True),
+        Binding("y", "copy", "Copy the command", priority=True),
         Binding("d,delete", "delete", "Delete", priority=True),
         Binding("escape,q", "close", "Close"),
     ]
@@ -31,6 +37,7 @@ class RecordingList(Dialog[None]):
     def __init__(
         self,
         recordings: Sequence[Recording],
+        play: Callable[[Recording], Awaitable[None]],
         copy: Callable[[Recording], None],
         delete: Callable[[Recording], None],
     ) -> None:
@@ -38,22 +45,24 @@ class RecordingList(Dialog[None]):
 
         Args:
             recordings: The newest first.
+            play: Returns the work that opens a recording; keys wait for its end.
             copy: Copies the command that plays a recording.
             delete: Deletes a recording.
         """
         super().__init__()
-        self._recordings, self._copy, self._delete = recordings, copy, delete
+        self._recordings, self._play, self._copy, self._delete = recordings, play, copy, delete
         self._rows: Rows[Recording] = Rows(
             recording_lines,
             lambda recording: recording.name,
             id="recordings",
+            action="screen.play",
             empty="No recordings.",
         )
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading") as box:
             box.border_title = "Recordings"
-            box.border_subtitle = "enter copy the command that plays it   d delete   esc close"
+            box.border_subtitle = "enter play   y copy the command   d delete   esc close"
             box.styles.height = max(len(self._recordings), 1) + 2  # Two for the border.
             yield self._rows
 
@@ -65,6 +74,18 @@ class RecordingList(Dialog[None]):
     def show_recordings(self, recordings: Sequence[Recording]) -> None:
         """Replace the list, the newest first."""
         self._rows.show(recordings)
+
+    def action_play(self) -> None:
+        """Open the recording under the cursor; until that is done, keys wait."""
+        if self._rows.item is not None and not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, partial(self._wait_for, self._rows.item), "replay")
+
+    async def _wait_for(self, recording: Recording) -> None:
+        try:
+            await self._play(recording)
+        finally:
+            self.is_asking = False
 
     def action_copy(self) -> None:
         """Copy the command that plays the recording under the cursor."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -84,7 +85,7 @@ class AnswerRequest(Dialog[None]):
         self._show_request()
         self.app.app_resume_signal.subscribe(self, lambda _: self._restart_reading())
 
-    def on_screen_resume(self) -> None:
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Restart the time for reading: the dialog is in front, at first or again."""
         self._restart_reading()
 

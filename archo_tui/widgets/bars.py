@@ -32,12 +32,12 @@ def header(view: View, width: int) -> Content:
 
     If space is short, the names of other consoles are left out first, then the remaining way.
     """
-    doing, left = _activity(view)
-    watching = view.replay or ("watching" if view.watching else "")
-    what = [harmless(view.snapshot.file.name), _contact(view), watching, doing]
+    doing, left = activity(view)
+    watching = "watching" if view.watching and not view.replay else ""
+    what = [view.replay, harmless(view.snapshot.file.name), contact(view), watching, doing]
     # The battery's panel may be out of sight.
     if width < _NARROW and view.snapshot.file.battery is not None:
-        what.insert(2, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
+        what.insert(3, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
     assistants = [client for client in view.clients if client.startswith(ASSISTANT)]
     programs = len(view.clients) - len(assistants)
     shells = f"{programs} shell{'s'[: programs > 1]}" if programs else ""
@@ -60,15 +60,17 @@ def header(view: View, width: int) -> Content:
                 return _in_colour(line, doing, view)
     whole = " ".join(filter(None, what))
     if cell_len(whole) >= width:  # The robot's name is the best known.
-        what = [view.replay, *(text for text in what[1:] if text != view.replay)]
+        del what[1]
         whole = " ".join(filter(None, what))
     engine = f" {view.engine}" if cell_len(f" {whole} {view.engine} ") <= width else ""
     return _in_colour(Content.styled(f" {whole}{engine}", "bold"), doing, view)
 
 
 def _in_colour(line: Content, doing: str, view: View) -> Content:
-    """Return the header with STOPPED in the colour of its alarm."""
+    """Return the header with STOPPED in the colour of its alarm, and REPLAY reversed."""
     snapshot = view.snapshot
+    if view.replay:
+        line = line.stylize("reverse", 0, len(view.replay) + 1)
     begin = line.plain.rfind(doing) if doing else -1
     if begin < 0 or not (snapshot.latch is Latch.UNCERTAIN or snapshot.is_at_rest):
         return line
@@ -108,14 +110,14 @@ def banner(view: ScreenState, width: int) -> Content:
         _without_brackets(alarm.text),
     ]
     if alarm.until is not None:
-        text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
-        texts = [f"{text}, over at {time_of_day(alarm.until)}"]
+        texts = [past_alarm(alarm)]
     glyph, hint = alarm.priority.glyph, "" if alarm.acknowledged else f"   ({key})"
-    room = width - cell_len(f" {glyph} {more}{hint}")
+    mark = "recorded: " if view.replay else ""  # It is no alarm of now.
+    room = width - cell_len(f" {mark}{glyph} {more}{hint}")
     text = next((text for text in texts if cell_len(text) <= room), texts[-1])
     if cell_len(text) > room + cell_len(hint):  # Without the hint the text may fit.
         text = _shorten_cause(text, room)
-    line = f" {glyph} {text}{more}"
+    line = f" {mark}{glyph} {text}{more}"
     if shelved:
         whole = f"{line}   {shelved}"
         line = whole if len(whole) <= width else f"{line}   {len(names)} shelved"
@@ -127,11 +129,17 @@ def banner(view: ScreenState, width: int) -> Content:
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     if key and cell_len(f"{line}   {words}") <= width:
         shown_line = Content.assemble(shown_line, "   ", _clickable(words, "ack"))
-    if alarm.until is not None:
+    if alarm.until is not None or view.replay:
         return shown_line
     # Across the whole width while the cause lasts and nobody has acknowledged it.
     gap = " " * max(width - shown_line.cell_length, 0)
     return Content.assemble(shown_line, gap).stylize(f"{style} reverse")
+
+
+def past_alarm(alarm: Alarm) -> str:
+    """Return `was: STOPPED, since 12:04:31, over at 12:05:02`."""
+    text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
+    return text if alarm.until is None else f"{text}, over at {time_of_day(alarm.until)}"
 
 
 def _clickable(text: str, command: str) -> Content:
@@ -234,7 +242,8 @@ def footer(
     return Content.assemble(made, " " * gap, palette) if gap > 0 else made
 
 
-def _contact(view: View) -> str:
+def contact(view: View) -> str:
+    """Return whether the robot is heard: `● online`."""
     snapshot, robot = view.snapshot, view.snapshot.file
     readings: dict[str, Battery | Motion] = {}
     if robot.battery is not None:
@@ -260,7 +269,7 @@ def _contact(view: View) -> str:
     return "● online"
 
 
-def _activity(view: View) -> tuple[str, str]:
+def activity(view: View) -> tuple[str, str]:
     """Return what the robot does, and how far it has to go."""
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"

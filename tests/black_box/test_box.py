@@ -336,7 +336,7 @@ async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
         await op.press("ctrl+p")
         await op.type("list recordings")
         await op.press("enter")
-        await op.until(recording.name)
+        await op.until("enter play")
         await op.press("y")
         await op.until(f"archo-tui replay {recording.name}")
         await op.press("d")

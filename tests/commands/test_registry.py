@@ -85,7 +85,7 @@ KEYS = {
         "left": "app.focus_previous", "right": "app.focus_next",
     },
     "RecordingList": {
-        "enter": "copy", "y": "copy", "d": "delete", "delete": "delete", "escape": "close",
+        "enter": "play", "y": "copy", "d": "delete", "delete": "delete", "escape": "close",
         "q": "close",
     },
     "ShowText": {"escape": "close", "enter": "close", "q": "close"},

@@ -50,7 +50,7 @@ def shown(app: ArchoApp) -> dict[str, object]:
         for rows in panel.query(Rows):
             lines = [rows.render_line(y).text.rstrip() for y in range(rows.size.height)]
             # live, ages and paces are as of a look that is up to a second old
-            lines = [re.sub(r"\d+\.\d( s|…| Hz)", "", line).rstrip() for line in lines]
+            lines = [re.sub(r"\d+\.\d( s|…| ?Hz)", "", line).rstrip() for line in lines]
             found[str(rows.id)] = [line for line in lines if line][:_LINES]
     return found
 
@@ -59,7 +59,7 @@ def said(line: Line) -> str:
     """Without what can be pressed there."""
     text = "" if line._content is None else line._content.plain
     pressed = r"   \(a.*| \(R releases\)|, then press R to release|   n continue   k skip"
-    return re.sub(pressed, "", text).rstrip()
+    return re.sub(pressed, "", text.replace("recorded: ", "")).rstrip()
 
 
 class Watcher:

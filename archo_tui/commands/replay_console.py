@@ -1,0 +1,232 @@
+"""The replay inside of the live console: commands act on the recording, only STOP on the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from typing import Any
+
+from textual.geometry import Size
+from textual.screen import Screen
+from textual.theme import Theme
+
+from archo_tui.commands.base import EVERYWHERE, Answers, Command, Console, Work
+from archo_tui.commands.footer import blocked_commands, keys_of_footer
+from archo_tui.commands.keymap import readable_keys
+from archo_tui.commands.replay import CopySelection, showing_commands
+from archo_tui.replay.player import Player
+from archo_tui.replay.recorded_station import RecordedStation
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.replay import ReplayScreen
+from archo_tui.station.station import Station
+from archo_tui.terminal.stop_marks import InputTime
+from archo_tui.verbs.base import Values, Verb
+from archo_tui.widgets.screen_state import ScreenState
+
+_LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another one in the recording.
+
+
+class ReplayConsole:
+    """The console of a recording, on a screen over the live one. Event loop only.
+
+    Of the live console it uses what only shows: dialogs, notifications, the clipboard.
+
+    Attributes:
+        registry: The commands of the replay. The one of STOP is the live console's.
+        keys: The key of each command by its id.
+        shown_keys: The same as a person reads them.
+        main: The screen.
+    """
+
+    def __init__(
+        self,
+        live: Console,
+        player: Player,
+        commands: tuple[Command, ...],
+        keys: Mapping[str, str],
+        size: Size,
+    ) -> None:
+        """Create the replay, whose screen is not shown yet.
+
+        Args:
+            live: The live console.
+            player: The player of the recording.
+            commands: The commands of a live console for the recorded robot.
+            keys: The keys of the live console by command.
+            size: The size of the terminal.
+        """
+        self._live = live
+        self.station: Station = RecordedStation(player, live.station.clock)
+        snapshot = self.station.robot.snapshot
+        self.verbs: Mapping[str, Verb] = {}
+        self.typed: dict[str, dict[str, str]] = {}
+        self.used = snapshot.file
+        shown = [c for c in showing_commands(player, commands) if c.id not in _LIVE_ONLY]
+        stop = next(command for command in live.registry if command.id == "stop")
+        own = BackToLive(), StopLive(live, stop), CopyFromReplay(), QuitBoth(live)
+        self.registry: Sequence[Command] = (*own[:2], *shown, *own[2:])
+        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
+        self.shown_keys = readable_keys(self.keys)
+        self.view = ScreenState(**vars(self.station.view), keys=self.shown_keys)
+        self.main = ReplayScreen(snapshot, size, player, self.update_screen)
+
+    def update_screen(self) -> None:
+        """Show the player's position on the screen and in the dialogs over it."""
+        self.station.refresh()
+        self.view = ScreenState(**vars(self.station.view), keys=self.shown_keys)
+        screens = self.screens
+        if not (self.main in screens and self.main.is_mounted):
+            return
+        self.view = replace(self.view, blocked=blocked_commands(self))
+        self.main.show(self.view, keys_of_footer(self))
+        for dialog in screens[screens.index(self.main) + 1 :]:
+            if isinstance(dialog, Dismissable) and dialog.is_mounted:
+                dialog.show_view(self.view)
+
+    @property
+    def repeated(self) -> bool:
+        """Return True while the command's key is held down."""
+        return self._live.repeated
+
+    @property
+    def input(self) -> InputTime | None:
+        """Return when the key or click that is being handled was read."""
+        return self._live.input
+
+    @property
+    def theme(self) -> str:
+        """The name of the theme."""
+        return self._live.theme
+
+    @theme.setter
+    def theme(self, name: str) -> None:
+        self._live.theme = name
+
+    @property
+    def screen(self) -> Screen[Any]:
+        """Return the dialog in front, or the screen of the replay."""
+        return self._live.screen
+
+    @property
+    def screens(self) -> Sequence[Screen[Any]]:
+        """Return all screens, the live one first."""
+        return self._live.screens
+
+    @property
+    def is_stuck(self) -> bool:
+        """Return True while the terminal does not show what was drawn."""
+        return self._live.is_stuck
+
+    @property
+    def available_themes(self) -> Mapping[str, Theme]:
+        """Return all themes by name."""
+        return self._live.available_themes
+
+    def disabled_reason(self, command: Command) -> str:
+        """Return why a command cannot run now, or ""."""
+        return command.disabled_reason(self)
+
+    def open(self, dialog: Screen[Any]) -> None:
+        """Show a dialog."""
+        self._live.open(dialog)
+
+    def begin_replay(self, player: Player) -> None:
+        """Do nothing: a replay lists no recordings."""
+
+    def end_replay(self) -> None:
+        """Lead back to the live console."""
+        self._live.end_replay()
+
+    def opening(self) -> AbstractContextManager[None]:
+        """Return a context in which keys wait for the dialog that is about to be opened."""
+        return self._live.opening()
+
+    def run_verb(self, verb: Verb, values: Values) -> Work | None:
+        """Refuse: no verb of a replay acts on a robot."""
+        self.report_failure(Outcome(Code.REFUSED, f"REPLAY: {verb.id} was not sent"))
+        return None
+
+    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
+        """Show a question."""
+        self._live.confirm(title, question, safe, answers)
+
+    def report_failure(self, outcome: Outcome) -> None:
+        """Show the outcome of a command that failed."""
+        self._live.report_failure(outcome)
+
+    def dialog_gone(self, why: str) -> None:
+        """Drop the keys typed for a dialog that closed by itself, and say why it did."""
+        self._live.dialog_gone(why)
+
+    def show_message(self, text: str, title: str = "") -> None:
+        """Show a notification of something that is not visible otherwise."""
+        self._live.show_message(text, title)
+
+    def copy(self, text: str) -> None:
+        """Put a text on the clipboard."""
+        self._live.copy(text)
+
+    def copy_selection(self) -> bool:
+        """Copy the selected text, and return False if there is none."""
+        return self._live.copy_selection()
+
+    def write_screenshot(self) -> None:
+        """Save the screen as SVG."""
+        self._live.write_screenshot()
+
+    def action_command(self, name: str) -> None:
+        """Run a command by its id, or say why it cannot run."""
+        self._live.action_command(name)
+
+    def action_suspend_process(self) -> None:
+        """Do nothing: the live console asks first."""
+
+    def leave(self) -> None:
+        """Lead back to the live console."""
+        self.end_replay()
+
+
+class BackToLive(Command):
+    id, key, footer = "quit", "q", "Live robot"
+    help = "Back to the live robot, which went on meanwhile"
+
+    def run(self, console: Console) -> None:
+        console.end_replay()
+
+
+class StopLive(Command):
+    """The STOP of the live console, which the app runs for the key at any time."""
+
+    id, where = "stop", EVERYWHERE
+
+    def __init__(self, live: Console, stop: Command) -> None:
+        self._live, self._stop = live, stop
+        self.key, self.footer = stop.key, f"{stop.footer} live"
+        self.help = f"On the live robot: {stop.help}"
+
+    def disabled_reason(self, console: Console) -> str:
+        return self._live.disabled_reason(self._stop)
+
+    def run(self, console: Console) -> None:
+        self._live.action_command("stop")
+
+
+class CopyFromReplay(CopySelection):
+    def run(self, console: Console) -> None:
+        if not console.copy_selection():
+            key = console.view.key("quit")
+            console.show_message(f"REPLAY: nothing was cancelled. Press {key} for the live robot.")
+
+
+class QuitBoth(Command):
+    id, key, where = "quit_everywhere", "ctrl+q", EVERYWHERE
+    help = "Leave the replay and quit the live console, as there"
+
+    def __init__(self, live: Console) -> None:
+        self._live = live
+
+    def run(self, console: Console) -> None:
+        console.end_replay()
+        self._live.action_command(self.id)

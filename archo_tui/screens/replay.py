@@ -1,0 +1,56 @@
+"""The screen of a replay inside of the live console, which goes on meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from textual.app import ComposeResult
+from textual.geometry import Size
+
+from archo_tui.replay.player import Player
+from archo_tui.robot.state import Snapshot
+from archo_tui.screens.dismissable import Dismissable
+from archo_tui.screens.main import MainScreen
+from archo_tui.station.view import View
+from archo_tui.terminal.app import start_worker
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.live_line import live_line
+from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.time_line import TimeLine
+
+
+class ReplayScreen(MainScreen, Dismissable[None]):
+    """The panels of a recorded robot; above them a line tells what the live robot does."""
+
+    def __init__(
+        self, snapshot: Snapshot, size: Size, player: Player, update: Callable[[], None]
+    ) -> None:
+        """Create the screen.
+
+        Args:
+            snapshot: Has the robot file of the recording.
+            size: The size of the terminal.
+            player: The player of the recording.
+            update: Shows the player's position.
+        """
+        super().__init__(snapshot, size, TimeLine(player))
+        self._player, self._update = player, update
+        self._live = Line(id="live")
+
+    def compose(self) -> ComposeResult:
+        yield self._live
+        yield from super().compose()
+
+    def on_mount(self) -> None:
+        start_worker(self, partial(self._player.follow, self._update), "play")
+
+    def show_view(self, view: View) -> None:
+        """Show what the live robot does."""
+        if isinstance(view, ScreenState):
+            self._live.show(live_line(view, self.size.width))
+
+    def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
+        """Show the error here: it is no event of the live robot."""
+        message.stop()
+        self.notify(message.text, severity="error", markup=False)

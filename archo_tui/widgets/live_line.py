@@ -1,0 +1,67 @@
+"""The line over a replay that tells what the live robot does meanwhile."""
+
+from __future__ import annotations
+
+from rich.cells import cell_len
+from textual.content import Content
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Latch
+from archo_tui.safe_text import harmless
+from archo_tui.station.alarms import Alarm, AlarmState, Priority
+from archo_tui.widgets.bars import activity, contact, past_alarm
+from archo_tui.widgets.rows import crop
+from archo_tui.widgets.screen_state import ScreenState
+
+_MIN_ALARM = 12  # Cells of an alarm's text; for fewer, the robot's name makes room.
+
+
+def live_line(view: ScreenState, width: int) -> Content:
+    """Return ` LIVE ARCHO   ● online   ✗ STOPPED: look for the cause      12:04:32   q back `.
+
+    It is as striking as the banner of the live console while an alarm is active and nobody has
+    acknowledged it, or the robot is stopped.
+
+    Args:
+        view: The state of the live console.
+        width: The cells of the line.
+    """
+    snapshot = view.snapshot
+    shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
+    does, left = activity(view)
+    news = _alarm_text(shown[0]) if shown else ""
+    if news and (snapshot.is_at_rest or snapshot.latch is Latch.UNCERTAIN):
+        does = "" if "STOP" in shown[0].text else does  # The alarm says it.
+    more = [f"+{len(shown) - 1} more"] if len(shown) > 1 else []
+    more += ["an assistant asks"] if view.requests else []
+    name, back = harmless(snapshot.file.name), f"{view.key('quit')} back "
+    time = time_of_day(int(view.time))
+    for known, behind in (
+        ([name, contact(view), does, left], [*more, time, back]),
+        ([contact(view), does], [*more, time, back]),
+        ([contact(view), does], [time, back]),
+        ([contact(view), does], [back]),
+    ):
+        head, tail = ("   ".join(filter(None, texts)) for texts in (["LIVE", *known], behind))
+        room = width - cell_len(f" {head}      {tail}")
+        if room >= (_MIN_ALARM if news else 0):
+            break
+    text = f" {head}   {crop(news, room)}" if news and room > 1 else crop(f" {head}", width)
+    gap = width - cell_len(text) - cell_len(tail)
+    line = Content(f"{text}{' ' * gap}{tail}" if gap > 0 else text)
+    return line.stylize(_style(view))
+
+
+def _alarm_text(alarm: Alarm) -> str:
+    text = alarm.text if alarm.until is None else past_alarm(alarm)
+    return f"{alarm.priority.glyph} {harmless(text)}"
+
+
+def _style(view: ScreenState) -> str:
+    """Return the style of the line: reversed while something needs the operator."""
+    snapshot = view.snapshot
+    alarms = [alarm for alarm in view.alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
+    is_grave = any(alarm.priority == Priority.HIGH for alarm in alarms)
+    if is_grave or snapshot.latch is Latch.UNCERTAIN:
+        return "bold $bad reverse"
+    return "bold $warn reverse" if alarms or snapshot.is_at_rest else "bold"

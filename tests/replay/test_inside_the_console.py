@@ -1,0 +1,190 @@
+"""A recording played over the live console, which goes on; only STOP reaches the robot."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from archo_tui.screens.replay import ReplayScreen
+from tests.replay.recorded import written
+from tests.support import clock
+from tests.support.console import BRISK, LONG, Console, click, console
+
+
+@asynccontextmanager
+async def recorded(*ros_args: str, size: tuple[int, int] = (120, 36)) -> AsyncIterator[Console]:
+    """The console of a robot that was stopped and released; that is recorded."""
+    async with console(*(ros_args or BRISK), size=size) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.at(clock.seconds() + 3.0)
+        await op.press("R", "y")
+        await op.until(lambda: not op.app.view.snapshot.is_at_rest)
+        await op.press("a")
+        await written(op)
+        yield op
+
+
+async def play(op: Console) -> None:
+    """Choose the newest recording in the list of the palette."""
+    await op.press("ctrl+p")
+    await op.type("list the recordings")
+    await op.press("enter")
+    await op.until("enter play")
+    await op.press("enter")
+    await op.until("REPLAY 20")
+
+
+def live_line(op: Console) -> str:
+    return op.text.splitlines()[0]
+
+
+async def test_enter_plays_a_recording_and_q_leads_back() -> None:
+    async with recorded() as op:
+        before = clock.seconds()
+        await play(op)
+        assert live_line(op).startswith(" LIVE   ARCHO   ● online")
+        assert "q Live robot" in op.text.splitlines()[-1]
+        await op.press("n", "right")
+        assert "recorded: ▲ STOPPED" in op.text
+        assert "STOPPED" not in live_line(op)
+        await op.at(before + 3.0)
+        await op.press("q")
+        assert op.app.screen is op.app.main
+        assert "REPLAY" not in op.text
+        received = op.app.view.snapshot.battery.received
+        assert received is not None
+        assert clock.seconds() - received < 2.0
+
+
+async def test_stop_in_a_replay_stops_the_live_robot() -> None:
+    async with recorded(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("MOVING to 12")
+        await play(op)
+        assert "MOVING to 12" in live_line(op)
+        await op.press("home", "ctrl+x")
+        await op.until(lambda: op.app.view.snapshot.is_at_rest)
+        await op.until(lambda: "STOPPED" in live_line(op))
+        assert "STOP goes to the live robot, not to the replay" in op.text
+        assert isinstance(op.app.screen, ReplayScreen)
+        await op.press("ctrl+p", "ctrl+x")
+        assert "STOPPED" in live_line(op)
+
+
+async def test_no_other_key_of_a_replay_reaches_the_live_robot() -> None:
+    async with recorded(*LONG) as op:
+        await op.press("g", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        await play(op)
+        for key in (
+            "ctrl+c",
+            "c",
+            "r",
+            "R",
+            "k",
+            "n",
+            "a",
+            "u",
+            "s",
+            "plus",
+            "g",
+            "enter",
+            "ctrl+z",
+        ):
+            await op.press(key)
+        await op.press("4", "enter", "space", "ctrl+o", "5", "s", "3", "tab", "enter")
+        assert isinstance(op.app.screen, ReplayScreen)
+        await op.press("q")
+        snapshot, view = op.app.view.snapshot, op.app.view
+        assert snapshot.running_goal is not None
+        assert snapshot.running_goal.name == "shelf 12"
+        assert view.waiting == ("7",)
+        assert "MOVING to 12" in op.text
+
+
+async def test_the_stop_button_that_a_replay_covers_cannot_be_clicked() -> None:
+    async with recorded(size=(160, 48)) as op:
+        button = op.app.main.query_one("#stop").region
+        await play(op)
+        for key in ("9", "A"):  # Then a dialog, which leaves free where the button is.
+            await op.press(key)
+            click(op.app, button.x + 2, button.y)
+            await op.at(clock.seconds() + 1.0)
+            assert not op.app.view.snapshot.is_at_rest
+
+
+async def test_the_footer_of_a_replay_stops_the_live_robot_when_it_is_clicked() -> None:
+    async with recorded() as op:
+        await play(op)
+        footer = op.text.splitlines()[-1]
+        click(op.app, footer.index("STOP live"), 35)
+        await op.until(lambda: op.app.view.snapshot.is_at_rest)
+
+
+async def test_q_that_is_held_down_does_not_quit_the_console_beneath() -> None:
+    async with recorded() as op:
+        await play(op)
+        op.send("q", "q", "q")
+        await op.settle()
+        assert op.app.screen is op.app.main
+        assert op.app.is_running
+        assert not op.app._exit
+
+
+async def test_the_live_console_has_the_size_of_a_terminal_that_changed_in_a_replay() -> None:
+    async with recorded() as op:
+        await play(op)
+        await op.pilot.resize_terminal(80, 24)
+        await op.until(lambda: op.app.screen.size.width == 80)
+        await op.press("q")
+        assert op.app.screen is op.app.main
+        await op.until(lambda: len(op.text.splitlines()) == 24)
+        assert "q Quit" in op.text.splitlines()[-1]
+
+
+async def test_a_second_replay_follows_the_first() -> None:
+    async with recorded() as op:
+        for _ in range(2):
+            await play(op)
+            await op.press("ctrl+p")
+            await op.type("recordings")
+            assert "List the recordings" not in op.text
+            await op.press("escape", "q")
+            assert op.app.screen is op.app.main
+
+
+async def test_ctrl_q_in_a_dialog_of_a_replay_asks_at_the_live_robot() -> None:
+    async with recorded(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("MOVING to 12")
+        await play(op)
+        await op.press("question_mark", "ctrl+q")
+        await op.until("The robot is on its way to shelf 12")
+        assert "REPLAY" not in op.text
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+
+async def test_a_damaged_recording_gives_one_line_and_the_console_goes_on() -> None:
+    async with recorded() as op:
+        for file in Path(op.session.box._folder).glob("*/*.mcap"):
+            file.write_bytes(b"no bag")
+        await op.press("ctrl+p")
+        await op.type("list the recordings")
+        await op.press("enter")
+        await op.until("enter play")
+        await op.press("enter")
+        await op.until("not played: ")
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+
+async def test_a_small_terminal_shows_the_live_robot_over_its_replay() -> None:
+    async with recorded(size=(50, 15)) as op:
+        await play(op)
+        assert "LIVE" in live_line(op)
+        assert "● online" in live_line(op)
+        assert "q back" in live_line(op)
+        assert "REPLAY 20" in op.text.splitlines()[1]
