@@ -1,0 +1,78 @@
+"""The errors of a person's launch file or setup.py, in one line that says where."""
+
+from __future__ import annotations
+
+import linecache
+import traceback
+from collections.abc import Callable
+from types import FrameType
+from typing import Any, NamedTuple
+
+
+class UserError(NamedTuple):
+    """An error of a person's file.
+
+    Attributes:
+        file: The path of the file; "" if no line of it is known.
+        line: The number of the line.
+        text: What is wrong, with the text of the line if that helps.
+        report: The traceback, without the frames of the console.
+    """
+
+    file: str
+    line: int
+    text: str
+    report: str
+
+
+def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
+    """Return an error with the last line that ran of a person's files.
+
+    Args:
+        error: The error.
+        is_own: Returns True for the path of a file of the person's.
+    """
+    name, why = type(error).__name__, (str(error).splitlines() or [""])[0]
+    report = _own_traceback(error, is_own)
+    if isinstance(error, SyntaxError) and is_own(error.filename or ""):
+        text = f"SyntaxError: {error.msg}{_quoted(error.text or '')}"
+        return UserError(error.filename or "", error.lineno or 1, text, report)
+    if isinstance(error, ModuleNotFoundError):
+        why += " (looked for it where Python looks, and in the packages of the workspace)"
+    if isinstance(error, SystemExit):
+        why = f"it ends Python, exit code {error.code}"
+    text = f"{name}: {why}".rstrip(": ")
+    own = [f for f in traceback.extract_tb(error.__traceback__) if is_own(f.filename)]
+    if not own:
+        return UserError("", 0, text, report)
+    return UserError(own[-1].filename, own[-1].lineno or 1, text + _quoted(own[-1].line), report)
+
+
+def describe_hang(
+    frame: FrameType | None, seconds: float, is_own: Callable[[str], bool]
+) -> UserError:
+    """Return where code of a person's runs that does not return in its time.
+
+    Args:
+        frame: The frame that runs now.
+        seconds: How long it was given.
+        is_own: Returns True for the path of a file of the person's.
+    """
+    while frame is not None and not is_own(frame.f_code.co_filename):
+        frame = frame.f_back
+    if frame is None:
+        return UserError("", 0, f"does not return within {seconds:g} s", "")
+    file, line = frame.f_code.co_filename, frame.f_lineno
+    text = f"does not return within {seconds:g} s{_quoted(linecache.getline(file, line))}"
+    return UserError(file, line, text, "")
+
+
+def _own_traceback(error: BaseException, is_own: Callable[[str], bool]) -> str:
+    report: Any = traceback.TracebackException.from_exception(error)
+    own = [frame for frame in report.stack if is_own(frame.filename)]
+    report.stack = traceback.StackSummary.from_list(own)
+    return "".join(report.format(chain=False))
+
+
+def _quoted(line: str | None) -> str:
+    return f", in: {line.strip()}" if line and line.strip() else ""

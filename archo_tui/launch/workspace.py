@@ -1,0 +1,219 @@
+"""The packages of a workspace, found as colcon finds them, and what can be run of them."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from archo_tui.errors import ArchoError
+from archo_tui.launch.package import AMENT_PYTHON, Package, read_package
+from archo_tui.launch.package_setup import PackageSetup, run_setup
+from archo_tui.nearest import nearest_hint
+
+_IGNORED = ("COLCON_IGNORE", "AMENT_IGNORE")  # A folder with such a file is left out.
+_BUILT = ("build", "install", "log")  # What colcon makes beside src/.
+_MAX_FOLDERS = 20_000  # A home folder is no workspace.
+_ALIKE = 0.8  # Above difflib's 0.6, as packages of one project have names that are alike.
+_OWN_PACKAGE = "archo_bringup"
+_CHECKOUT = Path(__file__).parent.parent.parent
+
+
+@dataclass(frozen=True)
+class EntryPoint:
+    """A function that runs a node, as an executable of a package names it.
+
+    Attributes:
+        module: The dotted name of its module.
+        function: Its name.
+        source: The folder that the module is imported from; None for an installed package.
+    """
+
+    module: str
+    function: str
+    source: Path | None
+
+
+class Workspace:
+    """The packages of a workspace, by their names.
+
+    Attributes:
+        packages: The packages.
+        problems: A line for each package.xml that cannot be used.
+    """
+
+    def __init__(self, folders: Iterable[Path]) -> None:
+        """Read the package.xml of some folders; of two packages of a name the first is taken."""
+        self.packages: dict[str, Package] = {}
+        self.problems: list[str] = []
+        self._setups: dict[str, PackageSetup] = {}
+        for folder in folders:
+            try:
+                package = read_package(folder)
+            except ArchoError as error:
+                self.problems.append(str(error))
+                continue
+            first = self.packages.setdefault(package.name, package)
+            if first is not package:
+                text = f"{folder}: another package {package.name}: {first.folder} is taken"
+                self.problems.append(text)
+
+    @classmethod
+    def below(cls, folder: Path) -> Workspace:
+        """Return the packages of a workspace's folder.
+
+        Raises:
+            ArchoError: There is none, or the folder is too large for a workspace.
+        """
+        found = cls(_package_folders(folder))
+        if not found.packages:
+            nothing = f"{folder}: no package: a workspace has src/*/package.xml"
+            raise ArchoError((found.problems or [nothing])[0])
+        return found
+
+    @classmethod
+    def around(cls, file: Path) -> Workspace:
+        """Return the packages that a file of a package can use.
+
+        These are those of the workspace, if the package is below its `src/`; else those beside the
+        package.
+
+        Args:
+            file: A file, such as a launch file; none of its folders needs to be a package.
+        """
+        above = file.resolve().parents
+        own = next((folder for folder in above if (folder / "package.xml").is_file()), None)
+        if own is None:
+            return cls(())
+        root = next((folder for folder in own.parents if folder.name == "src"), None)
+        if root is not None:
+            return cls(dict.fromkeys([own, *_package_folders(root)]))
+        beside = sorted(path.parent for path in own.parent.glob("*/package.xml"))
+        return cls(dict.fromkeys([own, *beside]))
+
+    @cached_property
+    def interface_packages(self) -> dict[str, Path]:
+        """The folders of the packages with messages, services or actions, by name."""
+        return {p.name: p.folder for p in self.packages.values() if p.has_interfaces}
+
+    def find(self, name: str) -> Package | None:
+        """Return a package of the workspace, or ARCHO's own in a checkout; None for others."""
+        if name == _OWN_PACKAGE and name not in self.packages:
+            own = _CHECKOUT / "nodes"
+            return read_package(own) if (own / "package.xml").is_file() else None
+        return self.packages.get(name)
+
+    def nearest_package_hint(self, name: str) -> str:
+        """Return ` (nearest: my_robot)` for a misspelt name, or "" if none is alike."""
+        return nearest_hint(name, self.packages, _ALIKE)
+
+    def executables(self, package: Package) -> dict[str, EntryPoint]:
+        """Return what `ros2 run` could run of an ament_python package; of others nothing.
+
+        The first call runs the setup.py of the package, and blocks: not for the UI thread.
+
+        Raises:
+            ArchoError: The setup.py has a mistake; the message has file and line.
+        """
+        if package.build_type != AMENT_PYTHON:
+            return {}
+        if package.name not in self._setups:
+            self._setups[package.name] = run_setup(package)
+        setup = self._setups[package.name]
+        return {
+            name: EntryPoint(*_split(target), setup.source)
+            for name, target in setup.console_scripts.items()
+        }
+
+    def entry_point(self, package_name: str, executable: str) -> EntryPoint:
+        """Return the function of an executable.
+
+        The first call for a package runs its setup.py, and blocks: not for the UI thread.
+
+        Raises:
+            ArchoError: There is no such package or executable, or it is not written in Python; the
+                message says what is there.
+        """
+        package = self.find(package_name)
+        found = _installed(package_name) if package is None else self.executables(package)
+        if package is None and not found:
+            hint = self.nearest_package_hint(package_name) or ": start it with ROS 2"
+            raise ArchoError(f"package {package_name} is not here{hint}")
+        if executable in found:
+            return _checked(found[executable], package, executable)
+        if package is not None and package.build_type != AMENT_PYTHON:
+            raise ArchoError(
+                f"{package_name} is an {package.build_type} package, of which no executable is run "
+                f"here: build it and start {executable} with ROS 2"
+            )
+        near = nearest_hint(executable, found)
+        known = "" if near or not found else f" (it has {', '.join(found)})"
+        hint = "" if package is None else ": see console_scripts in its setup.py"
+        raise ArchoError(f"{package_name} has no executable {executable}{near}{known}{hint}")
+
+
+def _checked(entry_point: EntryPoint, package: Package | None, executable: str) -> EntryPoint:
+    """Return the entry point of a package's executable if the file of its module is there."""
+    if package is None or entry_point.source is None:
+        return entry_point
+    path = entry_point.source.joinpath(*entry_point.module.split("."))
+    if path.with_suffix(".py").is_file() or (path / "__init__.py").is_file():
+        return entry_point
+    near = nearest_hint(path.name, [p.stem for p in path.parent.glob("*.py")])
+    target = f"{entry_point.module}:{entry_point.function}"
+    file = f"{entry_point.module.replace('.', '/')}.py"
+    raise ArchoError(
+        f"{executable} = {target} in setup.py of {package.name}: there is no {file}{near}"
+    )
+
+
+def _split(target: str) -> tuple[str, str]:
+    module, _, function = target.partition(":")
+    return module.strip(), function.strip()
+
+
+def _installed(package_name: str) -> dict[str, EntryPoint]:
+    """Return the executables of an installed Python package; of none, where it is not installed."""
+    try:
+        distribution = importlib.metadata.distribution(package_name)
+    except (importlib.metadata.PackageNotFoundError, ValueError):
+        if package_name != _OWN_PACKAGE:
+            return {}
+        # The wheel of the console carries ARCHO's nodes, without a setup.py.
+        spec = importlib.util.find_spec(_OWN_PACKAGE)
+        folders = (spec and spec.submodule_search_locations) or ()
+        modules = [path.stem for folder in folders for path in Path(folder).glob("*.py")]
+        return {name: EntryPoint(f"{_OWN_PACKAGE}.{name}", "main", None) for name in modules}
+    return {
+        point.name: EntryPoint(*_split(point.value), None)
+        for point in distribution.entry_points
+        if point.group == "console_scripts"
+    }
+
+
+def _package_folders(folder: Path) -> Iterator[Path]:
+    """Yield the folders of packages in a folder, itself included; none within another package.
+
+    Raises:
+        ArchoError: There are too many folders.
+    """
+    seen: set[str] = set()
+    for root, names, files in os.walk(folder, followlinks=True):
+        real = os.path.realpath(root)
+        is_first = os.path.samefile(root, folder)
+        if real in seen or any(name in files for name in _IGNORED):
+            names.clear()  # A link to a folder above would never end.
+            continue
+        seen.add(real)
+        if len(seen) > _MAX_FOLDERS:
+            raise ArchoError(f"{folder}: more than {_MAX_FOLDERS} folders: name the workspace")
+        if "package.xml" in files:
+            names.clear()
+            yield Path(root)
+            continue
+        left_out = _BUILT if is_first else ()
+        names[:] = sorted(n for n in names if not n.startswith(".") and n not in left_out)
