@@ -1,1 +1,1 @@
-"""ROS 2 workspaces read without ROS: their packages, executables and share folders."""
+"""ROS 2 launch files and workspaces read without ROS: what a launch file would start."""

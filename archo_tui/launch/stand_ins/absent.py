@@ -1,0 +1,115 @@
+"""The parts of launch that are not done here: they are left out, with a line that says so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.launch.stand_ins.action import Action, LaunchDescription
+from archo_tui.launch.stand_ins.context import LaunchContext
+from archo_tui.launch.stand_ins.failures import NotHereError
+from archo_tui.launch.stand_ins.substitution import Substitution
+
+_PROGRAMS = "no other programs are started here: start it in another terminal"
+_EVENTS = "launch's events are not followed here: what waits for one does not start"
+_COMPONENTS = "components are written in C++: start them with ROS 2"
+_LANGUAGES = "only launch files in Python are read"
+_COMMANDS = "no command is run here: what needs its output is left out"
+_NEWER = "Jazzy has no such action: an OpaqueFunction returns several, too"
+_PACKAGE = "its package is not here: what needs it is left out"
+
+# What each name of a module would need; None stands for every other name.
+REASONS: dict[str, dict[str | None, str]] = {
+    "launch": {
+        "LaunchService": "this console performs the launch: leave it under __main__",
+        "LaunchIntrospector": "this console performs the launch: leave it under __main__",
+    },
+    "launch.actions": {
+        "EmitEvent": _EVENTS,
+        "ForEach": _NEWER,
+        "ForLoop": _NEWER,
+        "ExecuteLocal": _PROGRAMS,
+        "ExecuteProcess": _PROGRAMS,
+        "OpaqueCoroutine": _EVENTS,
+        "RegisterEventHandler": _EVENTS,
+        "Shutdown": _EVENTS,
+        "UnregisterEventHandler": _EVENTS,
+    },
+    "launch.event_handlers": {None: _EVENTS},
+    "launch.events": {None: _EVENTS},
+    "launch.events.process": {None: _EVENTS},
+    "launch.substitutions": {
+        "Command": _COMMANDS,
+        "FindExecutable": _COMMANDS,
+        "LaunchLogDir": "launch writes no log folder here",
+        "LocalSubstitution": _EVENTS,
+    },
+    "launch.launch_description_sources": {
+        "FrontendLaunchDescriptionSource": _LANGUAGES,
+    },
+    "launch_ros.actions": {
+        "ComposableNodeContainer": _COMPONENTS,
+        "LifecycleTransition": _EVENTS,
+        "LoadComposableNodes": _COMPONENTS,
+        "ROSTimer": _EVENTS,
+        "RosTimer": _EVENTS,
+        "SetROSLogDir": "this console has a log of its own",
+        "SetUseSimTime": "it sets use_sim_time of launch itself: SetParameter sets it for nodes",
+    },
+    "launch_ros.descriptions": {"ComposableNode": _COMPONENTS},
+    "launch_ros.event_handlers": {None: _EVENTS},
+    "launch_ros.events": {None: _EVENTS},
+    "launch_ros.events.lifecycle": {None: _EVENTS},
+    "launch_ros.substitutions": {"ExecutableInPackage": _COMMANDS, "FindPackage": _COMMANDS},
+    "launch_xml.launch_description_sources": {None: _LANGUAGES},
+    "launch_yaml.launch_description_sources": {None: _LANGUAGES},
+    "launch_param_builder": {None: _PACKAGE},
+    "moveit_configs_utils": {None: _PACKAGE},
+    "nav2_common.launch": {None: _PACKAGE},
+    "xacro": {None: "xacro is not run here: what needs its output is left out"},
+}
+
+
+class Absent(Action, Substitution):
+    """Something that is not done here, whatever it is given.
+
+    It stands for an action, a substitution, a condition, and what a function of it returns.
+    """
+
+    reason = ""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(condition=options.get("condition"))
+
+    def execute(self, context: LaunchContext) -> None:
+        raise self._error()
+
+    def perform(self, context: LaunchContext) -> str:
+        raise self._error(is_value=True)
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Refuse to be a condition."""
+        raise self._error(is_value=True)
+
+    def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
+        """Refuse to be an included file."""
+        raise self._error()
+
+    def _error(self, is_value: bool = False) -> NotHereError:
+        return NotHereError(f"{type(self).__name__}: {self.reason}", self.place, is_value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "place":
+            raise AttributeError(name)
+        return self
+
+    def __call__(self, *args: Any, **options: Any) -> Absent:
+        return self
+
+
+def absent_class(module: str, name: str) -> type[Absent] | None:
+    """Return the stand-in for a name of a module; None for a name that is not known."""
+    reasons = REASONS.get(module, {})
+    reason = reasons.get(name, reasons.get(None))
+    if reason is None or name.startswith("_"):
+        return None
+    return type(name, (Absent,), {"reason": reason, "__doc__": f"A stand-in: {reason}."})

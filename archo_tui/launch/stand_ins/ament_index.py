@@ -1,0 +1,108 @@
+"""The packages that a launch file can find: `ament_index_python.packages`."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from archo_tui.launch.install_prefix import forgotten_file, share_folder
+from archo_tui.launch.stand_ins.places import Place, calling_place
+from archo_tui.launch.workspace import Workspace
+
+_INDEX = Path("share", "ament_index", "resource_index", "packages")
+
+
+class PackageNotFoundError(KeyError):
+    """No package has this name; a package that is not here gets a folder without files."""
+
+
+class PackageIndex:
+    """The packages of the workspace, and of the prefixes on AMENT_PREFIX_PATH.
+
+    Attributes:
+        workspace: The packages of the workspace.
+        prefix: The folder of the share folders.
+        missing: The packages that were asked for and are not here, with the first line that asks.
+    """
+
+    def __init__(self, workspace: Workspace, prefix: Path) -> None:
+        """Create the index.
+
+        Args:
+            workspace: The packages of the workspace.
+            prefix: The folder to make share folders in.
+        """
+        self.workspace, self.prefix = workspace, prefix
+        self.missing: dict[str, Place] = {}
+
+    def prefix_of(self, name: str) -> Path:
+        """Return the install prefix of a package; one without files if it is not here.
+
+        A launch file for more than this workspace can be evaluated so, as far as it is here.
+
+        Raises:
+            ArchoError: The package has a mistake in its setup.py.
+        """
+        package = self.workspace.find(name)
+        if package is not None:
+            share_folder(self.prefix, package)
+            return self.prefix
+        for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+            if (Path(prefix) / _INDEX / name).is_file():
+                return Path(prefix)
+        self.missing.setdefault(name, calling_place())
+        return self._absent / name
+
+    def missing_package(self, path: str) -> str:
+        """Return the package that is not here and would have a file; "" for other files."""
+        try:
+            return Path(path).relative_to(self._absent).parts[0]
+        except (ValueError, IndexError):
+            return ""
+
+    def why_missing(self, path: str) -> str:
+        """Return why there is no file of a path, and what to do."""
+        known = (
+            forgotten_file(self.prefix, package, Path(path))
+            for package in self.workspace.packages.values()
+        )
+        return next(filter(None, known), f"no file {path}")
+
+    @property
+    def _absent(self) -> Path:
+        return self.prefix / "not_here"
+
+
+index = PackageIndex(Workspace(()), Path(os.devnull))
+
+
+def use(packages: PackageIndex) -> None:
+    """Make an index the one that launch files find their packages in."""
+    global index
+    index = packages
+
+
+def get_package_prefix(package_name: str) -> str:
+    """Return the install prefix of a package."""
+    return str(index.prefix_of(package_name))
+
+
+def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:  # noqa: ARG001
+    """Return the share folder of a package."""
+    return str(get_package_share_path(package_name))
+
+
+def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:  # noqa: ARG001
+    """Return the share folder of a package as a path."""
+    return index.prefix_of(package_name) / "share" / package_name
+
+
+def get_packages_with_prefixes() -> dict[str, str]:
+    """Return the install prefix of each package of the workspace."""
+    return {name: get_package_prefix(name) for name in index.workspace.packages}
+
+
+def has_resource(resource_type: str, resource_name: str) -> str | bool:
+    """Return the prefix of a package that is here; else False, as for resources of other kinds."""
+    found = get_package_prefix(resource_name) if resource_type == "packages" else ""
+    return found if found and resource_name not in index.missing else False

@@ -1,0 +1,49 @@
+"""The arguments of a launch file, as far as they are known before its evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+from archo_tui.launch.stand_ins.action import LaunchDescriptionEntity
+
+
+class DeclaredArgument(NamedTuple):
+    """An argument that a launch file, or one that it includes, declares.
+
+    Attributes:
+        argument: The DeclareLaunchArgument.
+        is_conditional: True if a condition or a timer decides whether it is declared.
+        given: The names of the arguments that the includes around it give.
+    """
+
+    argument: Any
+    is_conditional: bool
+    given: frozenset[str]
+
+    @property
+    def is_required(self) -> bool:
+        """True if the launch file cannot do without a value."""
+        return self.argument.default_value is None and not self.is_conditional
+
+
+def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
+    """Return the arguments of some entities; of several of a name the first."""
+    found: dict[str, DeclaredArgument] = {}
+    for declared in _walk(entities, False, frozenset()):
+        found.setdefault(declared.argument.name, declared)
+    return list(found.values())
+
+
+def _walk(
+    entities: Iterable[Any], is_conditional: bool, given: frozenset[str]
+) -> Iterator[DeclaredArgument]:
+    for entity in entities:
+        if not isinstance(entity, LaunchDescriptionEntity):
+            continue  # The evaluation will tell.
+        if entity.resets_arguments:
+            return  # What is declared after it cannot be given any more.
+        conditional = is_conditional or entity.is_conditional
+        if entity.declares_argument:
+            yield DeclaredArgument(entity, conditional, given)
+        yield from _walk(entity.sub_entities(), conditional, given | entity.given_names())

@@ -1,0 +1,78 @@
+"""The conditions of `launch.conditions`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from archo_tui.launch.stand_ins.context import LaunchContext
+from archo_tui.launch.stand_ins.failures import SubstitutionFailure
+from archo_tui.launch.stand_ins.places import calling_place
+from archo_tui.launch.stand_ins.substitution import (
+    SomeSubstitutionsType,
+    normalize_to_list_of_substitutions,
+    perform,
+    perform_substitutions,
+)
+
+__all__ = [
+    "IfCondition",
+    "LaunchConfigurationEquals",
+    "LaunchConfigurationNotEquals",
+    "UnlessCondition",
+]
+
+
+class Condition:
+    """A rule that decides whether an action is performed."""
+
+    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
+        self.place = calling_place()
+        self._predicate = predicate
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Return whether the condition holds."""
+        return self._predicate(context)
+
+
+class IfCondition(Condition):
+    """True if an expression is `true` or `1`, false if it is `false` or `0`."""
+
+    def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
+        super().__init__(predicate=self._holds)
+        self._expression = normalize_to_list_of_substitutions(predicate_expression)
+
+    def _holds(self, context: LaunchContext) -> bool:
+        text = perform_substitutions(context, self._expression).strip().lower()
+        if text not in ("true", "1", "false", "0"):
+            wanted = "true, 1, false or 0 is wanted"
+            raise SubstitutionFailure(f"a condition is {text!r}: {wanted}", self.place)
+        return text in ("true", "1")
+
+
+class UnlessCondition(IfCondition):
+    """The opposite of IfCondition."""
+
+    def _holds(self, context: LaunchContext) -> bool:
+        return not super()._holds(context)
+
+
+class LaunchConfigurationEquals(Condition):
+    """True if a launch configuration has a value; for None, if it is not set."""
+
+    def __init__(
+        self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None
+    ) -> None:
+        super().__init__(predicate=self._holds)
+        self._name, self._expected = launch_configuration_name, expected_value
+
+    def _holds(self, context: LaunchContext) -> bool:
+        context.read.add(self._name)
+        expected = None if self._expected is None else perform(context, self._expected)
+        return bool(context.launch_configurations.get(self._name) == expected)
+
+
+class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
+    """The opposite of LaunchConfigurationEquals."""
+
+    def _holds(self, context: LaunchContext) -> bool:
+        return not super()._holds(context)

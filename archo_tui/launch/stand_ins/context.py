@@ -1,0 +1,89 @@
+"""The state of an evaluation: what launch keeps, and what is found to be started."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+from archo_tui.launch.stand_ins.places import Place
+
+
+class Delayed(NamedTuple):
+    """Actions that start later; they sort by their time."""
+
+    time: float  # Seconds after the start.
+    number: int
+    actions: Iterable[Any]
+    local_values: dict[str, Any]
+
+
+class LaunchContext:
+    """The launch configurations, environment and locals that actions read and change.
+
+    Attributes:
+        locals: The path and the folder of the launch file, as ThisLaunchFile reads them.
+        programs: What nodes are to be started, as JSON objects.
+        notes: A JSON object for each line that the person is told.
+        delayed: The actions of timers that are not due yet.
+        time: Seconds after the start at which actions are performed now.
+        read: The names of the launch configurations that were read.
+        paths: The launch files that were loaded.
+    """
+
+    def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:
+        self.argv = list(argv or ())
+        self.locals = SimpleNamespace()
+        self.programs: list[dict[str, Any]] = []
+        self.notes: list[dict[str, Any]] = []
+        self.delayed: list[Delayed] = []
+        self.time = 0.0
+        self.read: set[str] = set()
+        self._configurations: dict[str, Any] = {}
+        self._environment = dict(os.environ)
+        self._pushed_configurations: list[dict[str, Any]] = []
+        self._pushed_environments: list[dict[str, str]] = []
+
+    @property
+    def launch_configurations(self) -> dict[str, Any]:
+        """The launch configurations of the innermost scope."""
+        return self._configurations
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment variables of the innermost scope."""
+        return self._environment
+
+    def perform_substitution(self, substitution: Any) -> str:
+        """Return the text that a substitution stands for."""
+        text: str = substitution.perform(self)
+        return text
+
+    def push_configurations(self) -> None:
+        # A shallow copy, as launch makes it: lists in it are shared with the scope around.
+        self._pushed_configurations.append(dict(self._configurations))
+
+    def pop_configurations(self) -> None:
+        self._configurations = self._pushed_configurations.pop()
+
+    def push_environment(self) -> None:
+        self._pushed_environments.append(dict(self._environment))
+
+    def pop_environment(self) -> None:
+        self._environment = self._pushed_environments.pop()
+
+    def reset_environment(self) -> None:
+        self._environment = dict(os.environ)
+
+    def changed_environment(self) -> dict[str, str | None]:
+        """Return the variables that differ from this process's; None for those that are unset."""
+        now = self._environment
+        changed: dict[str, str | None] = {
+            name: value for name, value in now.items() if os.environ.get(name) != value
+        }
+        return changed | dict.fromkeys(os.environ.keys() - now.keys())
+
+    def note(self, place: Place, text: str, level: str = "WARN") -> None:
+        """Tell the person something about a line of the launch file."""
+        self.notes.append({"file": place.file, "line": place.line, "level": level, "text": text})

@@ -1,0 +1,34 @@
+"""The errors of an evaluation, each with the line of the launch file that it is about."""
+
+from __future__ import annotations
+
+from archo_tui.launch.stand_ins.places import Place
+
+
+class SubstitutionFailure(RuntimeError):
+    """A substitution has no value: the launch file is not run.
+
+    Attributes:
+        place: Where the substitution was written; None if only the traceback says it.
+    """
+
+    def __init__(self, msg: object, place: Place | None = None) -> None:
+        super().__init__(msg)
+        self.place = place
+
+
+class InvalidLaunchFileError(SubstitutionFailure):
+    """A launch file, or an argument given to it, is wrong."""
+
+
+class NotHereError(Exception):
+    """Something that is not done here; only the action that needs it is left out.
+
+    Attributes:
+        place: Where it was written.
+        is_value: True for a value that an action needs, which may be written elsewhere.
+    """
+
+    def __init__(self, text: str, place: Place, is_value: bool = False) -> None:
+        super().__init__(text)
+        self.place, self.is_value = place, is_value

@@ -1,0 +1,140 @@
+"""Texts that become numbers, booleans or lists by the rules of launch, which are YAML 1.1's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, get_args, get_origin
+
+import yaml
+
+from archo_tui.launch.stand_ins.context import LaunchContext
+from archo_tui.launch.stand_ins.substitution import (
+    is_substitution,
+    normalize_to_list_of_substitutions,
+    perform,
+)
+
+_SCALARS = (bool, int, float, str)
+
+
+def check_typed(given: Any, value_type: Any) -> None:
+    """Refuse what can never become a value of a type, as launch does when an action is made.
+
+    Args:
+        given: A scalar, a substitution, or a list of these.
+        value_type: One of bool, int, float, str, a `List` of one of them; None for any of these.
+
+    Raises:
+        TypeError: The value has another type.
+        ValueError: There is no such type.
+    """
+    scalar, is_list = _parts_of(value_type)
+    if isinstance(given, _SCALARS):
+        if value_type is not None and (is_list or not isinstance(given, scalar)):
+            raise TypeError(f"{given!r} is not of type {_name(value_type)}")
+    elif not is_substitution(given):
+        if not isinstance(given, Iterable):
+            raise TypeError(f"a value or a substitution is wanted, not {given!r}")
+        if value_type is not None and not is_list:
+            raise TypeError(f"{given!r} is a list, and {_name(value_type)} is wanted")
+        for part in given:
+            if not isinstance(part, _SCALARS) and not is_substitution(part):
+                raise TypeError(f"{part!r} in a list is neither a value nor a substitution")
+
+
+def perform_typed(context: LaunchContext, given: Any, value_type: Any) -> Any:
+    """Return the value that a substitution, or a list of them, stands for.
+
+    Args:
+        context: The context of the substitutions.
+        given: What `check_typed` has accepted.
+        value_type: The type, as for `check_typed`.
+
+    Raises:
+        ValueError: The text is not of that type.
+    """
+    if isinstance(given, _SCALARS):
+        return given
+    if is_substitution(given):
+        return typed_text(perform(context, given), value_type)
+    scalar, _ = _parts_of(value_type)
+    wanted = None if value_type is None else scalar
+    values = [
+        typed_text(perform_part(context, part), wanted) if is_substitution(part) else part
+        for part in given
+    ]
+    if {type(value) for value in values} == {int, float} and wanted in (None, float):
+        return [float(value) for value in values]
+    if not is_uniform(values, wanted):
+        raise ValueError(f"a list of values of one type is wanted, not {values!r}")
+    return values
+
+
+def perform_part(context: LaunchContext, part: Any) -> str:
+    """Return the text of a part of a list, which may itself be several that are joined."""
+    return "".join(p.perform(context) for p in normalize_to_list_of_substitutions(part))
+
+
+def typed_text(text: str, value_type: Any) -> Any:
+    """Return a text as a value.
+
+    Args:
+        text: The text.
+        value_type: The type, as for `check_typed`.
+
+    Raises:
+        ValueError: The text is not of that type.
+    """
+    scalar, is_list = _parts_of(value_type)
+    if value_type is str:
+        return text
+    if value_type in (int, float):
+        try:
+            return scalar(text)
+        except ValueError:
+            raise ValueError(f"{text!r} is not of type {_name(value_type)}") from None
+    if value_type is bool:  # launch takes these two besides YAML's words.
+        text = {"1": "true", "0": "false"}.get(text, text)
+    value = _yaml_value(text)
+    fits = isinstance(value, bool) if value_type is bool else not is_list or _is_list(value, scalar)
+    if not fits:
+        raise ValueError(f"{text!r} is not of type {_name(value_type)}")
+    return value
+
+
+def is_uniform(values: list[Any], value_type: Any = None) -> bool:
+    """Return True if all values are of one type, which is `value_type` unless that is None."""
+    wanted = value_type or (type(values[0]) if values else str)
+    return wanted in _SCALARS and all(isinstance(value, wanted) for value in values)
+
+
+def _yaml_value(text: str) -> Any:
+    if not text:
+        return text
+    try:
+        value = yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise ValueError(f"{text!r} is not YAML") from None
+    if not isinstance(value, _SCALARS) and not (isinstance(value, list) and is_uniform(value)):
+        raise ValueError(
+            f"{text!r} is neither a number, a boolean, a text nor a list of values of one type"
+        )
+    return value
+
+
+def _is_list(value: Any, of: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(part, of) for part in value)
+
+
+def _parts_of(value_type: Any) -> tuple[Any, bool]:
+    """Return the scalar type, and whether a list of it is meant."""
+    is_list = get_origin(value_type) is list
+    scalar = get_args(value_type)[0] if is_list else value_type
+    if scalar is not None and scalar not in _SCALARS:
+        raise ValueError(f"no value_type {value_type!r}: bool, int, float, str or a List of one")
+    return scalar, is_list
+
+
+def _name(value_type: Any) -> str:
+    scalar, is_list = _parts_of(value_type)
+    return f"List[{scalar.__name__}]" if is_list else str(scalar.__name__)

@@ -1,0 +1,222 @@
+"""A launch file that ROS 2 would not run is not run here, and one line says why."""
+
+from __future__ import annotations
+
+import pytest
+
+from archo_tui.errors import ArchoError
+from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
+from archo_tui.launch.workspace import Workspace
+from tests.launch.planning import Launcher, in_this_process
+
+WRONG = {
+    "Node(package='my_robot', executable='talker', name=LaunchConfiguration('nam')),": (
+        "18: no launch configuration nam: declare it before, DeclareLaunchArgument('nam')"
+    ),
+    "DeclareLaunchArgument('rate', description='in Hz'),": (
+        "18: argument rate (in Hz) has no value: give rate:=VALUE"
+    ),
+    "DeclareLaunchArgument('mode', choices=['fast', 'slow'], default_value=['fas', 't', 'e']),": (
+        "18: argument mode is 'faste': one of fast, slow is wanted (nearest: fast)"
+    ),
+    "Node(package='my_robot', executable='talker', condition=IfCondition('yes')),": (
+        "18: a condition is 'yes': true, 1, false or 0 is wanted"
+    ),
+    "Node(package='my_robot', executable='talker', name='my-talker'),": (
+        "18: name='my-talker' is no name of a node: letters, digits and _, and no digit first"
+    ),
+    "Node(package='my_robot', executable='talker', parameters={'rate': 1}),": (
+        "18: TypeError: parameters is a list: parameters=[...], not dict, "
+        "in: Node(package='my_robot', executable='talker', parameters={'rate': 1}),"
+    ),
+    "Node(package='my_robot', node_executable='talker', executable='talker'),": (
+        "18: TypeError: Node takes no node_executable (nearest: executable), "
+        "in: Node(package='my_robot', node_executable='talker', executable='talker'),"
+    ),
+    "Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),": (
+        "18: TypeError: a remapping is a pair in (): ('old', 'new'), not ['a', 'b'], "
+        "in: Node(package='my_robot', executable='talker', remappings=[['a', 'b']]),"
+    ),
+    "Node(package='my_robot', executable='talker', parameters=[{'frames': []}]),": (
+        "18: TypeError: parameter frames: the list [] is empty, so its type is not known"
+    ),
+    "LogInfo(msg=PythonExpression('fast == 1')),": (
+        "18: PythonExpression fast == 1: NameError: name 'fast' is not defined: a text needs "
+        'quotes in it, ["\'", LaunchConfiguration(...), "\'"]'
+    ),
+    "LogInfo(msg=EnvironmentVariable('SURELY_NOT_SET')),": (
+        "18: no environment variable SURELY_NOT_SET: export it, or give EnvironmentVariable a "
+        "default_value"
+    ),
+    "IncludeLaunchDescription([FindPackageShare('my_robot'), '/launch/no.launch.py']),": (
+        "18: my_robot has no launch/no.launch.py"
+    ),
+    "IncludeLaunchDescription('a.launch.py', launch_arguments={'a': 'b'}),": (
+        "18: TypeError: launch_arguments is a mapping: write {...}.items(), "
+        "in: IncludeLaunchDescription('a.launch.py', launch_arguments={'a': 'b'}),"
+    ),
+    "DeclareLaunchArgument('use_sim', default_value=True),": (
+        "18: TypeError: a text or a substitution is wanted, not bool True: write 'true', "
+        "in: DeclareLaunchArgument('use_sim', default_value=True),"
+    ),
+    "None,": "14: an action is wanted, not a NoneType: None",
+}
+FILES = {
+    "x = 1": "1: it has no function generate_launch_description()",
+    "def generate_launch_description():\n    pass": (
+        "1: generate_launch_description() returns no LaunchDescription: end it with "
+        "return LaunchDescription([...])"
+    ),
+    "import os\nos.nope()": (
+        "2: AttributeError: module 'os' has no attribute 'nope', in: os.nope()"
+    ),
+    "def f(:\n": "1: SyntaxError: invalid syntax, in: def f(:",
+    "import sys\nsys.exit(3)": "2: SystemExit: it ends Python, exit code 3, in: sys.exit(3)",
+    "from launch_ros.substitutions import FindPackageShare\n"
+    "open(FindPackageShare('nav2').find('nav2') + '/a.urdf')": (
+        "2: package nav2 is not here, nor its files"
+    ),
+    "import my_helpers": (
+        "1: ModuleNotFoundError: No module named 'my_helpers' (looked for it where Python looks, "
+        "and in the packages of the workspace), in: import my_helpers"
+    ),
+    "from launch.actions import Nothing": (
+        "1: ImportError: cannot import name 'Nothing' from 'launch.actions'"
+    ),
+}
+
+
+def test_a_wrong_action_is_one_line_with_its_place(launcher: Launcher) -> None:
+    for action, text in WRONG.items():
+        with pytest.raises(LaunchFileError) as raised:
+            launcher.of_actions(action)
+        assert str(raised.value) == f"{launcher.file}:{text}"
+
+
+def test_a_wrong_file_is_one_line_with_its_place(launcher: Launcher) -> None:
+    for code, text in FILES.items():
+        with pytest.raises(LaunchFileError) as raised:
+            launcher.plan(launcher.write(code))
+        assert str(raised.value).startswith(f"{launcher.file}:{text}")
+
+
+def test_the_traceback_is_there_on_request_and_has_the_persons_lines_only(
+    launcher: Launcher,
+) -> None:
+    code = "def rate():\n    return 1 / 0\n\ndef generate_launch_description():\n    rate()\n"
+    with pytest.raises(LaunchFileError) as raised:
+        launcher.plan(launcher.write(code))
+    report = raised.value.report
+    assert report.splitlines()[0] == "Traceback (most recent call last):"
+    assert report.count("test.launch.py") == report.count("  File ") == 2
+    assert report.splitlines()[-1] == "ZeroDivisionError: division by zero"
+
+
+def test_an_include_without_a_value_for_its_argument_names_the_include(
+    launcher: Launcher,
+) -> None:
+    launcher.write(
+        """
+        from launch import LaunchDescription
+        from launch.actions import DeclareLaunchArgument
+
+        def generate_launch_description():
+            return LaunchDescription([DeclareLaunchArgument('robot')])
+        """,
+        "inner.launch.py",
+    )
+    include = f"IncludeLaunchDescription('{launcher.folder.as_posix()}/inner.launch.py'"
+    with pytest.raises(LaunchFileError) as raised:
+        launcher.of_actions(f"{include}),")
+    assert "inner.launch.py:6: argument robot has no value" in str(raised.value)
+    assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == ()
+
+
+def test_words_that_are_no_arguments_are_refused() -> None:
+    assert parse_arguments(["a:=1", "b:=", "a:=2:=3"]) == {"a": "2:=3", "b": ""}
+    with pytest.raises(ArchoError, match="use_sim=true: an argument of a launch file is written"):
+        parse_arguments(["use_sim=true"])
+
+
+def test_a_file_that_is_not_there_or_not_python_is_refused(launcher: Launcher) -> None:
+    with pytest.raises(LaunchFileError, match=r"no\.launch\.py: there is no such launch file"):
+        launcher.plan(launcher.folder / "no.launch.py")
+    with pytest.raises(LaunchFileError, match="only launch files in Python are read"):
+        launcher.plan(launcher.write("", "a.launch.xml"))
+
+
+def test_arguments_are_listed_without_performing_anything(
+    launcher: Launcher, workspace: Workspace
+) -> None:
+    path = launcher.write(
+        """
+        from launch import LaunchDescription
+        from launch.actions import *
+        from launch.conditions import IfCondition
+        from launch.substitutions import LaunchConfiguration
+
+        def generate_launch_description():
+            return LaunchDescription([
+                DeclareLaunchArgument('robot', description='its name'),
+                DeclareLaunchArgument('mode', default_value='fast', choices=['fast', 'slow']),
+                DeclareLaunchArgument('ns', default_value=['/', LaunchConfiguration('robot')]),
+                GroupAction([DeclareLaunchArgument('extra')], condition=IfCondition('false')),
+                LogInfo(msg=LaunchConfiguration('nowhere')),
+            ])
+        """
+    )
+    with in_this_process():
+        found = launch_arguments(str(path), workspace, launcher.prefix)
+    assert [(one.name, one.default, one.choices, one.is_conditional) for one in found] == [
+        ("robot", None, (), False),
+        ("mode", "fast", ("fast", "slow"), False),
+        ("ns", "/LaunchConfiguration(robot)", (), False),
+        ("extra", None, (), True),
+    ]
+    assert found[0].description == "its name"
+
+
+HANGS = """
+import time
+def generate_launch_description():
+    while True:
+        time.sleep(0.01)
+"""
+FLOODS = """
+import os, subprocess, sys
+from launch import LaunchDescription
+print('first line')
+for _ in range(30):
+    os.write(1, b'x' * 65_536)
+sys.stderr.write('y' * 100_000)
+subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])
+def generate_launch_description():
+    print(sys.stdin.read())
+    return LaunchDescription([])
+"""
+
+
+@pytest.mark.real_time
+def test_a_hang_ends_and_names_its_line(launcher: Launcher, workspace: Workspace) -> None:
+    path = launcher.write(HANGS)
+    with pytest.raises(LaunchFileError) as raised:
+        evaluate(str(path), workspace, launcher.prefix, {}, 0.3)
+    said = str(raised.value).partition(", in: ")[0]
+    ends = [f"{launcher.file}:{line}: does not return within 0.3 s" for line in (4, 5)]
+    assert said in ends
+
+
+@pytest.mark.real_time
+def test_a_flood_of_output_and_a_child_that_stays_hold_up_nothing(
+    launcher: Launcher, workspace: Workspace
+) -> None:
+    plan = evaluate(str(launcher.write(FLOODS)), workspace, launcher.prefix, {})
+    assert plan.programs == ()
+    assert 100_000 <= len(plan.printed) <= 100_001
+
+
+@pytest.mark.real_time
+def test_a_file_that_ends_its_process_is_told(launcher: Launcher, workspace: Workspace) -> None:
+    path = launcher.write("import os\nos._exit(7)")
+    with pytest.raises(LaunchFileError, match="it ended Python, exit code 7"):
+        evaluate(str(path), workspace, launcher.prefix, {})
