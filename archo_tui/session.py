@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched
+from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.parameters import files
 from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
@@ -32,6 +34,7 @@ from archo_tui.station.station import Station
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
     from archo_tui.hosting.hosted_program import HostedProgram, Program
+    from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.console_recorder import ConsoleRecorder
     from archo_tui.remote.request_handler import RequestHandler
@@ -69,7 +72,9 @@ class Session:
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
-        interfaces = self._activate()
+        self._launch_file = self._launched()
+        self._node_names, workspace_folders = found_in_workspaces(options.node_files)
+        interfaces = self._activate(workspace_folders)
         # It imports rclpy, so the engine must have been activated.
         from archo_tui.rclpy_context import RclpyContext
 
@@ -77,7 +82,8 @@ class Session:
             self._ros_args(),
             options.domain_id,
             hosts_files=bool(options.node_files),
-            hosts_programs=bool(options.program_files) and options.engine == engine.EMBEDDED,
+            hosts_programs=bool(options.program_files or options.launch)
+            and options.engine == engine.EMBEDDED,
         )
         self._context = self._rclpy.context
         self.journal = Journal(journal_file())
@@ -131,18 +137,33 @@ class Session:
             "watching": self.options.watch,
         }
 
-    def _activate(self) -> dict[str, Path]:
-        """Activate the engine, and return the interface packages of the user's own."""
+    def _activate(self, workspace_folders: Sequence[Path]) -> dict[str, Path]:
+        """Activate the engine, and return the interface packages of the user's own.
+
+        Args:
+            workspace_folders: The interface packages of the workspaces among the node files.
+        """
         options = self.options
         own: dict[str, Path] = {}
         self._mistakes: list[str] = []  # In the user's interface packages.
         others = options.attach or options.node_makers or options.only
-        if options.interfaces:
+        folders = [*workspace_folders, *options.interfaces]
+        if self._launch_file is not None:
+            folders += self._launch_file.workspace.interface_packages.values()
+        if folders:
             from archo_tui.hosting import own_interfaces
 
-            own, self._mistakes = own_interfaces.find_all(options.interfaces, options.engine)
+            own, self._mistakes = own_interfaces.find_all(folders, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
+
+    def _launched(self) -> LaunchFile | None:
+        """Evaluate the user's launch file, if there is one."""
+        if self.options.launch is None:
+            return None
+        from archo_tui.hosting.launch_file import LaunchFile
+
+        return LaunchFile(*self.options.launch)
 
     def _make_nodes(self) -> None:
         """Make the client's node, and those that run in this process."""
@@ -185,7 +206,7 @@ class Session:
                 make_program=self._make_program,
             )
             robot.own_nodes = self.host.names
-            self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
+            self._node_files = [NodeFile(given) for given in self._node_names]
             self._programs = self._own_programs()
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
@@ -211,6 +232,10 @@ class Session:
         kept, note = self.station.edits.values_set, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
         watched += [HostedProgramFile(self.host.programs, p.file) for p in self._programs]
+        if self._launch_file is not None:
+            from archo_tui.hosting.launch_file import HostedLaunchFile
+
+            watched.append(HostedLaunchFile(self._launch_file, note, self.station.restart))
         if interfaces:
             from archo_tui.hosting.own_interfaces import OwnInterfaces
 
@@ -223,6 +248,8 @@ class Session:
             self.host.stop()
         self.journal.close()
         self._rclpy.shutdown()
+        if self._launch_file is not None:
+            self._launch_file.close()
 
     def _record_event(self, event: Event) -> None:
         """Give an event to the recorder and to the journal. Called on the robot's thread."""
@@ -304,7 +331,10 @@ class Session:
 
         args, domain = tuple(self._ros_args()), self.options.domain_id
         files = [ProgramFile(str(given)) for given in self.options.program_files]
-        return [Program(file, args, domain_id=domain) for file in files]
+        programs = [Program(file, args, domain_id=domain) for file in files]
+        if self._launch_file is not None:
+            programs += self._launch_file.programs(args, domain)
+        return programs
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]
@@ -342,6 +372,8 @@ class Session:
                 self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
+        for note in self._launch_file.notes if self._launch_file is not None else ():
+            self.robot.note(note.level, "launch", str(note))
         users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
@@ -368,6 +400,8 @@ class Session:
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
         self._rclpy.shutdown()
+        if self._launch_file is not None:
+            self._launch_file.close()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck

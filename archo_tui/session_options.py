@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,6 +12,13 @@ from archo_tui import engine
 from archo_tui.errors import ArchoError
 from archo_tui.recording.box import BUDGET
 from archo_tui.shutdown import CANCEL, LEAVE
+
+
+class Launch(NamedTuple):
+    """A launch file, and the values of its arguments by name."""
+
+    file: Path
+    arguments: Mapping[str, str]
 
 
 class Options(NamedTuple):
@@ -28,6 +35,7 @@ class Options(NamedTuple):
     node_makers: Sequence[Any] = ()  # Replace the robot's own nodes.
     node_files: Sequence[Path | str] = ()  # The user's node files, or modules by dotted names.
     program_files: Sequence[Path | str] = ()  # The user's programs, which are run as they stand.
+    launch: Launch | None = None  # The user's launch file.
     only: bool = False  # Host none of the robot's own nodes.
     watch: bool = False  # Send no command.
     quiet_alarms: bool = False  # Ring no bell.
@@ -49,6 +57,11 @@ def check_options(options: Options) -> None:
         raise ArchoError(
             f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
             "and no digit first"
+        )
+    if options.launch is not None and options.engine != engine.EMBEDDED:
+        raise ArchoError(
+            f"launch starts programs without ROS: on ROS 2, ros2 launch {options.launch.file} does "
+            "it, and archo-tui --engine ros2 --attach operates them"
         )
     if options.record is not None:
         _check_record(options.record)

@@ -481,7 +481,7 @@ FAULTS = [
     Fault("chapter/topic_checks.py", "_LOW_LEVELS = 19.0, 5.0", "_LOW_LEVELS = (19.0,)", LEARNERS),
     Fault("chapter/service_checks.py", "        if abs(value) < _TICKS:  #", "        if False:  #", LEARNERS),
     Fault("chapter/move_checks.py", "_SHELVES = 11, 6", "_SHELVES = 12, 6", LEARNERS),
-    Fault("chapter/checks.py", "    return 1 if failed or nothing else 0", "    return 1 if failed else 0", LEARNERS),
+    Fault("chapter/tap.py", "        return 1 if self.has_failed or not self.has_checked else 0", "    return 1 if failed else 0", LEARNERS),
     Fault("chapter/near_names.py", "return bool(own) and (own <= words or words <= own)", "return False", LEARNERS),
     Fault("robot/inspection.py", "            self._node.destroy_subscription(self._subscription)\n", "", ROBOT + "/test_inspection.py"),
     Fault("robot/inspection.py", "fitting_qos(publishers) == self._qos", "self._qos is not None", ROBOT + "/test_inspection.py"),

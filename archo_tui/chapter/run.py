@@ -14,6 +14,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from archo_tui import engine
+from archo_tui.chapter.launch_checks import is_launch_file, launch_checks
+from archo_tui.chapter.tap import TapReport
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.session import Session
@@ -31,7 +33,7 @@ def run(
     """Host files and print the outcome of every check.
 
     Args:
-        files: The node files.
+        files: The node files, launch files and workspaces.
         engine_name: The engine, of `archo_tui.engine`.
         interfaces: Folders of further interface packages.
         print_line: Prints a line.
@@ -42,6 +44,20 @@ def run(
     Raises:
         ArchoError: A file cannot be hosted.
     """
+    report = TapReport(print_line)
+    launch_files = [file for file in files if is_launch_file(file)]
+    for file in launch_files:
+        for result in launch_checks(file):
+            report.show(result)
+    node_files = [file for file in files if file not in launch_files]
+    if node_files:
+        _check_nodes(node_files, engine_name, interfaces, report)
+    return report.end()
+
+
+def _check_nodes(
+    files: Sequence[str], engine_name: str, interfaces: Sequence[Path], report: TapReport
+) -> None:
     if engine_name == engine.ROS2:  # By default rclpy does not check the values of message fields.
         os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
     with (
@@ -67,7 +83,7 @@ def run(
             late = session.host.wait_longer(hosted_node.CONSTRUCTION_TIME)
             if late:
                 raise ArchoError(late[0])
-            return run_checks(session, _RADIUS, printed, print_line)
+            run_checks(session, _RADIUS, printed, report)
 
 
 @contextlib.contextmanager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from archo_tui.safe_text import safe
@@ -29,3 +29,46 @@ class Result(NamedTuple):
             yield f"{'not ok' if self.hint else 'ok'} {number} - {self.name}"
         for line in self.hint.splitlines():
             yield f"# {safe(line)}"
+
+
+class TapReport:
+    """The lines of a run of checks, as they are printed.
+
+    Attributes:
+        has_failed: True if a check failed.
+        has_checked: True if there was something to check.
+    """
+
+    def __init__(self, print_line: Callable[[str], None]) -> None:
+        """Print nothing yet."""
+        self._print_line = print_line
+        self._count = 0
+        self._has_begun = False
+        self.has_failed = self.has_checked = False
+
+    def show(self, result: Result) -> None:
+        """Print the outcome of a check."""
+        self._count += 1
+        self.has_failed |= bool(result.hint)
+        self.has_checked |= not result.skipped
+        for line in result.lines(self._count):
+            self._print(line)
+
+    def _print(self, line: str) -> None:
+        if not self._has_begun:
+            self._has_begun = True
+            self._print_line("TAP version 13")
+        self._print_line(line)
+
+    def comment(self, text: str) -> None:
+        """Print a line that is no outcome."""
+        self._print(f"# {safe(text)}")
+
+    def bail_out(self) -> None:
+        """Print that the rest is not checked, since the person interrupted it."""
+        self._print("Bail out! interrupted")
+
+    def end(self) -> int:
+        """Print the last line, and return the exit code: 0 if a check passed and none failed."""
+        self._print(f"1..{self._count}")
+        return 1 if self.has_failed or not self.has_checked else 0

@@ -20,16 +20,18 @@ if TYPE_CHECKING:
     from typing import TextIO
 
     from archo_tui.session import Session
+    from archo_tui.session_options import Launch
 
 _MOST_FAILURES = 3  # Crashes of the screen after which the program ends.
 
 
-def run_console(options: Namespace, ros_args: list[str]) -> int:
+def run_console(options: Namespace, ros_args: list[str], launch: Launch | None = None) -> int:
     """Run a console until it is left.
 
     Args:
         options: The options of the command line.
         ros_args: The words that stood behind `--ros-args`.
+        launch: The launch file whose programs run beside it; None for none.
 
     Returns:
         The exit code: FAILED also if a node did not stop, or if `--record` lost something.
@@ -38,7 +40,7 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
         return _print_version(options.engine)
     from pathlib import Path
 
-    if options.node or options.run:
+    if options.node or options.run or launch:
         # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
@@ -60,6 +62,7 @@ def run_console(options: Namespace, ros_args: list[str]) -> int:
             namespace=options.namespace,
             node_files=options.node,
             program_files=options.run,
+            launch=launch,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
             interfaces=[Path(folder) for folder in options.interfaces],

@@ -9,6 +9,7 @@ from archo_tui.cli import subcommands
 from archo_tui.cli.completions import print_completions
 from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
+from archo_tui.cli.launch import launch
 from archo_tui.cli.options import SUBCOMMANDS, console_parser
 from archo_tui.cli.output import complain, report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
@@ -19,6 +20,7 @@ from archo_tui.plain.lines import is_stop_text
 
 _RUN: dict[str, Callable[[Namespace], int]] = {
     "check": subcommands.check,
+    "launch": launch,
     "keys": subcommands.print_keys,
     "completions": print_completions,
     "consoles": subcommands.list_consoles,

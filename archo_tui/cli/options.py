@@ -128,7 +128,7 @@ def _ros_options(group: argparse._ArgumentGroup) -> None:
     )
 
 
-def _operation_options(group: argparse._ArgumentGroup) -> None:
+def _operation_options(group: argparse._ActionsContainer) -> None:
     group.add_argument(
         "--plain",
         action="store_true",
@@ -250,6 +250,27 @@ def _describe_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("--engine", default="ros2", help=argparse.SUPPRESS)
 
 
+def _launch_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        help="launch file in Python (NAME.launch.py), or a workspace that has one",
+    )
+    parser.add_argument(
+        "arguments",
+        metavar="NAME:=VALUE",
+        nargs="*",
+        help="value of an argument that the launch file declares",
+    )
+    parser.add_argument(
+        "--show-args", action="store_true", help="print the arguments of the file, and run nothing"
+    )
+    _engine_option(parser)
+    _interfaces_option(parser, "; when one is saved, everything restarts")
+    _robot_option(parser)
+    _operation_options(parser)
+
+
 def _completions_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument("shell", choices=("bash", "zsh", "fish"), help="for which shell")
 
@@ -313,6 +334,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 # The help and the options of each subcommand; dispatch.py has the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
     "check": ("check nodes as the textbook's chapter asks", _check_options),
+    "launch": ("run a ROS 2 launch file, without ROS", _launch_options),
     "keys": ("print all keys, in the form of keymap.yaml", _robot_option),
     "completions": ("print the completion script of a shell", _completions_options),
     "consoles": ("list the consoles that run here", _consoles_options),

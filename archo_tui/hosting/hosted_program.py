@@ -29,6 +29,7 @@ class Program(NamedTuple):
         name: The full name of its node, where that is known before it runs; "" if not.
         domain_id: The ROS domain; None for that of the environment.
         respawn_delay: Seconds after which it is run again when it has ended; None for never.
+        start_delay: Seconds before it is run first.
     """
 
     file: ProgramFile
@@ -37,6 +38,7 @@ class Program(NamedTuple):
     name: str = ""
     domain_id: int | None = None
     respawn_delay: float | None = None
+    start_delay: float = 0.0
 
 
 class ProgramEnd(NamedTuple):
@@ -75,7 +77,7 @@ class HostedProgram(ABC):
         program: Program,
         on_end: Callable[[HostedProgram], None],
         on_node: Callable[[HostedProgram, str], None],
-        may_respawn: Callable[[], bool],
+        may_run: Callable[[], bool],
     ) -> None:
         """Create it, without running it.
 
@@ -83,10 +85,10 @@ class HostedProgram(ABC):
             program: What is to run.
             on_end: Called when it has ended by itself, in a thread of its own.
             on_node: Called with the full name of each node that it makes, in a thread of its own.
-            may_respawn: Returns False while a STOP is not released.
+            may_run: Returns False while a STOP is not released.
         """
         self.program, self.file = program, program.file
-        self._on_end, self._on_node, self._may_respawn = on_end, on_node, may_respawn
+        self._on_end, self._on_node, self._may_run = on_end, on_node, may_run
         name, file = program.name or f"/{program.file.path.stem}", program.file
         self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
         self.crash = ""
@@ -144,17 +146,23 @@ class HostedProgram(ABC):
             self._run_and_respawn()
 
     def _run_and_respawn(self) -> None:
+        if self.program.start_delay > 0 and not self._may_run_after(self.program.start_delay):
+            return
         while True:
             self.state = self.state._replace(life=Life.UP, error="", traceback="")
             self._take_end(self.run_once())
             delay = self.program.respawn_delay
-            if delay is None or self._stopping.is_set():
+            if delay is None or not self._may_run_after(max(delay, LEAST_RESPAWN_DELAY)):
                 return
-            self._stopping.wait(max(delay, LEAST_RESPAWN_DELAY))
-            while not (self._may_respawn() or self._stopping.wait(CONSTRUCTOR_POLL)):
-                pass
-            if self._stopping.is_set():
-                return
+
+    def _may_run_after(self, delay: float) -> bool:
+        """Wait that long, and until no STOP is unreleased; return False if it is to end."""
+        if self._stopping.wait(delay):
+            return False
+        while not self._may_run():
+            if self._stopping.wait(CONSTRUCTOR_POLL):
+                return False
+        return True
 
     def _take_end(self, end: ProgramEnd) -> None:
         """Note how it has ended; unless it was stopped, report that."""

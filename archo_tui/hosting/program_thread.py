@@ -74,7 +74,7 @@ class ProgramThread(HostedProgram):
         return _Process(self.program, self.node_made)
 
     def again(self) -> ProgramThread:
-        return ProgramThread(self.program, self._on_end, self._on_node, self._may_respawn)
+        return ProgramThread(self.program, self._on_end, self._on_node, self._may_run)
 
     def run_once(self) -> ProgramEnd:
         self._process = self._new_process()

@@ -16,14 +16,19 @@ def event_text(event: Event) -> str:
     return f"{event.level} {event.source}: {event.text}{count}"
 
 
+LAUNCH = "launch"  # The source of what the user's launch file says.
+
+
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
-    """Return True for an event that a node of the user's own file logged or printed.
+    """Return True for an event that a node of the user's own file, or a launch file, logged.
 
     Args:
         event: The event; its source is a logger's name (`lamp`, `lamp.motor`), or a node's name
             followed by ` stdout`.
         hosted: The nodes of this process.
     """
+    if event.source == LAUNCH:
+        return True
     source = event.source.removesuffix(" stdout")
     node = logger_node(source)
     return any(

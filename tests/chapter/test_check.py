@@ -22,6 +22,8 @@ import pytest
 import tests.contract.textbook as textbook
 from archo_tui.cli import main
 from tests.support import chosen, clock
+from tests.support.plain import operated
+from tests.support.quiet import until
 
 LISTINGS = Path(textbook.__file__).parent
 OURS = Path(archo_bringup.__file__).parent
@@ -236,3 +238,53 @@ def test_an_interrupt_is_said(
     assert code == 1
     assert said.out.splitlines()[-1] == "Bail out! interrupted"
     assert said.err == "archo-tui: interrupted: not all was checked\n"
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "chapter.md"
+
+
+@pytest.mark.parametrize(
+    ("section", "listings"),
+    [
+        ("3.2", ["battery_publisher"]),
+        ("3.3", ["battery_subscriber"]),
+        ("3.4", ["reset_service"]),
+        ("3.5", ["move_action_server"]),
+        ("3.6", ["motor_parameters"]),
+    ],
+)
+def test_the_page_quotes_for_each_section_what_check_says(
+    section: str, listings: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, lines = check(capsys, *(LISTINGS / f"{name}.py" for name in listings))
+    said = [re.sub(r"^# \S+?:", "# ", line) for line in lines]
+    text = PAGE.read_text().partition(f"### {section} ")[2].partition("\n##")[0]
+    quoted = re.findall(r"^(?:ok|not ok|#) .*$", text, re.MULTILINE)
+    assert quoted
+    for line in quoted:
+        line = re.sub(r"^# \w+\.py:", "# ", line)
+        assert any(of.startswith(line) for of in said), line
+
+
+def test_the_page_quotes_for_a_launch_file_what_check_says(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    launch_file = PAGE.parents[1] / "nodes" / "launch" / "archo_comms.launch.py"
+    assert main(["check", str(launch_file)]) == 0
+    _, *lines, plan = capsys.readouterr().out.splitlines()
+    assert plan == "1..5"
+    assert "\n".join(lines) in PAGE.read_text().partition("### 3.7 ")[2]
+
+
+@pytest.mark.real_time
+async def test_a_cancel_at_9_m_comes_too_late_for_the_listing() -> None:
+    node_files = [LISTINGS / "move_action_server.py"]
+    async with operated(node_files=node_files, only=True) as person:
+        person.type("go 3\n")
+        await until(lambda: "goal MOVING to 3, 9.0 m left of 15.0 m" in person.said)
+        assert await person.end("cancel\n") == 1
+    text = PAGE.read_text().partition("### 3.5 ")[2]
+    (block,) = re.findall(r"```\n(goal .*?)```", text, re.DOTALL)
+    at = -1
+    for line in block.splitlines():
+        assert (at := person.said.find(line, at + 1)) >= 0, person.said

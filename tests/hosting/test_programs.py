@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
 from archo_tui.hosting import hosted_program
 from archo_tui.robot.outcome import Code
@@ -217,8 +218,34 @@ def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
     text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
     with running(written("mine.py", text), only=False) as session:
         wait_until(lambda: "/dashboard" in states(session))
-        assert states(session)["/dashboard"].file == "mine.py"
-        assert [h.name for h in session.host.nodes] == ["/battery_monitor", "/motor_controller"]
+        wait_until(lambda: states(session)["/dashboard"].file == "mine.py")
+        others = ["/battery_monitor", "/motor_controller"]
+        wait_until(lambda: [h.name for h in session.host.nodes] == others)
+
+
+LISTINGS = Path(textbook.__file__).parent
+
+
+@pytest.mark.parametrize(
+    ("listing", "node"),
+    [
+        ("battery_publisher", "/battery_monitor"),
+        ("battery_subscriber", "/dashboard"),
+        ("motor_parameters", "/motor_controller"),
+        ("move_action_server", "/motor_controller"),
+    ],
+)
+def test_the_listings_of_the_textbook_run_as_printed(listing: str, node: str) -> None:
+    with running(LISTINGS / f"{listing}.py") as session:
+        wait_until(lambda: node in states(session) and life(session, node) is Life.UP)
+        assert session.host.stop_node(node).ok
+
+
+def test_a_client_of_the_textbook_ends_when_its_service_has_answered() -> None:
+    with running(LISTINGS / "reset_client.py", LISTINGS / "reset_service.py") as session:
+        wait_until(lambda: life(session, "/reset_client") is Life.ENDED)
+        if chosen.ENGINE == "embedded":  # On ROS 2 it has left before its log is discovered.
+            wait_until(lambda: "Result: True, Encoder reset to zero" in texts(session))
 
 
 LATE = """
@@ -246,9 +273,8 @@ say("over")
 
 def test_a_program_lasts_as_long_as_the_threads_that_it_started() -> None:
     with running(written("late.py", LATE), talker()) as session:
-        assert said() == ["over", "made"]
         wait_until(lambda: life(session, "/late") is Life.ENDED)
-        assert said() == ["over", "made", "shut"]
+        assert [word for word in said() if word != "made"] == ["over", "shut"]
         assert life(session) is Life.UP
 
 

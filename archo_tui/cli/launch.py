@@ -1,0 +1,69 @@
+"""`archo-tui launch`: a console for the programs of the user's own launch file."""
+
+from __future__ import annotations
+
+import tempfile
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from archo_tui.cli.console import run_console
+from archo_tui.cli.options import console_parser
+from archo_tui.errors import ArchoError
+from archo_tui.safe_text import safe
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from archo_tui.launch.plan import LaunchArgument
+
+_SUFFIX = ".launch.py"  # As the names of ROS 2's launch files end.
+
+
+def launch(options: Namespace) -> int:
+    """Run the console with a launch file, or print the arguments that the file declares."""
+    from archo_tui.launch.evaluate import launch_arguments, parse_arguments
+    from archo_tui.launch.workspace import Workspace
+    from archo_tui.session_options import Launch
+
+    file = _launch_file(Path(options.file))
+    if options.show_args:
+        with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
+            found = launch_arguments(str(file), Workspace.around(file), Path(prefix))
+        for line in _argument_lines(found):
+            print(safe(line))
+        return 0
+    chosen = Launch(file, parse_arguments(options.arguments))
+    console = vars(console_parser(takes_command=False).parse_args(["--only"])) | vars(options)
+    return run_console(Namespace(**console), [], chosen)
+
+
+def _launch_file(given: Path) -> Path:
+    """Return the launch file itself, or the only one of a workspace.
+
+    Raises:
+        ArchoError: The workspace has none, or several.
+    """
+    if not given.is_dir():
+        return given
+    from archo_tui.launch.workspace import Workspace
+
+    folders = [package.folder for package in Workspace.below(given).packages.values()]
+    found = sorted(path for folder in folders for path in folder.glob(f"launch/*{_SUFFIX}"))
+    if not found:
+        raise ArchoError(f"{given}: no package of it has launch/*{_SUFFIX}")
+    if len(found) > 1:
+        raise ArchoError(f"{given} has several launch files, name one: {' '.join(map(str, found))}")
+    return found[0]
+
+
+def _argument_lines(arguments: Sequence[LaunchArgument]) -> list[str]:
+    if not arguments:
+        return ["no arguments"]
+    lines = []
+    for argument in arguments:
+        default = "no default" if argument.default is None else f"default: {argument.default}"
+        choices = f", one of {' '.join(argument.choices)}" if argument.choices else ""
+        only = ", in some cases only" if argument.is_conditional else ""
+        about = f"  {argument.description}" if argument.description else ""
+        lines.append(f"{argument.name}:={about}  ({default}{choices}{only})")
+    return lines

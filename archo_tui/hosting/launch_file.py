@@ -1,0 +1,172 @@
+"""A launch file of the user's own, whose programs run in this process.
+
+This module is imported before the engine is chosen, and so must not import rclpy.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from archo_tui.errors import ArchoError
+from archo_tui.hosting.watch import Stamps, stamps
+from archo_tui.launch.evaluate import evaluate
+from archo_tui.launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
+from archo_tui.launch.workspace import Workspace
+
+if TYPE_CHECKING:
+    from archo_tui.hosting.hosted_program import Program
+
+_DOMAIN = "ROS_DOMAIN_ID"
+
+
+class LaunchFile:
+    """A launch file, evaluated once, and a folder with what its packages install.
+
+    Attributes:
+        path: Its path.
+        workspace: The packages that it can use.
+        notes: What it says, and what of it does not run here.
+    """
+
+    def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
+        """Evaluate the file, in a process of its own.
+
+        Args:
+            path: Its path.
+            arguments: The values of its arguments.
+
+        Raises:
+            ArchoError: The file is wrong, or nothing of it runs here.
+        """
+        self.path, self._arguments = path, arguments
+        self.workspace = Workspace.around(path)
+        self._prefix = tempfile.TemporaryDirectory(prefix="archo-launch-")
+        try:
+            self._plan = self._evaluated(self._prefix.name)
+            self.notes = list(self._plan.notes)
+            printed = self._plan.printed.splitlines()
+            self.notes += [LaunchNote("INFO", str(path), line) for line in printed]
+            if not self._plan.programs:
+                why = next((n for n in self.notes if n.level == "WARN"), "it starts no node")
+                raise ArchoError(f"nothing of {path} runs here: {why}")
+        except BaseException:
+            self.close()
+            raise
+
+    def _evaluated(self, prefix: str) -> LaunchPlan:
+        return evaluate(str(self.path), self.workspace, Path(prefix), self._arguments)
+
+    def check(self) -> None:
+        """Evaluate the file as it is now, for its mistakes only.
+
+        Raises:
+            ArchoError: The file is wrong.
+        """
+        with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
+            self._evaluated(prefix)
+
+    def programs(self, ros_args: Sequence[str], domain_id: int | None) -> list[Program]:
+        """Return its programs, and set the variables that it sets in this process's environment.
+
+        Args:
+            ros_args: ROS arguments that each program gets before its own, from `--ros-args` on.
+            domain_id: The ROS domain of a program for which the file sets none.
+        """
+        from archo_tui.hosting.hosted_program import Program
+        from archo_tui.hosting.program_file import ProgramFile
+
+        _set_environment(self._plan.environment)
+        programs = []
+        for launched in self._plan.programs:
+            entry_point = launched.entry_point
+            if entry_point.source is not None and str(entry_point.source) not in sys.path:
+                sys.path.insert(0, str(entry_point.source))
+            self._note_environment(launched)
+            domain = launched.environment.get(_DOMAIN)
+            programs.append(
+                Program(
+                    ProgramFile(entry_point.module, entry_point.function),
+                    (*ros_args, *launched.ros_args),
+                    launched.arguments,
+                    _full_name(launched),
+                    int(domain) if domain and domain.isdecimal() else domain_id,
+                    launched.respawn_delay if launched.respawn else None,
+                    launched.start_delay,
+                )
+            )
+        return programs
+
+    def _note_environment(self, launched: LaunchedProgram) -> None:
+        """Add a note for variables of one program, since programs share one environment."""
+        own = {
+            name
+            for name, value in launched.environment.items()
+            if name != _DOMAIN and self._plan.environment.get(name, value) != value
+        } | (launched.environment.keys() - self._plan.environment.keys() - {_DOMAIN})
+        if own:
+            where = f"{Path(launched.file).name}:{launched.line}"
+            text = f"{', '.join(sorted(own))} is not set for {launched.executable} alone: without "
+            text += "ROS the programs share one environment"
+            self.notes.append(LaunchNote("WARN", where, text))
+
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of what was read: the file, each setup.py, the parameter files."""
+        setups = {package.folder / "setup.py" for package in self.workspace.packages.values()}
+        values = {path.resolve() for path in Path(self._prefix.name).rglob("*.yaml")}
+        return stamps({self.path, *setups, *values})
+
+    def close(self) -> None:
+        """Remove the folder with what its packages install."""
+        self._prefix.cleanup()
+
+
+class HostedLaunchFile:
+    """A watched launch file: the console restarts with it when it was saved."""
+
+    def __init__(
+        self,
+        file: LaunchFile,
+        note: Callable[[str, str, str], None],
+        restart: Callable[[str], None],
+    ) -> None:
+        """Watch a launch file.
+
+        Args:
+            file: The launch file.
+            note: Gets level, source and text of an event about a text that is wrong.
+            restart: Restarts the console, given the reason.
+        """
+        self._file, self._note, self._restart = file, note, restart
+        self.loaded = file.current_stamps()
+
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the file now, and of what it reads."""
+        return self._file.current_stamps()
+
+    def reload(self) -> None:
+        """Restart the console, unless the file has a mistake now."""
+        self.loaded = self.current_stamps()
+        try:
+            self._file.check()
+        except ArchoError as error:
+            self._note("ERROR", "launch", f"the saved text does not run: {error}")
+        else:
+            self._restart(f"{self._file.path.name}, or a file that it reads, was saved")
+
+
+def _set_environment(variables: Mapping[str, str | None]) -> None:
+    for name, value in variables.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
+
+
+def _full_name(launched: LaunchedProgram) -> str:
+    """Return the full name of the node of a program; "" if the launch file gives it none."""
+    return f"{launched.namespace.rstrip('/')}/{launched.name}" if launched.name else ""
