@@ -25,7 +25,7 @@ RESERVED = frozenset(
         *("help", "quit"),
         # Subcommands of archo-tui.
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
-        *("recordings", "replay", "rewind", "robot"),
+        *("recordings", "replay", "rewind", "robot", "launch"),
         # Commands that only the screen has, as named in a keymap.
         *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
         *(f"panel_{number}" for number in range(1, 9)),

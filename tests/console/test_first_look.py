@@ -177,7 +177,7 @@ async def test_the_header_of_a_replay_says_so_in_the_smallest_terminal() -> None
     async with app.run_test(size=(120, 36)):
         await Quiet(app).settle()
         view = replace(app.view, replay="REPLAY 2026-11-23 19:12:50")
-        assert header(view, 80).plain.startswith(" ARCHO   ● online   REPLAY 2026-11-23 19:12:50 ")
+        assert header(view, 80).plain.startswith(" REPLAY 2026-11-23 19:12:50   ARCHO   ● online ")
         for width in (11, 20, 31):
             assert header(view, width).plain.startswith(" REPLAY 20")
 
