@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from textual.app import ComposeResult
+from textual.app import App, ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
@@ -23,6 +23,12 @@ from archo_tui.widgets.line import Line
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
 
+def main_screen(app: App[Any]) -> MainScreen | None:
+    """Return the main screen beneath the dialogs: in a replay inside of a console the upper one."""
+    mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
+    return mains[-1] if mains else None
+
+
 class DialogFooter(Line):
     """The line, in place of the footer, with the keys that work in dialogs, too: STOP first."""
 
@@ -30,9 +36,9 @@ class DialogFooter(Line):
         super().__init__(classes="below")
 
     def on_mount(self) -> None:
-        mains = [screen for screen in self.app.screen_stack if isinstance(screen, MainScreen)]
-        if mains:  # The last one is beneath this dialog: in a replay there are two.
-            self.show(mains[-1].everywhere_keys)
+        main = main_screen(self.app)
+        if main is not None:
+            self.show(main.everywhere_keys)
 
 
 class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):

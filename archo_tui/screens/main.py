@@ -8,7 +8,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
-from textual.geometry import Size
+from textual.geometry import Region, Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -213,6 +213,11 @@ class MainScreen(Base[None]):
             return False
         widget, _ = self.get_widget_and_offset_at(x, y)
         return widget is not None and widget.id == "stop"
+
+    @property
+    def panels_region(self) -> Region:
+        """The cells between what stands above and below all panels; empty before a layout."""
+        return self._body.region
 
     @property
     def is_full(self) -> bool:

@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.ros_names import base_name
-from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.field_lines import (
@@ -47,7 +47,7 @@ Follow = Callable[
 class TopicDialog(Dialog[None]):
     """The fields of a topic as a list, its plots, and its ends.
 
-    It fills the screen between the banner and the footer, so that the robot's state stays in sight,
+    It covers the panels and nothing else, so that the robot's state and the banner stay in sight,
     and follows the topic while it is open.
     """
 
@@ -113,6 +113,7 @@ class TopicDialog(Dialog[None]):
                 yield Static(id="topic-ends-text")
 
     def on_mount(self) -> None:
+        self._cover_panels()
         self._rows.show_cursor()
         self.set_focus(self._rows)
         self._show(self._view)
@@ -125,6 +126,14 @@ class TopicDialog(Dialog[None]):
         height = self.app.size.height
         self._titles.display, self._ends.display = height >= _LOW, height >= _LOWEST
         self.call_after_refresh(self._show_again)
+
+    def _cover_panels(self) -> None:
+        """Leave in sight what stands above and below the panels, in a replay the time line, too."""
+        main = main_screen(self.app)
+        if main is not None:
+            covered = main.panels_region
+            below = main.size.height - covered.bottom - 1  # The footer has one of its own.
+            self._box.styles.margin = covered.y, 0, max(below, 0), 0
 
     def _request(self) -> TopicRequest:
         top = self._rows.scroll_offset.y
@@ -143,6 +152,7 @@ class TopicDialog(Dialog[None]):
 
     def _show_again(self) -> None:
         if not self.has_left:
+            self._cover_panels()
             self._show(self._view)
 
     def _show(self, view: TopicView) -> None:

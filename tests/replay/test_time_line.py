@@ -14,6 +14,7 @@ from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.time_line import TimeLine
 from tests.replay.recorded import Watcher, replay, written
 from tests.support import clock
 from tests.support.archo import ARCHO
@@ -159,6 +160,8 @@ async def test_enter_on_a_topic_shows_its_fields_at_the_position(drive: Path) ->
         assert "/battery_level   archo_interfaces/msg/BatteryStatus" in watcher.text
         assert "percentage" in watcher.text
         assert "QoS not recorded" in watcher.text
+        box, line = watcher.app.screen.query_one(".topic"), watcher.app.main.query_one(TimeLine)
+        assert box.region.bottom == line.region.y  # It stays in sight.
         await watcher.press("t")
         assert "float32 voltage" in watcher.text
         await watcher.press("escape", "escape")
