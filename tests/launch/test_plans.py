@@ -244,9 +244,9 @@ CASES = {
         VALUES,
         [],
         [
-            'my_robot talker --ros-args -p typed:=10 -p text:="10" -p number:=10.0 '
-            '-p joined:="10/base" -p list:=[1, 2] -p each:=[10, 10] '
-            '-p quoted:="10" -p yes:=true -p empty:="" -p words:=[a, "1"]'
+            "my_robot talker --ros-args -p typed:=10 -p text:='10' -p number:=10.0 "
+            "-p joined:=10/base -p list:=[1, 2] -p each:=[10, 10] "
+            "-p quoted:='10' -p yes:=true -p empty:='' -p words:=[a, '1']"
         ],
     ),
 }
@@ -265,8 +265,7 @@ def test_parameters_of_a_node_with_a_full_name_are_a_file_that_names_it(
 ) -> None:
     plan = launcher.plan(launcher.write(ROBOTS))
     assert (launcher.prefix / "parameters" / "1_0.yaml").read_text(encoding="utf-8") == (
-        '"/beta/talker":\n'
-        "  ros__parameters:\n    id: 1\n    frame: beta/base\n    pid.p: 1.0\n"
+        "/beta/talker:\n  ros__parameters:\n    id: 1\n    frame: beta/base\n    pid.p: 1.0\n"
         "    pid.limits:\n    - 0.0\n    - 1.5\n"
     )
     assert [program.line for program in plan.programs] == [8, 8]

@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+import yaml
+
 from archo_tui.launch.stand_ins import ament_index
 from archo_tui.launch.stand_ins.action import Action
 from archo_tui.launch.stand_ins.conditions import Condition
@@ -21,7 +23,6 @@ from archo_tui.launch.stand_ins.substitution import (
 )
 from archo_tui.launch.stand_ins.typed_values import check_typed, perform_typed
 from archo_tui.nearest import nearest_hint
-from archo_tui.yaml_text.dump import block, flow
 
 __all__ = [
     "LifecycleNode",
@@ -177,12 +178,12 @@ class Node(Action):
                 folder = ament_index.index.prefix / "parameters"
                 folder.mkdir(parents=True, exist_ok=True)
                 file = folder / f"{len(context.programs)}_{number}.yaml"
-                text = block({full_name: {"ros__parameters": values}})
+                text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
                 file.write_text(text, encoding="utf-8")
                 yield from ("--params-file", str(file))
                 return
         for name, value in values.items():
-            yield from ("-p", f"{name}:={flow(value)}")
+            yield from ("-p", f"{name}:={_in_one_line(value)}")
 
     def _file_args(
         self, context: LaunchContext, path: str, given: ParameterFile | None = None
@@ -307,6 +308,15 @@ def _checked_remapping(rule: Any) -> tuple[Any, Any]:
 
 def _is_number(value: Any) -> bool:
     return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
+
+
+def _in_one_line(value: Any) -> str:
+    """Return a value as YAML 1.1, which launch_ros writes.
+
+    So the text `1e3` is not quoted, and nodes read it as a number, as on ROS 2.
+    """
+    text: str = yaml.safe_dump([value], default_flow_style=True, width=10**9, allow_unicode=True)
+    return text.strip()[1:-1]
 
 
 def _output(context: LaunchContext, given: Any) -> str:
