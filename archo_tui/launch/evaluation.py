@@ -9,6 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process, user_errors
 from archo_tui.launch.stand_ins import ament_index
 from archo_tui.launch.stand_ins.action import LaunchDescription
@@ -125,11 +126,13 @@ def _described(error: BaseException, context: LaunchContext) -> user_errors.User
     missing = ament_index.index.missing_package(str(getattr(error, "filename", "")))
     if missing:
         described = described._replace(text=f"package {missing} is not here, nor its files")
+    elif isinstance(error, ArchoError):  # A setup.py, which is named.
+        described = described._replace(text=str(error))
     if isinstance(error, SubstitutionFailure):
         described = described._replace(text=str(error))
     elif described.file:
         return described
-    place = place or getattr(context.locals, "failed_at", None)
+    place = place or context.failed_at
     if place is None:
         return described
     return described._replace(file=place.file, line=place.line)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+from pathlib import Path
+
 import pytest
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
 from archo_tui.launch.workspace import Workspace
-from tests.launch.planning import Launcher, in_this_process
+from tests.launch.planning import WORKSPACE, Launcher, in_this_process
 
 WRONG = {
     "Node(package='my_robot', executable='talker', name=LaunchConfiguration('nam')),": (
@@ -130,6 +134,18 @@ def test_an_include_without_a_value_for_its_argument_names_the_include(
         launcher.of_actions(f"{include}),")
     assert "inner.launch.py:6: argument robot has no value" in str(raised.value)
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == ()
+
+
+def test_a_mistake_in_setup_is_told_where_the_share_folder_is_needed(
+    launcher: Launcher, tmp_path: Path
+) -> None:
+    package = shutil.copytree(WORKSPACE / "src" / "my_robot", tmp_path / "my_robot")
+    (package / "setup.py").write_text("import nothing", encoding="utf-8")
+    launcher = Launcher(tmp_path, Workspace.below(tmp_path), tmp_path / "prefix")
+    with pytest.raises(LaunchFileError) as raised:
+        launcher.of_actions("LogInfo(msg=get_package_share_directory('my_robot')),")
+    mistake = f"{launcher.file}:18: {package}{os.sep}setup.py:1: ModuleNotFoundError: No module"
+    assert str(raised.value).startswith(mistake)
 
 
 def test_words_that_are_no_arguments_are_refused() -> None:

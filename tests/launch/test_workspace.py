@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import install_prefix
+from archo_tui.launch import install_prefix, package_setup
 from archo_tui.launch import workspace as rooms
 from archo_tui.launch.package import Package, read_package
 from archo_tui.launch.package_setup import run_setup
@@ -136,6 +136,15 @@ def test_what_is_wrong_with_a_setup_is_one_line(package: Package) -> None:
         assert str(raised.value).removeprefix(f"{package.folder}/") == line
     (package.folder / "setup.py").unlink()
     with pytest.raises(ArchoError, match="an ament_python package needs it"):
+        run_setup(package)
+
+
+def test_a_setup_that_does_not_return_is_ended(
+    package: Package, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(package_setup, "SETUP_TIME", 0.3)
+    (package.folder / "setup.py").write_text("while True:\n    pass", encoding="utf-8")
+    with pytest.raises(ArchoError, match=r"setup\.py:\d: does not return within 0\.3 s"):
         run_setup(package)
 
 

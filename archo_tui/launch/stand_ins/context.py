@@ -29,7 +29,7 @@ class LaunchContext:
         delayed: The actions of timers that are not due yet.
         time: Seconds after the start at which actions are performed now.
         read: The names of the launch configurations that were read.
-        paths: The launch files that were loaded.
+        failed_at: The line of the action whose performance raised; None if none has.
     """
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:
@@ -40,6 +40,7 @@ class LaunchContext:
         self.delayed: list[Delayed] = []
         self.time = 0.0
         self.read: set[str] = set()
+        self.failed_at: Place | None = None
         self._configurations: dict[str, Any] = {}
         self._environment = dict(os.environ)
         self._pushed_configurations: list[dict[str, Any]] = []

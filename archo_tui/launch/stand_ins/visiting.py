@@ -36,7 +36,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
         context.note(error.place, f"{error}{needed_by}")
         return
     except Exception:
-        context.locals.failed_at = entity.place
+        context.failed_at = entity.place
         raise
     for part in found or ():
         visit(part, context, entity.place)
