@@ -31,6 +31,7 @@ class Fault(NamedTuple):
 E = "embedded/rclpy/"
 BRINGUP = "nodes/archo_bringup/"
 CONSOLE, ROBOT, CONTRACT = "tests/console", "tests/robot", "tests/contract"
+LAUNCH = "tests/launch"
 WHICH = "tests/remote/test_which_console.py"
 PYTHON = "tests/remote/test_python.py"
 REPLAYED = "tests/replay/test_inside_the_console.py"
@@ -490,6 +491,21 @@ FAULTS = [
     Fault("robot/interface_text.py", "nested not in (of, *above)", "nested != of", ROBOT + "/test_interface_text.py"),
     Fault("verbs/inspect.py", "if number != seen and has_room():", "if number and has_room():", "tests/verbs/test_follow.py"),
     Fault("plain/plain.py", "            else:\n                self._end_following()\n", "", "tests/verbs/test_follow.py"),
+    # launch files and workspaces
+    Fault("launch/child_process.py", "    finally:  # Also when the person presses Ctrl+C.\n        _kill_group(process)", "    finally:\n        pass", LAUNCH + "/test_errors.py"),
+    Fault("launch/child_process.py", "    os.dup2(2, 1)", "    pass", LAUNCH + "/test_errors.py"),
+    Fault("launch/evaluation.py", "    sys.path += map(str, _own_folders)", "", LAUNCH + "/test_plans.py"),
+    Fault("launch/evaluation.py", "{*given, *found.given}", "{*given}", LAUNCH + "/test_errors.py"),
+    Fault("launch/stand_ins/context.py", "append(dict(self._configurations))", "append(self._configurations)", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/context.py", "append(dict(self._environment))", "append(self._environment)", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/ros_actions.py", "    if around and not own.startswith(\"/\"):", "    if around:", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/ros_actions.py", "            if full_name and values:", "            if False:", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/parameters.py", "    if kinds == {int, float}:", "    if False:", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/actions.py", "        time = context.time + ", "        time = ", LAUNCH + "/test_plans.py"),
+    Fault("launch/stand_ins/visiting.py", "    except NotHereError as error:", "    except ZeroDivisionError as error:", LAUNCH + "/test_what_is_not_here.py"),
+    Fault("launch/workspace.py", "if real in seen or any(name in files for name in _IGNORED):", "if real in seen:", LAUNCH + "/test_workspace.py"),
+    Fault("launch/workspace.py", "    if path.with_suffix(\".py\").is_file()", "    if True", LAUNCH + "/test_what_is_not_here.py"),
+    Fault("launch/install_prefix.py", "                if not (package.folder / name).is_file():", "                if False:", LAUNCH + "/test_workspace.py"),
 ]  # fmt: skip
 
 

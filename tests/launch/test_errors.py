@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import shutil
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
 from archo_tui.launch.workspace import Workspace
 from tests.launch.planning import WORKSPACE, Launcher, in_this_process
+from tests.support.waiting import DEADLINE
 
 WRONG = {
     "Node(package='my_robot', executable='talker', name=LaunchConfiguration('nam')),": (
@@ -205,7 +207,7 @@ print('first line')
 for _ in range(30):
     os.write(1, b'x' * 65_536)
 sys.stderr.write('y' * 100_000)
-subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])
+subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'], stdout=open('{fifo}', 'w'))
 def generate_launch_description():
     print(sys.stdin.read())
     return LaunchDescription([])
@@ -223,12 +225,21 @@ def test_a_hang_ends_and_names_its_line(launcher: Launcher, workspace: Workspace
 
 
 @pytest.mark.real_time
-def test_a_flood_of_output_and_a_child_that_stays_hold_up_nothing(
+@pytest.mark.posix
+def test_a_flood_of_output_holds_up_nothing_and_what_was_started_is_ended(
     launcher: Launcher, workspace: Workspace
 ) -> None:
-    plan = evaluate(str(launcher.write(FLOODS)), workspace, launcher.prefix, {})
+    fifo = launcher.folder / "fifo"
+    os.mkfifo(fifo)
+    held = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    path = launcher.write(FLOODS.replace("{fifo}", str(fifo)))
+    plan = evaluate(str(path), workspace, launcher.prefix, {})
     assert plan.programs == ()
     assert 100_000 <= len(plan.printed) <= 100_001
+    # The other end is closed when the last process that holds it has ended.
+    assert select.select([held], [], [], DEADLINE)[0] == [held]
+    assert os.read(held, 1) == b""
+    os.close(held)
 
 
 @pytest.mark.real_time

@@ -289,6 +289,23 @@ def test_a_nodes_line_is_that_of_its_own_file(launcher: Launcher) -> None:
     ]
 
 
+def test_modules_of_the_workspaces_packages_can_be_imported(launcher: Launcher) -> None:
+    code = """
+        from launch import LaunchDescription
+        from launch_ros.actions import Node
+        from my_robot.rates import RATES
+
+        def generate_launch_description():
+            return LaunchDescription([
+                Node(package='my_robot', executable='talker', parameters=[{'rate': rate}])
+                for rate in RATES
+            ])
+    """
+    assert launcher.commands(launcher.plan(launcher.write(code))) == [
+        f"my_robot talker --ros-args -p rate:={rate}" for rate in (1, 2)
+    ]
+
+
 def test_modules_that_an_editor_imports_from_are_there(launcher: Launcher) -> None:
     code = """
         from launch.actions.execute_process import ExecuteProcess
@@ -316,3 +333,89 @@ def test_timers_start_in_the_order_of_their_times(launcher: Launcher) -> None:
     )
     starts = [(program.executable, program.start_delay) for program in plan.programs]
     assert starts == [("listener", 0.5), ("talker", 2.0), ("talker", 3.0)]
+
+
+def talker(options: str) -> str:
+    return f"Node(package='my_robot', executable='talker', {options}),"
+
+
+def named(text: str) -> str:
+    return talker(f"name={text}")
+
+
+# Each was compared with launch 3.7 and launch_ros.
+SMALL = [
+    # Scopes.
+    (
+        "GroupAction([SetLaunchConfiguration('x', 'in'), "
+        + named("LaunchConfiguration('x')")
+        + "]),"
+        + named("LaunchConfiguration('x', default='out')"),
+        ["in", "out"],
+    ),
+    (
+        "GroupAction([SetLaunchConfiguration('x', 'in')], scoped=False),"
+        + named("LaunchConfiguration('x', default='out')"),
+        ["in"],
+    ),
+    (
+        "SetLaunchConfiguration('x', 'out'), GroupAction(["
+        + named("LaunchConfiguration('x', default='lost')")
+        + named("LaunchConfiguration('y')")
+        + "], forwarding=False, launch_configurations={'y': LaunchConfiguration('x')}),",
+        ["lost", "out"],
+    ),
+    (
+        "SetEnvironmentVariable('E', 'out'), GroupAction([SetEnvironmentVariable('E', 'in'), "
+        + named("EnvironmentVariable('E')")
+        + "]),"
+        + named("EnvironmentVariable('E')")
+        + "AppendEnvironmentVariable('E', 'er', separator='_'),"
+        + named("EnvironmentVariable('E')")
+        + "UnsetEnvironmentVariable('E'),"
+        + named("EnvironmentVariable('E', default_value='gone')"),
+        ["in", "out", "out_er", "gone"],
+    ),
+    (
+        "GroupAction([IncludeLaunchDescription("
+        "[FindPackageShare('my_robot'), '/launch/talker.launch.py'])]),"
+        + named("['n', LaunchConfiguration('rate', default='one')]"),
+        ["none"],
+    ),
+    # Arguments.
+    (
+        "DeclareLaunchArgument('x', default_value='a'),"
+        "DeclareLaunchArgument('x', default_value='b')," + named("LaunchConfiguration('x')"),
+        ["a"],
+    ),
+    # Conditions and booleans.
+    (talker("name='a', condition=IfCondition(' TRUE ')"), ["a"]),
+    (talker("name='a', condition=UnlessCondition('0')"), ["a"]),
+    (talker("name='a', condition=IfCondition(NotSubstitution('off'))"), ["a"]),
+    (talker("name='a', condition=IfCondition(EqualsSubstitution('1', '1.0'))"), ["a"]),
+    (talker("name='a', condition=IfCondition(AndSubstitution('on', 'no'))"), []),
+    (talker("name='a', condition=IfCondition(AnySubstitution('off', 'yes'))"), ["a"]),
+    (talker("name='a', condition=LaunchConfigurationEquals('x', None)"), ["a"]),
+    (talker("name='a', condition=LaunchConfigurationNotEquals('x', 'b')"), ["a"]),
+    (named("IfElseSubstitution('0', 'a', 'b')"), ["b"]),
+]
+
+
+def test_scopes_arguments_and_conditions_are_those_of_launch(launcher: Launcher) -> None:
+    for actions, names in SMALL:
+        found = launcher.of_actions(actions).programs
+        assert [program.name for program in found if program.name] == names, actions
+
+
+def test_a_namespace_is_relative_to_those_around_unless_it_begins_with_a_slash(
+    launcher: Launcher,
+) -> None:
+    plan = launcher.of_actions(
+        """
+        PushRosNamespace('a'), PushRosNamespace('b'),
+        *[Node(package='my_robot', executable='talker', namespace=name)
+          for name in (None, 'c', '/', '/d/', '', 'e/f/')],
+        """
+    )
+    spaces = [program.namespace for program in plan.programs]
+    assert spaces == ["/a/b", "/a/b/c", "/", "/d", "/a/b", "/a/b/e/f"]
