@@ -40,6 +40,7 @@ from archo_tui.widgets.search import Search
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
+_LARGE = 40  # Rows above which the plots of the history grow.
 _AROUND = 3  # Rows of header, banner and footer.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
@@ -263,6 +264,8 @@ class MainScreen(Base[None]):
             nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
             goal = self.goal.styles.height
             wanted = int(goal.value if goal else 0) + self.parameters.lines + _BORDER
+            if self.size.height > _LARGE:  # The plots grow, events keep a third.
+                wanted = height
             upper = min(max(wanted, _MIN_HISTORY), height - max(_MIN_EVENTS, height // 3))
         if (nodes, upper) != self._heights:
             self._heights = nodes, upper

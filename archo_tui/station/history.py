@@ -103,6 +103,11 @@ class History:
         return earlier
 
     @property
+    def begin(self) -> float | None:
+        """The time of the first sample that is kept; None if there is none."""
+        return self._times[0] if self._times else None
+
+    @property
     def ends(self) -> list[Goal]:
         """The goals that have ended, the newest first."""
         return list(reversed(self._ends.values()))

@@ -12,7 +12,7 @@ from textual.app import ComposeResult
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Range
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.history import SPANS, Quantity, current_values
+from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import plot_lines
@@ -21,8 +21,12 @@ from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.state import ACTIVE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
 
 _LABEL_WIDTH = 6  # Cells for the number at the side.
+_WITH_SECONDS = 240.0  # Seconds up to which the axis shows them.
 _MIN_ROWS = 3  # Of a plot.
 _MOST_NEEDED = 3  # Plots that are shown or, for want of room, none.
+# Seconds that the plots cover until the chosen span has passed. As they grow in steps, a column
+# that is past stays as it is, and at most a third is empty.
+_STEPS = (20, 30, 45, 60, 90, 120, 180, 240, 300, 450, 600, 900, 1200, 1800, 2700)
 _GLYPHS = {Phase.ARRIVED: "✓", Phase.DISPUTED: "?"}
 
 
@@ -59,6 +63,18 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
     if robot.pose is not None:
         found += [Plot("x", "m", 1, "x", 1.0), Plot("y", "m", 1, "y", 1.0)]
     return tuple(found)
+
+
+def covered_span(history: History, chosen: float, now: float) -> float:
+    """Return how many seconds the plots cover: until the chosen span has passed, those since begin.
+
+    Args:
+        history: The samples.
+        chosen: The span that was chosen, in s.
+        now: The time of the newest column.
+    """
+    passed = 0.0 if history.begin is None else now - history.begin
+    return next((float(step) for step in _STEPS if passed <= step < chosen), chosen)
 
 
 def history_lines(
@@ -106,7 +122,11 @@ def _plot(
     now = "--" if latest is None else format(latest, form)
     tone = WARN if mark is not None and latest is not None and latest < mark else ACTIVE
     caption = (f"{'':{_LABEL_WIDTH + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
-    lines: list[Spans] = [caption if mark is None else (*caption, (f"   low {mark:g}", OLD))]
+    beside = "" if mark is None else f"   low {mark:g}"
+    bounds = f"   {min(known):{form}} .. {max(known):{form}}" if known else ""
+    if len(f"{plot.title} {now} {plot.unit}{beside}{bounds}") <= len(values) // 2:
+        beside = bounds + beside
+    lines: list[Spans] = [(*caption, (beside, OLD))]
     return [*lines, *plot_lines(values, low, high, rows, _LABEL_WIDTH, tone, mark)]
 
 
@@ -170,7 +190,7 @@ def _short_target(goal: Goal) -> str:
 
 def _time_axis(view: View, span: float, cells: int) -> str:
     """Return `─ 11:54 ────── 11:59 ────── 12:04 `, as far apart as the plots show."""
-    digits = 8 if span <= SPANS[0] else 5  # With seconds, or without.
+    digits = 8 if span <= _WITH_SECONDS else 5  # With seconds, or without.
     first, middle, last = (time_of_day(view.time - back)[:digits] for back in (span, span / 2, 0.0))
     gap = cells - 3 * digits - 5
     if gap < 2:
@@ -200,11 +220,13 @@ class HistoryPanel(Panel, can_focus=True):
     def show(self, view: ScreenState) -> None:
         if not self.display:
             return
-        span = SPANS[self._span]
-        self.show_keys(view, f"last {span / 60:.0f} min" if span < 3600 else "last hour")
+        chosen = SPANS[self._span]
+        span = covered_span(view.history, chosen, view.second)
+        last = f"last {chosen / 60:.0f} min" if chosen < 3600 else "last hour"
+        self.show_keys(view, "since the start" if span < chosen else last)
         latest = current_values(view.snapshot, view.now)
         known = tuple(value is not None for value in latest.values())
-        drawn = (view.second, self._span, self._lines.size, view.snapshot.history, known)
+        drawn = (view.second, span, self._lines.size, view.snapshot.history, known)
         if drawn != self._drawn_inputs:
             self._drawn_inputs = drawn
             is_full = self.screen.has_class("-full")

@@ -12,6 +12,7 @@ _BLANK = 0x2800
 # Left and right column of dots, from above.
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 MARK = "┄"  # Dashes in the marked row.
+AREA = "░"  # Between the curve and zero.
 
 
 def curve(
@@ -19,14 +20,15 @@ def curve(
 ) -> list[str]:
     """Return the rows of a curve from the top, with two values in each cell.
 
-    Each value is drawn from its least to its greatest; neighbours are joined.
+    Each value is drawn from its least to its greatest; neighbours are joined, and the cells between
+    the curve and zero are filled.
 
     Args:
         values: The values, oldest first; None leaves a gap.
         low: The value of the lowest dot.
         high: The value of the highest dot.
         rows: The number of rows.
-        mark: A value whose row is dashed where nothing is drawn; None for none.
+        mark: A value whose row is dashed beside the curve; None for none.
     """
     steps = rows * 4 - 1
 
@@ -36,6 +38,8 @@ def curve(
         return steps - round(min(max(share, 0.0), 1.0) * steps)
 
     cells = [[0] * ((len(values) + 1) // 2) for _ in range(rows)]
+    zero = step(0.0) // 4
+    filled = [[False] * len(cells[0]) for _ in range(rows)]
     before: tuple[int, int] | None = None
     for index, value in enumerate(values):
         if value is None:
@@ -45,12 +49,19 @@ def curve(
         above, below = before or (top, bottom)
         for dot in range(min(top, below), max(bottom, above) + 1):
             cells[dot // 4][index // 2] |= _DOTS[index % 2][dot % 4]
+        for row in range(max(bottom, above) // 4 + 1, zero + 1):
+            filled[row][index // 2] = True
         before = top, bottom
     dashed = None if mark is None or not low <= mark <= high else step(mark) // 4
-    return [
-        "".join(chr(_BLANK | cell) if cell else MARK if row == dashed else " " for cell in line)
-        for row, line in enumerate(cells)
-    ]
+
+    def drawn(row: int, cell: int) -> str:
+        if cells[row][cell]:
+            return chr(_BLANK | cells[row][cell])
+        if row == dashed:
+            return MARK
+        return AREA if filled[row][cell] else " "
+
+    return ["".join(drawn(row, cell) for cell in range(len(cells[0]))) for row in range(rows)]
 
 
 def plot_lines(
@@ -78,8 +89,8 @@ def plot_lines(
         at = {0: high, rows - 1: low}.get(row)
         side = f"{'' if at is None else f'{at:g}':>{label_width}}{'│' if at is None else '┤'}"
         parts = (
-            ("".join(part), EDGE if dashed else tone)
-            for dashed, part in groupby(text, lambda char: char == MARK)
+            ("".join(part), EDGE if is_beside else tone)
+            for is_beside, part in groupby(text, lambda char: char in (MARK, AREA))
         )
         lines.append(((side, OLD), *parts))
     return lines

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.station.history import History
-from archo_tui.widgets.history_panel import end_marks
+from archo_tui.widgets.history_panel import covered_span, end_marks
 from archo_tui.widgets.plot import curve
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
@@ -159,3 +159,17 @@ def test_a_curve_joins_its_dots_and_dashes_the_row_of_a_mark() -> None:
 def test_a_curve_shows_the_least_and_the_greatest_that_each_dot_stands_for() -> None:
     assert curve([(0, 3), (1, 1)], 0, 3, 1) == ["⡧"]
     assert curve([(2, 3), (0, 0)], 0, 3, 1) == ["⢳"]
+
+
+def test_what_lies_between_a_curve_and_zero_is_filled_but_for_the_mark() -> None:
+    flat = [(9.0, 9.0)] * 4
+    assert curve(flat, 0, 9, 3) == ["⠉⠉", "░░", "░░"]
+    assert curve(flat, 0, 9, 3, mark=0.0) == ["⠉⠉", "░░", "┄┄"]
+    assert curve([(-9.0, -9.0)] * 2, -9, 9, 4) == [" ", " ", " ", "⣀"]
+
+
+def test_a_plot_begins_with_the_start_and_grows_to_its_span() -> None:
+    for passed, covered in ((0, 20), (19, 20), (21, 30), (400, 450), (599, 600), (5000, 600)):
+        assert covered_span(filled(passed + 1), 600.0, float(passed)) == covered, passed
+    assert covered_span(filled(300), 60.0, 299.0) == 60.0
+    assert covered_span(History(), 600.0, 5.0) == 20.0
