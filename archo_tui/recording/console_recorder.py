@@ -98,6 +98,7 @@ def _to_log(event: Event, _first: bool) -> Log:
         level=LEVELS.get(event.level, LEVELS["INFO"]),
         name=event.source,
         msg=f"{event.level}: {event.text}" if event.level in OWN_LEVELS else event.text,
+        file=event.code,  # How it ended, as the journal says it.
         function=event.command,  # The `ros2` command line with the same effect.
     )
 

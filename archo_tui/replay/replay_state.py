@@ -224,7 +224,8 @@ class ReplayState:
         if own in OWN_LEVELS:
             level, text = own, rest
         # A person may paste the command into a shell: it must not hold a line end.
-        self._log.add(Event(self._clock.time, level, source, text, safe(message.function)))
+        command, code = safe(message.function), safe(message.file)
+        self._log.add(Event(self._clock.time, level, source, text, command, code=code))
 
     def _on_log(self, message: Any) -> None:
         node = logger_node(message.name)

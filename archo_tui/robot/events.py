@@ -65,6 +65,7 @@ class EventLog:
             first=event.time if known is None else known.first,
             number=self._count if known is None else known.number,
             audit_record=None if event.audit_record is None else event.audit_record.json_safe(),
+            code=event.code if event.audit_record is None else event.audit_record.code.value,
         )
         kept[key] = self._count, event
         if len(self._own) > _OWN:

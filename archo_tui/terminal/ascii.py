@@ -29,7 +29,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("━▅▆", "="),
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
-        "░": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
+        "░": ".", "·": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
         **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # They follow a number.
         "▶": ">", "▸": ">", "▾": "v", "←": "<", "→": ">",
         "…": "~", "\N{NO-BREAK SPACE}": " ",

@@ -11,17 +11,16 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.words.event import is_of_own_file
+from archo_tui.words.event import is_of_own_file, outcome_glyph
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
-_SOURCE_WIDTH = 16, 28  # Least and most cells of a source.
 _WIDE = 70  # Cells from which sources are shown.
 _NO_EVENTS = "Nothing to report."
-_STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
+_STYLES = {"WARN": "bold $warn", "ERROR": "bold $bad", "FATAL": "bold $bad", "DEBUG": QUIET}
 
 
 def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
@@ -37,22 +36,20 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
     return level == "WARN" and event.level == "INFO" and is_of_own_file(event, hosted)
 
 
-def event_columns(events: Sequence[Event], _width: int) -> Columns:
-    """Return the width of the column of sources."""
-    return (column({event.source for event in events}, *_SOURCE_WIDTH),)
+def event_lines(event: Event, width: int, _columns: Columns) -> list[Text]:
+    """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
 
-
-def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
-    """Return `12:04:31  WARN   dashboard         Low battery: 18.0%   x 12 since 12:03:20`.
-
-    A narrow panel leaves out the source, and the time of the first of equal events.
+    The source is left out where it is the console, or the action of a goal. A narrow panel leaves
+    it out, and the time of the first of equal events.
     """
     at, text = time_of_day(event.time), event.text
-    source = f"{pad(event.source, *columns)}  " if width >= _WIDE else ""
+    is_wide = width >= _WIDE
+    if is_wide and event.source != "console" and event.level != "GOAL":
+        text = f"{event.source}: {text}"
     if event.count > 1:
-        text += f"   {repeat_text(event)}" if source else f"   x {event.count}"
-    gap = "  " if source else " "
-    return [(f"{at}{gap}{event.level:<5}{gap}{source}{text}", _STYLES.get(event.level, ""))]
+        text += f"   {repeat_text(event)}" if is_wide else f"   x {event.count}"
+    gap = "  " if is_wide else " "
+    return [(f"{at}{gap}{outcome_glyph(event)}{gap}{text}", _STYLES.get(event.level, ""))]
 
 
 def repeat_text(event: Event) -> str:
@@ -102,7 +99,6 @@ class EventsPanel(Panel):
             id="event-list",
             empty=_NO_EVENTS,
             action="app.command('whole_event')",
-            columns=event_columns,
         )
         self.search = Search(self._rows, self._refill)
 

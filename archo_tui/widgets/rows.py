@@ -20,8 +20,8 @@ from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.quiet_focus import QuietFocus
 
 T = TypeVar("T")
-Text = tuple[str, str]  # A line and its Rich style, or QUIET.
-QUIET = "quiet"  # The theme's tone of that name.
+Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the theme's tone.
+QUIET = "$quiet"
 Columns = tuple[int, ...]  # Their widths, in cells.
 
 _MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sideways.
@@ -230,11 +230,12 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         width, left = self.size.width, self.scroll_offset.x
         text = crop(text, left + self._width)
         base = self.base
-        quiet = style == QUIET
-        drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
+        tones = self.app.theme_variables
+        words = (tones[word[1:]] if word.startswith("$") else word for word in style.split())
+        drawn = base + Style.parse(" ".join(words) or "none")
         if selected:
-            # A highlighted row stays visible.
-            base = drawn = drawn + Style(reverse=not drawn.reverse)
+            # A highlighted row stays visible, and has no colour of an alarm's banner.
+            base = drawn = base + Style(bold=drawn.bold, reverse=not drawn.reverse)
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
 
     def action_press(self, key: str) -> None:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Event, Hosted, logger_node
+
+_GRAVITY = {"WARN": "▲", "ERROR": "✗", "FATAL": "✗"}
+_OPEN = (Code.HELD, Code.TIMEOUT, Code.NOT_CONFIRMED)  # It may still be done.
+LAUNCH = "launch"  # The source of what the user's launch file says.
 
 
 def event_text(event: Event) -> str:
@@ -16,7 +21,15 @@ def event_text(event: Event) -> str:
     return f"{event.level} {event.source}: {event.text}{count}"
 
 
-LAUNCH = "launch"  # The source of what the user's launch file says.
+def outcome_glyph(event: Event) -> str:
+    """Return how something ended, or how grave a log line is: `✓`, `✗`, `▲`; `·` for neither."""
+    if event.level in _GRAVITY:
+        return _GRAVITY[event.level]
+    if event.code in ("", Code.ACCEPTED):  # The end of a goal is an event of its own.
+        return "·"
+    if event.code in (Code.DONE, Code.ARRIVED):
+        return "✓"
+    return "▲" if event.code in _OPEN else "✗"
 
 
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:

@@ -200,7 +200,7 @@ async def test_a_range_that_refused_a_number_leaves_when_it_changes() -> None:
 async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1", "2", "enter")
-        await op.until("GOAL   move_to_shelf     Arrived at shelf 12")
+        await op.until("✓  Arrived at shelf 12")
     kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
     assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 

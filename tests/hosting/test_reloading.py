@@ -169,9 +169,9 @@ async def test_info_of_ones_own_nodes_is_seen_without_asking(
         await op.until("own words")
         await op.until("raised")
         assert any(event.level == "INFO" for event in op.app.view.snapshot.events)
-        assert "INFO  dashboard" not in op.text
+        assert "·  dashboard: " not in op.text
         await op.press("l")
-        await op.until("INFO   dashboard")
+        await op.until("·  dashboard: ")
         await op.press("l", "l")  # ERROR and above
         await op.until(lambda: "own words" not in op.text)
 

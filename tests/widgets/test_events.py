@@ -10,7 +10,12 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
+from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.events import EventLog
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Event
 from archo_tui.session import _robots_nodes
+from archo_tui.widgets.events_panel import event_lines
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
 
@@ -163,7 +168,7 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 
     makers = [Talker, *_robots_nodes(use_sim=True).values()]
     async with console(*FAST, node_makers=makers, size=(200, 48)) as op:
-        await op.until("WARN   a_node_with_a_long_name  said")
+        await op.until("▲  a_node_with_a_long_name: said")
         await op.until("● a_node_with_a_long_name")
         await op.until("fake_battery_drain")
         await op.until("x" * 30)  # a value is never cut
@@ -221,3 +226,31 @@ async def test_escape_leaves_the_full_screen() -> None:
         await op.press("escape")
         await op.until("1 Battery")
         assert op.focused_panel == 6
+
+
+@pytest.mark.parametrize(
+    ("level", "code", "glyph"),
+    [
+        ("WARN", None, "▲"),
+        ("ERROR", None, "✗"),
+        ("INFO", None, "·"),
+        ("YOU", Code.DONE, "✓"),
+        ("YOU", Code.ACCEPTED, "·"),
+        ("YOU", Code.REFUSED, "✗"),
+        ("SHELL", Code.TIMEOUT, "▲"),
+        ("GOAL", Code.ARRIVED, "✓"),
+        ("GOAL", Code.ABORTED, "✗"),
+    ],
+)
+def test_a_glyph_tells_how_an_event_ended(level: str, code: Code | None, glyph: str) -> None:
+    record = None if code is None else AuditRecord("go", {}, code)
+    event = EventLog().add(Event(0.0, level, "console", "text", audit_record=record))
+    ((line, _),) = event_lines(event, 80, ())
+    assert line.endswith(f"  {glyph}  text")
+
+
+def test_the_source_of_an_event_stands_before_it_unless_that_is_the_console() -> None:
+    ((line, _),) = event_lines(Event(0.0, "PEER", "anna_lab", "STOP: confirmed"), 80, ())
+    assert line.endswith("·  anna_lab: STOP: confirmed")
+    ((line, _),) = event_lines(Event(0.0, "WARN", "dashboard", "low"), 60, ())
+    assert line.endswith("▲ low")

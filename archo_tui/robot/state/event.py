@@ -25,6 +25,7 @@ class Event:
         first: When the first of them was received.
         number: The number of the first of them, which no other event has.
         audit_record: The record of what was done; None if nothing was.
+        code: The code of its outcome, which recordings keep, too; "" if none is known.
     """
 
     time: float
@@ -36,3 +37,4 @@ class Event:
     first: float = 0.0
     number: int = 0
     audit_record: AuditRecord | None = None
+    code: str = ""
