@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os.path
+import re
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -208,6 +209,12 @@ class Command:
     def where_text(self) -> str:
         """Return where the key works, in words."""
         return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
+
+    @property
+    def title(self) -> str:
+        """Return the first words of its help, as lists have room for."""
+        words = re.split("[:;]", self.help)[0]
+        return f"{words[0].upper()}{words[1:]}"
 
     def disabled_reason(self, console: Console) -> str:
         """Return why the command cannot run now, or ""."""

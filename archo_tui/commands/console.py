@@ -24,6 +24,7 @@ from archo_tui.words.goal import activity
 
 if TYPE_CHECKING:
     from archo_tui.screens.help import Entry
+    from archo_tui.widgets.panel import Panel
 
 
 class AcknowledgeKey(VerbCommand):
@@ -140,15 +141,57 @@ class PanelKey(Command):
 
 class ShowHelp(Command):
     id, key, footer = "help", "question_mark", "Help"
-    help = "Show all keys"
+    help = "Show the keys of the panel with the focus; pressed again, all keys"
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.key_card import KeyCard
+
+        panel = console.main.panel_with_focus
+        title = "Keys" if panel is None else f"Keys of {panel.number} {panel.title_text}"
+        show_all = partial(console.action_command, ShowHelpEverywhere.id)
+        console.open(KeyCard(title, partial(_card_entries, console, panel), show_all))
+
+
+class ShowHelpEverywhere(Command):
+    id, key, where = "help_everywhere", "f1", EVERYWHERE
+    help = "Show all keys; works in dialogs and while typing, too"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.help import Help
+        from archo_tui.screens.key_card import KeyCard
 
-        if isinstance(console.screen, Help):
-            console.screen.action_close()
-            return
-        console.open(Help(partial(_help_entries, console)))
+        front = console.screen
+        if isinstance(front, (Help, KeyCard)):
+            front.dismiss()
+        if not isinstance(front, Help):
+            console.open(Help(partial(_help_entries, console)))
+
+
+def _card_entries(console: Console, panel: Panel | None) -> list[Entry]:
+    """Return the keys of a panel, and those that work everywhere."""
+    from archo_tui.screens.help import Entry
+
+    with_key = [command for command in console.registry if console.view.key(command.id)]
+    everywhere = [
+        _help_entry(console, c)._replace(help=c.title) for c in with_key if c.where == EVERYWHERE
+    ]
+    if panel is None:
+        return everywhere
+    on_border = [command for command, _ in panel.keys]
+    here = [c for c in with_key if c.panel == panel.number or c.id in on_border]
+    return [
+        *(
+            Entry(
+                "Here",
+                panel.other_keys.get(c.id, console.view.key(c.id)),
+                c.title,
+                not console.disabled_reason(c),
+            )
+            for c in here
+            if c.where != EVERYWHERE
+        ),
+        *everywhere,
+    ]
 
 
 def _help_entries(console: Console) -> list[Entry]:
@@ -156,7 +199,7 @@ def _help_entries(console: Console) -> list[Entry]:
 
     entries = [_help_entry(console, c) for c in console.registry if not isinstance(c, PanelKey)]
     panels = sum(isinstance(command, PanelKey) for command in console.registry)
-    entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
+    entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
     first = EVERYWHERE.capitalize()
     return sorted(entries, key=lambda entry: (entry.section != first, not entry.key))
 
@@ -168,13 +211,7 @@ def _help_entry(console: Console, command: Command) -> Entry:
     place = (
         f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
     )
-    return Entry(place, key, command.help, console.disabled_reason(command))
-
-
-class ShowHelpEverywhere(ShowHelp):
-    id, key, footer = "help_everywhere", "f1", ""
-    help = "Show all keys, in dialogs and while typing, too"
-    where = EVERYWHERE
+    return Entry(place, key, command.help, not console.disabled_reason(command))
 
 
 class KeepKey(VerbCommand):

@@ -16,7 +16,7 @@ from archo_tui.words.nodes import node_rows
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
 _FIRST = ("go", "cancel", "stop")
-_DUPLICATES = ("palette", "help_everywhere", "quit_everywhere")  # The same commands by another key.
+_DUPLICATES = ("palette", "quit_everywhere")  # The same commands by another key.
 _FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
 _SEARCH_WORDS = {
     "go": "drive move target send",
@@ -58,7 +58,8 @@ _SEARCH_WORDS = {
     "history": "plot chart trend",
     "shorter": "zoom in",
     "longer": "zoom out",
-    "help": "keys shortcuts bindings manual",
+    "help": "shortcuts bindings here card",
+    "help_everywhere": "help shortcuts bindings manual",
     "recordings": "replay black box bags delete",
     "keep": "record recording rosbag bag",
     "quiet_alarms": "mute silence sound beep",
@@ -146,12 +147,10 @@ def _send_numbers(console: Console, go: Command, typed: str) -> None:
 
 
 def _command_choice(console: Console, command: Command) -> Choice:
-    title = re.split("[:;]", command.help)[0]
-    title = title[0].upper() + title[1:]
     key, reason = console.view.key(command.id), console.disabled_reason(command)
     words = f"{command.id} {command.help} {_SEARCH_WORDS.get(command.id, '')}"
     act = partial(console.action_command, command.id)
-    return Choice(title, act, key, reason, words)
+    return Choice(command.title, act, key, reason, words)
 
 
 def _parameter_choices(console: Console) -> Iterator[Choice]:

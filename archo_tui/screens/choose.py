@@ -23,7 +23,6 @@ from archo_tui.widgets.line import Line
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 
 _LIT = Style(bold=True, underline=True)  # Of what a typed text matches, with any colours.
-_REASON = 30  # Cells at the right for the reasons, taken from long titles.
 
 
 class Choice(NamedTuple):
@@ -52,9 +51,7 @@ def _harmless(choices: Sequence[Choice]) -> list[Choice]:
 def _columns(choices: Sequence[Choice], width: int) -> Columns:
     """Return the cells of the titles, and of what is beside them."""
     beside = column((choice.beside for choice in choices), 0, width // 2)
-    room = width - beside - 2
-    with_reason = room - _REASON - 2 if any(choice.reason for choice in choices) else room
-    return column((choice.title for choice in choices), 1, max(with_reason, 1)), beside
+    return column((choice.title for choice in choices), 1, max(width - beside - 2, 1)), beside
 
 
 def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
@@ -163,13 +160,20 @@ class Choose(Dialog[None]):
         self._rows.light(self._narrow.value)
         self._rows.show(shown)
         self._rows.move_to(0)
-        self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))
+        self._show_reason()
+
+    def _show_reason(self) -> None:
+        """Show below the list how many rows match, and why the selected one cannot be chosen."""
+        choice, shown = self._rows.item, len(self._rows.items)
+        reason = f"   not now: {choice.reason}" if choice is not None and choice.reason else ""
+        self._count.show(Content.styled(f"{shown} of {len(self._all)}{reason}", "$quiet"))
 
     def update_choices(self, choices: Sequence[Choice]) -> None:
         """Replace each row by the choice with its title; no row moves, and none is added."""
         by_title = {choice.title: choice for choice in _harmless(choices)}
         self._all = [by_title.get(choice.title, choice) for choice in self._all]
         self._rows.show(self._matches())
+        self._show_reason()
 
     def on_click(self, event: events.Click) -> None:
         if event.widget is self:  # Beside the box.
@@ -186,7 +190,9 @@ class Choose(Dialog[None]):
 
     def _step(self, step: int) -> None:
         self._rows.move_to(self._rows.cursor + step)
+        self._show_reason()
 
     def action_turn(self, key: str) -> None:
         """Move by a page, with `pageup` or `pagedown`."""
         self._rows.action_press(key)
+        self._show_reason()

@@ -31,17 +31,17 @@ class Entry(NamedTuple):
         section: Where the key works.
         key: The key, as it is shown.
         help: What the command does.
-        reason: Why it cannot run now; "" if it can.
+        works: False if it cannot run now.
     """
 
     section: str
     key: str
     help: str
-    reason: str
+    works: bool
 
 
 class Help(Dialog[None]):
-    """A list with one entry a command, and below it the reason if it cannot run now."""
+    """A list with one entry a command; a command that cannot run now is darker."""
 
     BINDINGS = [
         ("escape", "close", "Close"),
@@ -53,8 +53,8 @@ class Help(Dialog[None]):
         """Create the dialog.
 
         Args:
-            list_entries: Returns the entries; called again while the dialog is open, since reasons
-                change.
+            list_entries: Returns the entries; called again while the dialog is open, since some
+                that work now may not work later.
         """
         super().__init__()
         self._list_entries = list_entries
@@ -86,7 +86,7 @@ class Help(Dialog[None]):
         self.call_after_refresh(self._draw)
 
     def show_view(self, view: View) -> None:
-        """Show the present reasons why commands cannot run."""
+        """Show which of the keys work now."""
         entries = self._list_entries()
         if entries != self._entries:
             self._entries = entries
@@ -103,32 +103,36 @@ class Help(Dialog[None]):
         width = self._scroll.size.width - 1
         count = 2 if width >= 2 * _MIN_COLUMN + _GAP else 1
         room = max((width - _GAP * (count - 1)) // count, 1)
-        columns = _columns(self._sections(shown, room), count)
+        columns = _columns(section_lines(shown, room, self._key_width), count)
         for index, column in enumerate(self._columns):
             column.display = index < count
             column.update(Content("\n").join(columns[index]) if index < count else "")
 
-    def _sections(self, entries: Iterable[Entry], width: int) -> list[list[Content]]:
-        """Return the lines of each section, below a blank line and its name."""
-        sections: dict[str, list[Content]] = {}
-        for entry in entries:
-            name = Content.styled(entry.section, "bold")
-            lines = sections.setdefault(entry.section, [Content(""), name])
-            lines.extend(self._lines(entry, width))
-        return list(sections.values())
 
-    def _lines(self, entry: Entry, width: int) -> list[Content]:
-        room = max(width - self._key_width - 3, 10)
-        quiet = "$quiet" if entry.reason else ""
-        first, *more = textwrap.wrap(entry.help, room)
-        key = (" " * (self._key_width - cell_len(entry.key)) + entry.key, quiet or "bold")
-        lines = [Content.assemble(" ", key, (f"  {first}", quiet))]
-        margin = " " * (self._key_width + 3)
-        lines += [Content.styled(margin + line, quiet) for line in more]
-        if entry.reason:
-            reason = textwrap.wrap(f"not now: {entry.reason}", room)
-            lines += [Content.styled(margin + line, quiet) for line in reason]
-        return lines
+def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[list[Content]]:
+    """Return the lines of each section, below a blank line and its name.
+
+    Args:
+        entries: The entries, those of a section after each other.
+        width: The cells of a line.
+        key_width: The cells of the longest key.
+    """
+    sections: dict[str, list[Content]] = {}
+    for entry in entries:
+        name = Content.styled(entry.section, "bold")
+        lines = sections.setdefault(entry.section, [Content(""), name])
+        lines.extend(_entry_lines(entry, width, key_width))
+    return list(sections.values())
+
+
+def _entry_lines(entry: Entry, width: int, key_width: int) -> list[Content]:
+    """Return a key and what it does; darker if it cannot run now."""
+    room = max(width - key_width - 3, 10)
+    quiet = "" if entry.works else "$quiet"
+    first, *more = textwrap.wrap(entry.help, room)
+    key = (" " * (key_width - cell_len(entry.key)) + entry.key, quiet or "bold")
+    lines = [Content.assemble(" ", key, (f"  {first}", quiet))]
+    return lines + [Content.styled(" " * (key_width + 3) + line, quiet) for line in more]
 
 
 def _columns(blocks: Sequence[list[Content]], count: int) -> list[list[Content]]:

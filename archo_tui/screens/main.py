@@ -201,6 +201,11 @@ class MainScreen(Base[None]):
         return 0 if self.focused is None else _panel_number(self.focused)
 
     @property
+    def panel_with_focus(self) -> Panel | None:
+        """The panel with the focus; None if there is none."""
+        return self._panels.get(self.focused_panel)
+
+    @property
     def search(self) -> Search | None:
         """The search that narrows the panel with the focus; None if none does."""
         for panel in (self.parameters, self.events):

@@ -61,7 +61,8 @@ TYPED = {
     "Show the history": ("history", "plot", "chart"),
     "Show a shorter": ("shorter", "zoom in", "short history"),
     "Show a longer": ("longer", "zoom out", "hour"),
-    "Show all keys": ("help", "keys", "shortcuts"),
+    "Show the keys of the panel": ("card", "keys of the panel", "here"),
+    "Show all keys": ("manual", "all keys", "help"),
     "Keep the last minute": ("record", "bag", "keep last"),
     "List the recordings": ("replay", "black box", "recordings"),
     "Turn the bell": ("mute", "bell", "sound"),
@@ -240,19 +241,17 @@ async def test_keys_behind_a_stop_that_closed_the_palette_are_not_for_the_panels
         await op.until("● IDLE")
 
 
-async def test_what_the_palette_and_the_keys_say_is_so_while_they_are_open() -> None:
+async def test_what_the_palette_says_is_so_while_it_is_open() -> None:
     refused = "the robot is not stopped"
     async with console(*FAST) as op:
         robot = op.app.station.robot
-        for key in ("ctrl+p", "question_mark"):
-            await op.press(key)
-            await op.type("release")
-            await op.until(refused)
-            await robot.emergency_stop()
-            await op.until(lambda: refused not in op.text)
-            await robot.release_emergency_stop()
-            await op.until(refused)
-            await op.press("escape")
+        await op.press("ctrl+p")
+        await op.type("release")
+        await op.until(refused)
+        await robot.emergency_stop()
+        await op.until(lambda: refused not in op.text)
+        await robot.release_emergency_stop()
+        await op.until(refused)
 
 
 async def test_the_palette_keeps_its_rows_where_they_are_while_values_change() -> None:
@@ -265,3 +264,13 @@ async def test_the_palette_keeps_its_rows_where_they_are_while_values_change() -
         await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
         await op.until("1.25")
         assert ([one.title for one in rows.items], rows.cursor) == (before, here)
+
+
+async def test_the_reason_of_the_selected_row_stands_in_full_below_and_cuts_no_title() -> None:
+    async with console(*FAST, size=(80, 24)) as op:
+        await op.press("ctrl+p")
+        await op.type("give up a STOP")
+        title = "Give up a STOP that the robot does not confirm, and send it no more"
+        assert op.line(title)
+        (choice,) = op.app.screen.query_one(ChoiceRows).items
+        assert f"1 of {len(palette_choices(op.app))}   not now: {choice.reason}" in op.text

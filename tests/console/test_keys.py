@@ -14,6 +14,7 @@ from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands.console import PanelKey
+from archo_tui.keyed_app import HELD
 from archo_tui.paths import config_file
 from archo_tui.station import form_history
 from archo_tui.terminal import themes
@@ -118,7 +119,7 @@ async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
 
 async def test_help_lists_every_command_with_its_key() -> None:
     async with console(*FAST, size=(120, 120)) as op:
-        await op.press("question_mark")
+        await op.press("f1")
         await op.until("Keys")
         for command in op.app.registry:
             if not isinstance(command, PanelKey):
@@ -306,3 +307,17 @@ async def test_escape_out_of_a_field_leads_into_no_search() -> None:
         await op.press("escape")
         assert not isinstance(op.app.focused, Input)
         assert op.focused_panel == 4
+
+
+async def test_help_is_a_card_about_the_panel_and_the_same_key_again_shows_all() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "question_mark")
+        await op.until("Keys of 4 Parameters")
+        assert "Undo your last change of a parameter" in op.text
+        assert "^x  STOP" in op.text
+        assert "Reset the encoder" not in op.text
+        await op.at(seconds() + HELD)
+        await op.press("question_mark")
+        await op.until("Reset the encoder")
+        await op.press("escape")
+        assert op.app.screen is op.app.main

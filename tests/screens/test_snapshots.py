@@ -155,7 +155,8 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
 @pytest.mark.parametrize(
     ("name", "state", "keys", "dialog"),
     [
-        ("help", "normal", ["question_mark"], True),
+        ("help", "normal", ["f1"], True),
+        ("card of keys", "normal", ["question_mark"], True),
         ("edit", "normal", ["4", "home", "down", "down", "enter"], True),
         ("field", "normal", ["g", "1", "2"], False),
         ("question", "goal cancelling", ["q"], True),
