@@ -11,7 +11,7 @@ from archo_tui.commands.base import Command, Console
 from archo_tui.robot.state import TOPIC
 from archo_tui.robot.values import text_of
 from archo_tui.screens.choose import Choice, Choose
-from archo_tui.station.view import View
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.nodes import node_rows
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
@@ -96,7 +96,7 @@ class Commands(Choose):
     def _matches(self) -> Sequence[Choice]:
         return [*self._typed_choices(self._narrow.value), *super()._matches()]
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Update keys, values and reasons once a second; the rows keep their places."""
         super().show_view(view)
         if view.second != self._second:

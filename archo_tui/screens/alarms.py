@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.binding import Binding
@@ -14,18 +15,26 @@ from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station.alarm_board import SHELF_TIME
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
-from archo_tui.station.view import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.alarm import no_alarms_text, timeline
 
 _INDENT = " " * 8
 
 
-def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
+class AlarmRow(NamedTuple):
+    """An alarm, and what it says with the key of its remedy."""
+
+    alarm: Alarm
+    text: str
+
+
+def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
     """Return a row such as `✗ HIGH  since 12:04:31, unacknowledged`, with the advice below."""
+    alarm = row.alarm
     style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {timeline(alarm)}"
-    text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
+    text = textwrap.wrap(row.text, max(width - len(_INDENT), 20))
     return [(head, style), *((_INDENT + line, style) for line in text)]
 
 
@@ -43,7 +52,7 @@ class AlarmList(Dialog[None]):
 
     def __init__(
         self,
-        view: View,
+        view: ScreenState,
         acknowledge: Callable[[Iterable[Alarm]], None],
         shelve: Callable[[Alarm, str], None],
         on_change: Callable[[], None],
@@ -60,9 +69,9 @@ class AlarmList(Dialog[None]):
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
         self._on_change = on_change
         self._box = Vertical(classes="dialog reading")
-        self._rows: Rows[Alarm] = Rows(
+        self._rows: Rows[AlarmRow] = Rows(
             alarm_lines,
-            lambda alarm: alarm.name,
+            lambda row: row.alarm.name,
             id="alarms",
             empty="",
             wraps=True,
@@ -80,17 +89,17 @@ class AlarmList(Dialog[None]):
         self.set_focus(self._rows)
         self.show_view(self._view)
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Show the present alarms."""
         self._view = view
         self._rows.empty = no_alarms_text(view.snapshot)
-        self._rows.show(view.alarms)
+        self._rows.show([AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms])
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
 
     def action_acknowledge(self) -> None:
         """Acknowledge the alarm under the cursor."""
         if self._rows.item is not None:
-            self._acknowledge([self._rows.item])
+            self._acknowledge([self._rows.item.alarm])
             self._on_change()
 
     def action_acknowledge_all(self) -> None:
@@ -100,15 +109,15 @@ class AlarmList(Dialog[None]):
 
     def action_open_diagnostics(self) -> None:
         """List all parts of the robot, if the alarm under the cursor is about one of them."""
-        alarm = self._rows.item
-        if alarm is not None and is_diagnostic(alarm):
+        row = self._rows.item
+        if row is not None and is_diagnostic(row.alarm):
             self.app.push_screen(DiagnosticList(self._view))
 
     def action_shelve(self) -> None:
         """Shelve the alarm under the cursor, or unshelve it; ask why if its priority is high."""
-        alarm = self._rows.item
-        if alarm is None:
+        if self._rows.item is None:
             return
+        alarm = self._rows.item.alarm
 
         def shelve(reason: str) -> None:
             self._shelve(alarm, reason)

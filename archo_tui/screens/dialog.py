@@ -15,10 +15,10 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.reason import Reason, obstacles
-from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.screen_state import ScreenState
 
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
@@ -84,7 +84,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
         if self._snapshot is not None:
             self._reason.is_over(self._snapshot)  # The first call records the present obstacles.
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Remove a refusal once an obstacle that it may be about is gone."""
         self._snapshot = view.snapshot
         if self._reason is not None and self._reason.is_over(view.snapshot):

@@ -9,7 +9,7 @@ from textual.await_complete import AwaitComplete
 from textual.screen import ScreenResultType
 
 from archo_tui.screens.base import Base
-from archo_tui.station.view import View
+from archo_tui.widgets.screen_state import ScreenState
 
 
 class Dismissable(Base[ScreenResultType]):
@@ -57,5 +57,5 @@ class Dismissable(Base[ScreenResultType]):
         if self._result is not None:
             self.dismiss()
 
-    def show_view(self, view: View) -> None:
-        """Bring what is shown up to date; called with each new view of the station."""
+    def show_view(self, view: ScreenState) -> None:
+        """Bring what is shown up to date; called with each new state of the screen."""

@@ -18,8 +18,8 @@ from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import HIDDEN, harmless, safe
 from archo_tui.screens.dialog import Form
-from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.widgets.screen_state import ScreenState
 
 
 class EditParameter(Form):
@@ -61,7 +61,7 @@ class EditParameter(Form):
             yield self.field
             yield from self.below_field()
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Show the present value, which others may change meanwhile."""
         super().show_view(view)
         key = self._parameter.node, self._parameter.name

@@ -19,6 +19,7 @@ from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.widgets.button import Button
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import content
 from archo_tui.words.nodes import graph_lines
 
@@ -88,7 +89,7 @@ class NodeDialog(Dialog[None]):
         self.set_focus(self.query_one("#node-text"))
         start_worker(self, self._ask, _GROUP)
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Show the present state once a second, and when a node here starts or ends."""
         super().show_view(view)
         if view.second != self._view.second or view.hosted != self._view.hosted:

@@ -12,7 +12,6 @@ from archo_tui.replay.player import Player
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.view import View
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.live_line import live_line
@@ -45,10 +44,9 @@ class ReplayScreen(MainScreen, Dismissable[None]):
     def on_mount(self) -> None:
         start_worker(self, partial(self._player.follow, self._update), "play")
 
-    def show_view(self, view: View) -> None:
+    def show_view(self, view: ScreenState) -> None:
         """Show what the live robot does."""
-        if isinstance(view, ScreenState):
-            self._live.show(live_line(view, self.size.width))
+        self._live.show(live_line(view, self.size.width))
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         """Show the error here: it is no event of the live robot."""

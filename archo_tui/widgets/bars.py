@@ -15,7 +15,6 @@ from archo_tui.robot.requester import ASSISTANT
 from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
-from archo_tui.station.remedies import advice, remedy_hints
 from archo_tui.station.view import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
@@ -103,9 +102,8 @@ def banner(view: ScreenState, width: int) -> Content:
     alarm, key = shown[0], view.key("ack")
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
-    keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
     texts = [
-        advice(alarm, remedy_hints(view.snapshot, keys)),
+        view.advice(alarm),
         alarm.text,
         _without_brackets(alarm.text),
     ]

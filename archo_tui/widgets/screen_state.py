@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from archo_tui.station.alarms import Alarm
+from archo_tui.station.remedies import advice, remedy_hints
 from archo_tui.station.view import View
 
 NONE_RECORDED = "-- none recorded"  # The text of an empty list in a replay.
@@ -23,6 +25,11 @@ class ScreenState(View):
     keys: Mapping[str, str] = field(default_factory=dict)
     blocked: frozenset[str] = frozenset()
     is_first: bool = False
+
+    def advice(self, alarm: Alarm) -> str:
+        """Return the text of an alarm, with the key of the command that helps, if there is one."""
+        names = ((name, key) for name, key in self.keys.items() if name not in self.blocked)
+        return advice(alarm, remedy_hints(self.snapshot, {n: f"press {key}" for n, key in names}))
 
     def key(self, command: str) -> str:
         """Return the key of a command by its id, or "" if it has none."""

@@ -49,6 +49,7 @@ async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
         await op.until("+1 more")
         await op.press("A")
         await op.until("▲ MED   since ")
+        assert "STOPPED: look for the cause, then press R to release" in op.words
         assert op.text.count(", unacknowledged") == 2
         await op.press("a")
         await op.until(", acknowledged")

@@ -19,7 +19,7 @@ from archo_tui.robot.state import (
     Phase,
     Snapshot,
 )
-from archo_tui.screens.alarms import alarm_lines
+from archo_tui.screens.alarms import AlarmRow, alarm_lines
 from archo_tui.station.alarm_bell import AlarmBell
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBoard, Change
 from archo_tui.station.alarm_conditions import conditions
@@ -342,7 +342,7 @@ def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> No
     board.update({STOPPED: "stop"}, SHELF_TIME - 60, 100 + by + SHELF_TIME - 60)
     (shelved,) = board.all()
     assert shelved.state == AlarmState.SHELVED
-    lines = [text for text, _ in alarm_lines(shelved, 80, ())]
+    lines = [text for text, _ in alarm_lines(AlarmRow(shelved, shelved.text), 80, ())]
     assert f"until {time_of_day(100 + by + SHELF_TIME)}" in lines[0]
     board.update({STOPPED: "stop"}, SHELF_TIME, 100 + by + SHELF_TIME)
     assert [alarm.state for alarm in board.all()] == [AlarmState.UNACKNOWLEDGED]
