@@ -37,7 +37,7 @@ __all__ = [
     "connect",
     "stop",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 if sys.version_info < (3, 10):  # noqa: UP036  # pip sees to it, but nobody asks pip to run a .pyz
     found = ".".join(map(str, sys.version_info[:2]))

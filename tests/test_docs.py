@@ -38,7 +38,8 @@ from tests.support.script import shell
 
 README, CONTRIBUTING = ROOT / "README.md", ROOT / "CONTRIBUTING.md"
 DOCS = sorted((ROOT / "docs").glob("*.md"))
-PAGES = [README, CONTRIBUTING, ROOT / "THIRD_PARTY.md", ROOT / "CHANGELOG.md", *DOCS]
+OTHERS = ("CONTRIBUTING.md", "THIRD_PARTY.md", "CHANGELOG.md", "SECURITY.md")
+PAGES = [README, *map(ROOT.joinpath, OTHERS), *DOCS]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 PACKAGES = (".", "archo_tui", "archo_tui/embedded")
 VERBS = verbs(ARCHO, FORMS)
@@ -86,9 +87,10 @@ def test_readme_is_one_page() -> None:
     lines = README.read_text(encoding="utf-8").splitlines()
     assert len(lines) <= 90
     assert [line for line in lines if len(line) >= 110] == []
-    commands = [text.strip() for _, text in read(README).blocks[:2]]
     venv = "python3 -m venv .venv && .venv/bin/pip install -q "
-    assert commands == [
+    commands = [line for _, text in read(README).blocks for line in text.splitlines()]
+    assert commands[0].startswith("git clone https://github.com/archo-tui/archo-tui && ")
+    assert [line for line in commands if line.startswith("python3")] == [
         f"{venv}. && .venv/bin/archo-tui",
         f"{venv}-e '.[test]' && .venv/bin/pytest",
     ]

@@ -120,4 +120,4 @@ def test_ros_packages_say_who_they_are(path: str) -> None:
 
     package = ElementTree.parse(ROOT / path / "package.xml").getroot()
     assert package.findtext("license") == "Apache-2.0"
-    assert package.findtext("version") == "0.1.0"
+    assert package.findtext("version") == "0.2.0"
