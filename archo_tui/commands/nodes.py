@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
+from archo_tui.commands.graph import show_topic
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Hosted
 from archo_tui.station.view import View
@@ -91,5 +92,14 @@ def show(console: Console, row: NodeRow) -> None:
     refused = verb.refusal(station)
     describe = partial(robot.describe, row.name)
     console.open(
-        NodeDialog(row.name, tell, console.view, describe, set_level, change_lifecycle, refused)
+        NodeDialog(
+            row.name,
+            tell,
+            console.view,
+            describe,
+            set_level,
+            change_lifecycle,
+            refused,
+            partial(show_topic, console),
+        )
     )

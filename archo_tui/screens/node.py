@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import LEVELS, NodeInfo
+from archo_tui.screens.choose import Choice, Choose
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
@@ -33,7 +34,8 @@ class NodeDialog(Dialog[None]):
     """
 
     BINDINGS = [
-        ("escape,enter,q", "close", "Close"),
+        ("escape,q", "close", "Close"),
+        ("enter", "choose_topic", "Look into one of its topics; close if it has none"),
         ("left", "app.focus_previous", "The level before"),
         ("right", "app.focus_next", "The next level"),
     ]
@@ -47,6 +49,7 @@ class NodeDialog(Dialog[None]):
         set_level: Callable[[str], Awaitable[Outcome]],
         change_lifecycle: Callable[[str], Coroutine[Any, Any, None] | None],
         disabled_reason: str,
+        show_topic: Callable[[str, Sequence[str]], None],
     ) -> None:
         """Create the dialog.
 
@@ -59,12 +62,14 @@ class NodeDialog(Dialog[None]):
             change_lifecycle: Returns what makes a transition of a managed node, or asks a question
                 first.
             disabled_reason: Why neither can be done; "" if it can.
+            show_topic: Looks into a topic, given by its full name and its types.
         """
         super().__init__()
         self._node, self._state_text, self._view = name, state_text, view
         self._disabled_reason = disabled_reason
         self._describe, self._set_level = describe, set_level
-        self._change_lifecycle = change_lifecycle
+        self._change_lifecycle, self._show_topic = change_lifecycle, show_topic
+        self._topics: dict[str, str] = {}  # The types of those that it publishes or subscribes to.
         self._lifecycle = _lifecycle(view, name)
         self._transitions: tuple[str, ...] = ()
         self._asked = 0  # The questions so far: only the answer to the last one is shown.
@@ -115,6 +120,7 @@ class NodeDialog(Dialog[None]):
             info, text = None, Content(answer.text)
         else:
             info, text = answer, content(graph_lines(answer))
+        self._topics = {} if info is None else dict((*info.publishes, *info.subscribes))
         self.set_text("#node-graph", Content.assemble("\n", text.rstrip()))
         level = None if info is None else info.level
         level_text = "" if info is None else info.no_level if level is None else level.text
@@ -122,7 +128,9 @@ class NodeDialog(Dialog[None]):
         for line in self.query(".level"):
             line.display = level_text != ""
         for box in self.query(".node"):
-            keys = ("tab log level",) if level is not None and not self._disabled_reason else ()
+            can_set = level is not None and not self._disabled_reason
+            keys = ["enter topics"] if self._topics else []
+            keys += ["tab log level"] if can_set else []
             box.border_subtitle = "   ".join((*keys, "esc close"))
         await self._show_transitions(() if info is None else info.transitions)
         for levels in self.query("#levels"):
@@ -142,6 +150,17 @@ class NodeDialog(Dialog[None]):
                 await box.remove_children()
                 if box.is_attached:
                     await box.mount(*map(self._button, range(len(words)), words))
+
+    def action_choose_topic(self) -> None:
+        """Show its topics to choose one to look into; close the dialog if it has none."""
+        if not self._topics:
+            self.dismiss()
+            return
+        rows = [
+            Choice(name, partial(self._show_topic, name, types.split(", ")), types)
+            for name, types in sorted(self._topics.items())
+        ]
+        self.app.push_screen(Choose(f"Topics of {self._node.lstrip('/')}", rows))
 
     def _button(self, place: int, word: str) -> Button:
         """Return the button of a transition."""

@@ -73,8 +73,8 @@ def topic_lines(info: TopicInfo) -> Spans:
             kind = f"{end.type if has_types else '':<{types}}"
             spans.append((f"{'' if number else title:<5}", OLD))
             spans.append((f"{_end_name(end):<{width}}  {kind}{end.qos}\n", PLAIN))
-        if not side:
-            spans += [(f"{title:<5}", OLD), ("nobody\n", PLAIN)]
+    if not info.publishers:
+        spans.append(("no publisher\n", OLD))
     if not info.mismatches and all(parts.values()):
         spans.append(("types and QoS of all of them fit\n", OLD))
     return tuple(spans)

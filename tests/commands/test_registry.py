@@ -82,7 +82,7 @@ KEYS = {
     "Form": {"escape": "close"},
     "MessageForm": {"escape": "close", "ctrl+s": "send"},
     "NodeDialog": {
-        "escape": "close", "enter": "close", "q": "close",
+        "escape": "close", "enter": "choose_topic", "q": "close",
         "left": "app.focus_previous", "right": "app.focus_next",
     },
     "RecordingList": {

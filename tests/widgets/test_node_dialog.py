@@ -43,6 +43,19 @@ async def test_it_has_topics_services_and_actions_with_their_types() -> None:
         assert "/rosout" not in dialog
 
 
+async def test_enter_leads_to_one_of_its_topics_and_escape_back() -> None:
+    async with console(*FAST) as op:
+        await opened(op, "/motor_controller")
+        await op.press("enter")
+        await op.until("Topics of motor_controller")
+        await op.press(*"motor_st")
+        await op.press("down")  # Enter is not held.
+        await op.press("enter")
+        await op.until(lambda: "speed" in op.line("m/s"))
+        await op.press("escape")
+        await op.until("topics published")
+
+
 async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
     async with console(*FAST) as op:
         await opened(op, "/battery_monitor")
