@@ -22,6 +22,7 @@ from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.replay import ReplayScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
+from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
@@ -60,7 +61,7 @@ class ReplayConsole:
         self._live = live
         self.station: Station = RecordedStation(player, live.station.clock)
         snapshot = self.station.robot.snapshot
-        self.verbs: Mapping[str, Verb] = {}
+        self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
         self.typed: dict[str, dict[str, str]] = {}
         self.used = snapshot.file
         shown = [c for c in showing_commands(player, commands) if c.id not in _LIVE_ONLY]

@@ -58,6 +58,22 @@ async def test_enter_plays_a_recording_and_q_leads_back() -> None:
         assert clock.seconds() - received < 2.0
 
 
+async def test_a_node_and_its_topic_are_those_of_the_recording() -> None:
+    async with recorded() as op:
+        await play(op)
+        await op.press("end", "5", "home", "down", "down", "enter")
+        await op.until("topics published")
+        await op.press("enter")
+        await op.until("Topics of motor_controller")
+        await op.press("down", "enter")
+        await op.until("QoS not recorded")
+        await op.until(lambda: "m/s" in op.line("speed"))
+        await op.press("escape")
+        await op.until("topics published")
+        await op.press("tab", "enter")
+        assert "log level of" not in op.text
+
+
 async def test_stop_in_a_replay_stops_the_live_robot() -> None:
     async with recorded(*LONG) as op:
         await op.press("g", *"12", "enter")
