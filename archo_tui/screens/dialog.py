@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 from textual.app import App, ComposeResult
-from textual.containers import Horizontal
+from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
@@ -20,6 +21,7 @@ from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.screen_state import ScreenState
 
+_HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
 
 
@@ -27,6 +29,33 @@ def main_screen(app: App[Any]) -> MainScreen | None:
     """Return the main screen beneath the dialogs: in a replay inside of a console the upper one."""
     mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
     return mains[-1] if mains else None
+
+
+class DialogHead(Vertical):
+    """The lines at the top, in place of those that the dialog dims: state and banner stay lit."""
+
+    def __init__(self) -> None:
+        super().__init__(classes="above")
+        self._main: MainScreen | None = None
+
+    def compose(self) -> ComposeResult:
+        self._main = main_screen(self.app)
+        for _ in self._main.head if self._main is not None else ():
+            yield Line()
+
+    def on_mount(self) -> None:
+        if self._main is not None:
+            self._main.on_head.append(self._show)
+            self._show(self._main.head)
+
+    def on_unmount(self) -> None:
+        if self._main is not None:
+            self._main.on_head.remove(self._show)
+
+    def _show(self, texts: Sequence[Content]) -> None:
+        self.display = self.app.size.height >= _HEAD_FROM
+        for line, text in zip(self.query(Line), texts, strict=False):
+            line.show(text)
 
 
 class DialogFooter(Line):
@@ -51,6 +80,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
 
     def compose(self) -> ComposeResult:
+        yield DialogHead()
         yield from self.body()
         yield DialogFooter()
 

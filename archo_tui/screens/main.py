@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from textual import events
 from textual.app import ComposeResult
@@ -41,6 +41,7 @@ from archo_tui.widgets.search import Search
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
 _LARGE = 40  # Rows above which the plots of the history grow.
+_CLOCK = 9  # Cells of the time of day.
 _AROUND = 3  # Rows of header, banner and footer.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
@@ -65,6 +66,8 @@ class MainScreen(Base[None]):
     Attributes:
         starts_in_field: True if the goal's field has the focus at first, where it is in sight.
         everywhere_keys: What the footer shows of the keys that work in dialogs, too.
+        head: The lines at the top, as they were shown last.
+        on_head: Called with these lines whenever they are shown.
     """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
@@ -127,6 +130,8 @@ class MainScreen(Base[None]):
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._footer_content: object = None  # From what the footer was drawn.
         self.everywhere_keys = Content("")
+        self.head: list[Content] = []
+        self.on_head: list[Callable[[Sequence[Content]], None]] = []
         self._is_laid_out = self._is_filled = False
         self._view: ScreenState | None = None  # The last one.
         self._commands: list[FooterKey] = []  # The keys of its footer.
@@ -373,13 +378,23 @@ class MainScreen(Base[None]):
 
     def _show(self, view: ScreenState, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
-        self._header.show(bars.header(view, width - 9))
-        self._clock.show(bars.clock(view))
-        self._banner.show(bars.banner(view, width))
+        header, clock = bars.header(view, width - _CLOCK), bars.clock(view)
+        banner = bars.banner(view, width)
+        self._header.show(header)
+        self._clock.show(clock)
+        self._banner.show(banner)
+        gap = " " * max(width - header.cell_length - clock.cell_length, 0)
+        self.show_head([Content.assemble(header, gap, clock), banner])
         self._show_footer(view, commands)
         for panel in panels:
             self._show_panel(panel, view)
         self._fit()
+
+    def show_head(self, lines: list[Content]) -> None:
+        """Show the lines of the top in the dialogs over this screen, too."""
+        self.head = lines
+        for show in self.on_head:
+            show(lines)
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the keys that work now; if a field has the focus, its own keys, too."""

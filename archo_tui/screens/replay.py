@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from textual.app import ComposeResult
+from textual.content import Content
 from textual.geometry import Size
 
 from archo_tui.replay.player import Player
@@ -36,6 +37,7 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         super().__init__(snapshot, size, TimeLine(player))
         self._player, self._update = player, update
         self._live = Line(id="live")
+        self._live_text, self._recorded_head = Content(""), list[Content]()
 
     def compose(self) -> ComposeResult:
         yield self._live
@@ -46,7 +48,14 @@ class ReplayScreen(MainScreen, Dismissable[None]):
 
     def show_view(self, view: ScreenState) -> None:
         """Show what the live robot does."""
-        self._live.show(live_line(view, self.size.width))
+        self._live_text = live_line(view, self.size.width)
+        self._live.show(self._live_text)
+        self.show_head(self._recorded_head)
+
+    def show_head(self, lines: list[Content]) -> None:
+        """Show the line of the live robot above those of the recording, in dialogs, too."""
+        self._recorded_head = lines
+        super().show_head([self._live_text, *lines])
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         """Show the error here: it is no event of the live robot."""

@@ -45,7 +45,7 @@ def event_lines(event: Event, width: int, _columns: Columns) -> list[Text]:
     at, text = time_of_day(event.time), event.text
     is_wide = width >= _WIDE
     if is_wide and event.source != "console" and event.level != "GOAL":
-        text = f"{event.source}: {text}"
+        text = f"{'shell ' if event.level == 'SHELL' else ''}{event.source}: {text}"
     if event.count > 1:
         text += f"   {repeat_text(event)}" if is_wide else f"   x {event.count}"
     gap = "  " if is_wide else " "

@@ -264,7 +264,8 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
             await until(lambda: "reset_encoder" in second.snapshot.offered)
             assert (await ended(reset(second))).ok
             await op.until("reset encoder: Encoder reset to zero")
-            assert "PEER" in op.line("reset encoder: Encoder reset to zero")
+            name = op.app.view.snapshot.consoles[0]
+            assert f"✓  {name}: reset encoder: Encoder reset to zero" in op.text
             events = op.app.view.snapshot.events
             (event,) = [event for event in events if event.text.startswith("reset encoder")]
             assert event.audit_record == ("reset", {}, Code.DONE)
@@ -318,7 +319,7 @@ async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -
         await op.until(made[0].client.service_is_ready)
         made[0].reset()
         await op.until("reset encoder: done")
-        assert "PEER" in op.line("reset encoder: done")
+        assert "·  older_lab_1: reset encoder: done" in op.text
         await op.until("encoder reset by another console: 0, was 15420")
 
 

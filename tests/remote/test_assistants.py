@@ -85,7 +85,7 @@ async def test_a_goal_is_driven_only_after_a_person_has_allowed_it() -> None:
         assert (ended["code"], ended["data"]["values"]) == ("arrived", {"shelf_number": 12})
         await op.until("Arrived at shelf 12")
         line = " ".join(op.line("go to shelf 12: accepted").split())
-        assert f"AI assistant {os.getpid()}" in line
+        assert f"assistant {os.getpid()}: " in line
     told = [json.loads(line) for line in journal_file().read_text().splitlines()]
     texts = [entry["text"] for entry in told if entry["kind"] == "command"]
     assert "asks: go to shelf 12 (request 1)" in texts
@@ -489,7 +489,7 @@ async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> 
         assert (await says(assistant, "status"))["code"] == "done"
         assert (await says(assistant, "stop"))["code"] == "done"
         line = " ".join(op.line("STOP: confirmed").split())
-        assert f"AI assistant {os.getpid()} STOP: confirmed" in line
+        assert f"✓ assistant {os.getpid()}: STOP: confirmed" in line
         await op.until("STOPPED: look for the cause")
         said = await asks(assistant)
         assert said["text"] == "the robot is stopped: a person has to release it first"

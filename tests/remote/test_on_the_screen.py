@@ -35,7 +35,7 @@ async def test_who_is_connected_and_what_it_sent_is_on_screen_and_in_the_journal
         assert (await two.ask("wait", "arrived", timeout=0))["code"] == "ran_out"
         await op.until(lambda: " 2 shells " in op.text.splitlines()[0])
         line = op.line("go to shelf 12: accepted")
-        assert f"SHELL pid {os.getpid()}" in " ".join(line.split())
+        assert f"shell pid {os.getpid()}: " in " ".join(line.split())
         one.close()
         two.close()
         await op.until(lambda: "shell " not in op.text.splitlines()[0])

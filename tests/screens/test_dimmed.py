@@ -12,6 +12,7 @@ from textual.app import App
 
 from archo_tui.terminal.themes import contrast
 from tests.screens.test_contrast import THEMES, colours
+from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StubRobot, stub_app
@@ -92,3 +93,22 @@ async def test_of_16_colours_labels_are_below_text_and_borders_below_labels(
         found = [app.theme_variables[name] for name in names]
         numbers = [Color.parse(one.lower()).downgrade(ColorSystem.STANDARD).number for one in found]
         assert numbers == [15, 7, 8]
+
+
+async def test_state_and_banner_stay_lit_above_a_dialog_and_follow_the_robot() -> None:
+    app = stub_app(STATES["motor stopped"], size=(80, 24))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    async with app.run_test(size=(80, 24)) as pilot:
+        quiet = Quiet(app)
+        await quiet.settle()
+        send(app, "ctrl+p")
+        await quiet.settle()
+        for text in ("✗ STOPPED", "STOPPED: look for the cause"):
+            ((front, back),) = {colours(style) for style in styles(app, text)}
+            assert contrast(front, back) >= 4.5, text
+        robot.put(STATES["motor moving"])
+        await quiet.settle()
+        assert "✗ STOPPED" not in screen_text(app).splitlines()[0]
+        await pilot.resize_terminal(80, 15)
+        await quiet.settle()
+        assert "online" not in screen_text(app)  # A small terminal is left to the dialog.
