@@ -59,8 +59,7 @@ class ProgramFile:
 
     def current_stamps(self) -> Stamps:
         """Return the stamps of the file, and of the modules that are imported from its folder."""
-        own = {Path(sys.modules[name].__file__ or "") for name in self._own_modules()}
-        return stamps({self.path, *own})
+        return stamps({self.path, *map(Path, self._own_modules().values())})
 
     def compile(self) -> None:
         """Read and compile the text as it is now, without running it.
@@ -88,7 +87,7 @@ class ProgramFile:
         """
         if self._has_run:
             for name in self._own_modules():
-                del sys.modules[name]
+                sys.modules.pop(name, None)  # Another program of the folder may be faster.
         self._has_run = True
         package = self._name.rpartition(".")[0]
         if package:
@@ -115,12 +114,11 @@ class ProgramFile:
             return str(error), ""
         return explain(error, self.code, self.source)
 
-    def _own_modules(self) -> list[str]:
-        """Return the names of the imported modules that are from the file's folder."""
-        return [
-            name
+    def _own_modules(self) -> dict[str, str]:
+        """Return the files of the imported modules that are from the file's folder, by name."""
+        files = {
+            name: getattr(module, "__file__", None) or ""
             for name, module in list(sys.modules.items())
-            if not name.startswith(OURS)
-            and name != "__main__"
-            and self.code.is_own(getattr(module, "__file__", None) or "")
-        ]
+            if not name.startswith(OURS) and name != "__main__"
+        }
+        return {name: file for name, file in files.items() if self.code.is_own(file)}

@@ -176,7 +176,7 @@ class Choose(Dialog[None]):
         self._show_reason()
 
     def on_click(self, event: events.Click) -> None:
-        if event.widget is self:  # Beside the box.
+        if event.widget in (self, *self.query("DialogHead, DialogHead Line")):  # Beside the box.
             self.dismiss()
 
     def _choose(self) -> None:

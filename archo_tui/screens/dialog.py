@@ -52,8 +52,14 @@ class DialogHead(Vertical):
         if self._main is not None:
             self._main.on_head.remove(self._show)
 
+    @property
+    def rows(self) -> int:
+        """The number of rows that it takes in a terminal of this height."""
+        has_room = self.app.size.height >= _HEAD_FROM
+        return len(self._main.head) if self._main is not None and has_room else 0
+
     def _show(self, texts: Sequence[Content]) -> None:
-        self.display = self.app.size.height >= _HEAD_FROM
+        self.display = self.rows > 0
         for line, text in zip(self.query(Line), texts, strict=False):
             line.show(text)
 

@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.ros_names import base_name
-from archo_tui.screens.dialog import Dialog, main_screen
+from archo_tui.screens.dialog import Dialog, DialogHead, main_screen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.field_lines import (
@@ -132,8 +132,9 @@ class TopicDialog(Dialog[None]):
         main = main_screen(self.app)
         if main is not None:
             covered = main.panels_region
+            above = covered.y - self.query_one(DialogHead).rows
             below = main.size.height - covered.bottom - 1  # The footer has one of its own.
-            self._box.styles.margin = covered.y, 0, max(below, 0), 0
+            self._box.styles.margin = max(above, 0), 0, max(below, 0), 0
 
     def _request(self) -> TopicRequest:
         top = self._rows.scroll_offset.y

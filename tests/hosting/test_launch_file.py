@@ -59,17 +59,17 @@ from glob import glob
 from setuptools import find_packages, setup
 
 setup(
-    name="my_robot",
+    name="my_wheels",
     packages=find_packages(),
-    data_files=[("share/my_robot/config", glob("config/*.yaml"))],
+    data_files=[("share/my_wheels/config", glob("config/*.yaml"))],
     entry_points={
-        "console_scripts": ["wheels = my_robot.wheels:main", "once = my_robot.wheels:once"],
+        "console_scripts": ["wheels = my_wheels.wheels:main", "once = my_wheels.wheels:once"],
     },
 )
 """
 PACKAGE = """
 <package>
-  <name>my_robot</name>
+  <name>my_wheels</name>
   <export><build_type>ament_python</build_type></export>
 </package>
 """
@@ -83,11 +83,11 @@ from launch_ros.actions import Node
 
 
 def wheels(**options):
-    return Node(package="my_robot", executable="wheels", **options)
+    return Node(package="my_wheels", executable="wheels", **options)
 
 
 def generate_launch_description():
-    values = os.path.join(get_package_share_directory("my_robot"), "config", "wheels.yaml")
+    values = os.path.join(get_package_share_directory("my_wheels"), "config", "wheels.yaml")
     return LaunchDescription([
         DeclareLaunchArgument("side", default_value="left"),
         LogInfo(msg=["wheels on the ", LaunchConfiguration("side")]),
@@ -106,21 +106,21 @@ TWO = """
 def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A workspace with a package of nodes."""
     monkeypatch.setattr("sys.path", [*sys.path])
-    for name in ("my_robot", "my_robot.wheels"):  # Of another test's workspace.
+    for name in ("my_wheels", "my_wheels.wheels"):  # Of another test's workspace.
         monkeypatch.delitem(sys.modules, name, raising=False)
-    robot = Path("ws/src/my_robot")
-    for name in ("my_robot", "launch", "config"):
+    robot = Path("ws/src/my_wheels")
+    for name in ("my_wheels", "launch", "config"):
         (robot / name).mkdir(parents=True)
     (robot / "package.xml").write_text(PACKAGE)
     (robot / "setup.py").write_text(SETUP)
-    (robot / "my_robot/__init__.py").touch()
-    (robot / "my_robot/wheels.py").write_text(WHEELS)
+    (robot / "my_wheels/__init__.py").touch()
+    (robot / "my_wheels/wheels.py").write_text(WHEELS)
     (robot / "config/wheels.yaml").write_text("/**:\n  ros__parameters:\n    speed: 1.5\n")
     return Path("ws")
 
 
 def launch_file(actions: str) -> Path:
-    file = Path("ws/src/my_robot/launch/robot.launch.py")
+    file = Path("ws/src/my_wheels/launch/robot.launch.py")
     file.write_text(LAUNCH.replace("{actions}", actions))
     return file
 
@@ -166,7 +166,7 @@ def test_what_is_respawned_is_not_behind_a_stop(
     workspace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hosted_program, "LEAST_RESPAWN_DELAY", 0.2)
-    once = 'Node(package="my_robot", executable="once", respawn=True),'
+    once = 'Node(package="my_wheels", executable="once", respawn=True),'
     runs = Path("runs.txt")
     with launched(launch_file(once), only=False) as session:
         wait_until(lambda: runs.exists() and runs.read_text().count("ran") >= 3)
@@ -198,7 +198,7 @@ def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: 
         wrong = f"the saved text does not run: {file}:19: ZeroDivisionError"
         wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))
         assert restarts == []
-        Path("ws/src/my_robot/config/wheels.yaml").write_text("/**: {ros__parameters: {speed: 2}}")
+        Path("ws/src/my_wheels/config/wheels.yaml").write_text("/**: {ros__parameters: {speed: 2}}")
         launch_file(TWO)
         wait_until(lambda: restarts)
         assert restarts[0] == "robot.launch.py, or a file that it reads, was saved"
@@ -238,7 +238,7 @@ def test_the_arguments_of_a_launch_file_are_printed(
     ("words", "error"),
     [
         (["none.launch.py"], "none.launch.py: there is no such launch file"),
-        (["ws/src/my_robot/setup.py", "right"], "right: an argument of a launch file is written"),
+        (["ws/src/my_wheels/setup.py", "right"], "right: an argument of a launch file is written"),
         (["ws"], "ws: no package of it has launch/*.launch.py"),
         (["."], "several launch files, name one: a/launch/x.launch.py a/launch/y.launch.py"),
         (["--engine", "ros2", "x.launch.py"], "on ROS 2, ros2 launch x.launch.py does it"),
@@ -250,7 +250,7 @@ def test_a_launch_that_is_typed_wrong_is_one_line(
     if words == ["."]:
         package = Path("a")
         (package / "launch").mkdir(parents=True)
-        (package / "package.xml").write_text(PACKAGE.replace("my_robot", "a"))
+        (package / "package.xml").write_text(PACKAGE.replace("my_wheels", "a"))
         for name in "xy":
             (package / f"launch/{name}.launch.py").touch()
     assert main(["launch", *words]) == 2

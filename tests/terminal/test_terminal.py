@@ -292,7 +292,7 @@ def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) ->
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("?")
-    terminal.until("Acknowledge the alarm in the banner")
+    terminal.until("Show all keys")
     terminal.output = b""
     terminal.write("\x1bOP")  # f1: an escape alone and what comes behind it may be read as one
     terminal.until("wheel_radius")

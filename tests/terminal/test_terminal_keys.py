@@ -54,7 +54,7 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
     for _ in range(5):  # a busy machine may be late now and then
         terminal.output = b""
         terminal.write("?")
-        terminal.until("Continue the held queue of goals")
+        terminal.until("Show all keys")
         terminal.output = b""
         began = time.monotonic()
         terminal.write("\x1b")
