@@ -42,6 +42,19 @@ class Base(Screen[ScreenResultType]):
         if is_new and isinstance(widget, Field):
             widget.action_select_all()
 
+    def _compositor_refresh(self) -> None:
+        """Have what changed behind a dialog drawn by the dialog, and nothing else.
+
+        Textual marks it on this screen as well, and draws it again with the next change. Once all
+        of a screen had changed, all of it was drawn each second, since the clock moves on.
+        """
+        if self is self.app.screen:
+            super()._compositor_refresh()
+        elif self in self.app._background_screens and self._compositor._dirty_regions:
+            self.app.screen.refresh(*self._compositor._dirty_regions)
+            self._compositor._dirty_regions.clear()
+            self._dirty_widgets.clear()
+
     def get_widget_and_offset_at(self, x: int, y: int) -> tuple[Widget | None, Offset | None]:
         """Return the widget at a cell and the place in its text; None and None if there is none.
 

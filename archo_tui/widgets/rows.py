@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from itertools import accumulate
+from itertools import accumulate, zip_longest
 from typing import Generic, TypeVar
 
 from rich.cells import cell_len, set_cell_size
@@ -24,6 +24,7 @@ Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the the
 QUIET = "$quiet"
 Columns = tuple[int, ...]  # Their widths, in cells.
 
+_NEAR = 10  # Cells between two changes that are drawn as one: a jump there takes as many bytes.
 _MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sideways.
 
 
@@ -48,6 +49,35 @@ def crop(text: str, width: int) -> str:
 def column(texts: Iterable[str], least: int, most: int) -> int:
     """Return the width of a column as wide as its texts, within bounds."""
     return max(least, min(most, max(map(cell_len, texts), default=0)))
+
+
+def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
+    """Return the beginnings and ends of the cells in which two texts of a line differ.
+
+    Over a slow line, it costs little to draw a number again, and much to draw the whole line.
+
+    Args:
+        before: The text that is drawn.
+        now: The text to draw.
+        width: The cells of the line, all of which differ where a character takes no or two cells.
+    """
+    if cell_len(before) != len(before) or cell_len(now) != len(now):
+        return [(0, width)]
+    spans: list[tuple[int, int]] = []
+    for place, (old, new) in enumerate(zip_longest(before, now, fillvalue=" ")):
+        if old == new:
+            continue
+        begin = place
+        if spans and place - spans[-1][1] <= _NEAR:
+            begin, _ = spans.pop()
+        spans.append((begin, place + 1))
+    return spans or [(0, width)]
+
+
+def _look(line: tuple[Text, bool]) -> tuple[str, bool]:
+    """Return the style of a line, and True if the cursor is on it."""
+    (_, style), is_selected = line
+    return style, is_selected
 
 
 class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
@@ -136,10 +166,16 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     def redraw(self) -> None:
         """Redraw the visible lines that have changed."""
-        top = self.scroll_offset.y
+        left, top = self.scroll_offset
         for y in range(self.size.height):
-            if self._drawn_lines.get(y) != self._line_at(top + y):
-                self.refresh(Region(0, y, self.size.width, 1))
+            before, now = self._drawn_lines.get(y), self._line_at(top + y)
+            if before == now:
+                continue
+            spans = [(0, self.size.width)]
+            if before is not None and not left and _look(before) == _look(now):
+                old, new = (crop(text, self._width) for (text, _), _ in (before, now))
+                spans = changed_cells(old, new, self.size.width)
+            self.refresh(*(Region(begin, y, end - begin, 1) for begin, end in spans))
 
     def on_resize(self) -> None:
         self._lay_out()

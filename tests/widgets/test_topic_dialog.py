@@ -10,6 +10,7 @@ import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, String
+from textual.geometry import Region
 
 from archo_tui.app import ArchoApp
 from tests.support.console import Console, console, send
@@ -162,6 +163,21 @@ async def test_p_plots_numbers_on_one_axis_and_nothing_else() -> None:
         await shown.press("down", "down", "down", "p")
         assert shown.notified("battery_health is no number")
         assert "60 s ago" not in shown.text
+
+
+async def test_a_clock_behind_a_dialog_has_only_itself_drawn() -> None:
+    async with opened() as shown:
+        app, drawn = shown.app, list[Region]()
+        await shown.press("down")
+        app.screen.refresh = lambda *regions, **_: drawn.extend(regions)  # type: ignore[method-assign,assignment]
+        clock, app.main._repaint_required = app.main.query_one("#clock"), False
+        for _ in range(3):
+            clock.refresh()
+            app.main._compositor.update_widgets({clock})
+            app.main._compositor_refresh()
+        assert drawn == [clock.region] * 3
+        assert not app.main._repaint_required  # Else all of it is drawn with the next change.
+        del app.screen.refresh
 
 
 async def test_y_copies_the_ros2_command() -> None:
