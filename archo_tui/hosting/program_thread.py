@@ -7,6 +7,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from rclpy import _process
@@ -18,6 +19,7 @@ from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd,
 from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in
 
 _SERVES_PERIOD = 1.0  # Seconds for which the names of what it serves are kept.
+_OWN_END = 0.2  # Seconds in which its threads end by themselves once its contexts are shut down.
 
 
 class _Process(_process.Process):
@@ -30,6 +32,7 @@ class _Process(_process.Process):
         self.nodes: list[weakref.ref[Node]] = []
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
         self.awaited: weakref.WeakSet[threading.Thread] = weakref.WeakSet()  # As non-daemons.
+        self.pools: weakref.WeakSet[ThreadPoolExecutor] = weakref.WeakSet()
 
     def add_node(self, node: Node) -> None:
         self.nodes.append(weakref.ref(node))
@@ -81,13 +84,17 @@ class ProgramThread(HostedProgram):
         _adopt(threading.current_thread(), self._process)
         try:
             end = self._run_main()
+            # Python, too, lets the work of pools end, and awaits threads, before a process ends.
+            for pool in list(self._process.pools):
+                pool.shutdown(wait=False)
             for thread in list(self._process.awaited):
-                thread.join()  # As Python does before a process ends.
+                thread.join()
             return end
         except (Interrupted, KeyboardInterrupt):
             return ProgramEnd(130)  # 128 and the number of SIGINT, as a shell says it.
         finally:
             self._clean_up()
+            self._end_other_threads()
 
     def _run_main(self) -> ProgramEnd:
         try:
@@ -104,6 +111,16 @@ class ProgramThread(HostedProgram):
     def _other_threads(self) -> list[threading.Thread]:
         threads = list(self._process.threads)
         return [t for t in threads if t is not self._thread and t.is_alive()]
+
+    def _end_other_threads(self) -> None:
+        """End the threads that it has started, as the end of a process does; wait for none long."""
+        for pool in list(self._process.pools):
+            pool.shutdown(wait=False, cancel_futures=True)
+        end = time.monotonic() + _OWN_END
+        for thread in self._other_threads():
+            thread.join(max(end - time.monotonic(), 0.0))
+        for thread in self._other_threads():
+            raise_in(thread)
 
     def _clean_up(self) -> None:
         """Take off the graph what it left there, as the end of a process does."""
@@ -161,24 +178,38 @@ def in_program() -> bool:
 
 
 def install() -> Callable[[], None]:
-    """Let each thread that a program starts belong to that program.
+    """Let each thread and pool of threads that a program makes belong to that program.
 
     Returns:
         A function that restores Python's own behaviour.
     """
-    original = threading.Thread.start
+    start, hook = threading.Thread.start, threading.excepthook
+    make_pool = ThreadPoolExecutor.__init__
 
-    def start(self: threading.Thread) -> None:
+    def start_in_program(self: threading.Thread) -> None:
         process = _process.current()
         if isinstance(process, _Process):
             _adopt(self, process)
             if not self.daemon:
                 process.awaited.add(self)
                 self.daemon = True  # The end of the console waits for none.
-        original(self)
+        start(self)
+
+    def make_pool_in_program(self: ThreadPoolExecutor, *args: Any, **options: Any) -> None:
+        make_pool(self, *args, **options)
+        process = _process.current()
+        if isinstance(process, _Process):
+            process.pools.add(self)
+
+    def hook_of_program(args: threading.ExceptHookArgs) -> None:
+        if args.exc_type is not Interrupted:  # Its program has ended.
+            hook(args)
 
     def uninstall() -> None:
-        threading.Thread.start = original  # type: ignore[method-assign]
+        threading.Thread.start, threading.excepthook = start, hook  # type: ignore[method-assign]
+        ThreadPoolExecutor.__init__ = make_pool  # type: ignore[method-assign]
 
-    threading.Thread.start = start  # type: ignore[method-assign]
+    threading.Thread.start = start_in_program  # type: ignore[method-assign]
+    threading.excepthook = hook_of_program
+    ThreadPoolExecutor.__init__ = make_pool_in_program  # type: ignore[method-assign]
     return uninstall

@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -276,6 +277,54 @@ def test_a_program_lasts_as_long_as_the_threads_that_it_started() -> None:
         wait_until(lambda: life(session, "/late") is Life.ENDED)
         assert [word for word in said() if word != "made"] == ["over", "shut"]
         assert life(session) is Life.UP
+
+
+POOL = """
+from concurrent.futures import ThreadPoolExecutor
+import rclpy
+from rclpy.executors import MultiThreadedExecutor
+
+rclpy.init()
+node = rclpy.create_node("pooled")
+executor = MultiThreadedExecutor()
+executor.add_node(node)
+node.create_timer(0.05, rclpy.shutdown)
+pool = ThreadPoolExecutor()
+pool.submit(print, "worked")
+executor.spin()
+"""
+
+
+def test_a_program_with_pools_of_threads_ends_when_main_returns() -> None:
+    with running(written("pooled.py", POOL)) as session:
+        wait_until(lambda: life(session, "/pooled") is Life.ENDED)
+
+
+LOOPS = """
+import threading
+import time
+import rclpy
+
+
+def loop():
+    while True:
+        time.sleep(0.02)
+
+
+rclpy.init()
+node = rclpy.create_node("looper")
+threading.Thread(target=loop, name="a loop").start()
+threading.Thread(target=loop, name="a loop", daemon=True).start()
+rclpy.spin(node)
+"""
+
+
+def test_the_threads_of_a_program_end_with_it(capsys: pytest.CaptureFixture[str]) -> None:
+    with running(written("looper.py", LOOPS)) as session:
+        wait_until(lambda: life(session, "/looper") is Life.UP)
+        assert session.host.stop_node("/looper").ok
+        wait_until(lambda: "a loop" not in [thread.name for thread in threading.enumerate()])
+    assert capsys.readouterr().err == ""
 
 
 SLEEPS = """
