@@ -29,7 +29,8 @@ def live_line(view: ScreenState, width: int) -> Content:
     snapshot = view.snapshot
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
     does, left = activity(view)
-    news = _alarm_text(shown[0]) if shown else ""
+    alarms = _alarm_texts(shown[0]) if shown else []
+    news = alarms[0] if alarms else ""
     if news and (snapshot.is_at_rest or snapshot.latch is Latch.UNCERTAIN):
         does = "" if "STOP" in shown[0].text else does  # The alarm says it.
     more = [f"+{len(shown) - 1} more"] if len(shown) > 1 else []
@@ -46,15 +47,20 @@ def live_line(view: ScreenState, width: int) -> Content:
         room = width - cell_len(f" {head}      {tail}")
         if room >= (_MIN_ALARM if news else 0):
             break
+    news = next((text for text in alarms if cell_len(text) <= room), news)
     text = f" {head}   {crop(news, room)}" if news and room > 1 else crop(f" {head}", width)
     gap = width - cell_len(text) - cell_len(tail)
     line = Content(f"{text}{' ' * gap}{tail}" if gap > 0 else text)
     return line.stylize(_style(view))
 
 
-def _alarm_text(alarm: Alarm) -> str:
-    text = alarm.text if alarm.until is None else past_alarm(alarm)
-    return f"{alarm.priority.glyph} {harmless(text)}"
+def _alarm_texts(alarm: Alarm) -> list[str]:
+    """Return what an alarm says, the shortest text last; of one that is over, that it was."""
+    name = alarm.text.partition(":")[0]
+    texts = [alarm.text, name]
+    if alarm.until is not None:
+        texts = [past_alarm(alarm), f"was: {name}"]
+    return [f"{alarm.priority.glyph} {harmless(text)}" for text in texts]
 
 
 def _style(view: ScreenState) -> str:

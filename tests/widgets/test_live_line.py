@@ -48,3 +48,11 @@ def test_an_alarm_that_is_over_is_not_told_as_one_that_lasts() -> None:
     view = view_of("motor stopped")
     over = tuple(one._replace(until=one.since + 5.0) for one in view.alarms)
     assert "▲ was: STOPPED" in live_line(replace(view, alarms=over), 120).plain
+
+
+def test_an_alarm_that_is_cut_loses_no_digit_of_a_time() -> None:
+    view = view_of("motor stopped")
+    over = tuple(one._replace(until=one.since + 5.0) for one in view.alarms)
+    for width in range(50, 120):
+        text = live_line(replace(view, alarms=over), width).plain
+        assert "…" not in text or "over" not in text, text
