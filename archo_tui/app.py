@@ -306,7 +306,8 @@ class ArchoApp(KeyedApp):
     def report_failure(self, outcome: Outcome) -> None:
         """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
         if not outcome.ok:
-            self.notify(outcome.text, severity="error", markup=False)
+            title = "Live robot" if self.replay is not None else ""
+            self.notify(outcome.text, title=title, severity="error", markup=False)
 
     def show_message(self, text: str, title: str = "") -> None:
         """Show a notification of something that is not visible otherwise."""

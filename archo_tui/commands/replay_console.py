@@ -155,7 +155,8 @@ class ReplayConsole:
 
     def report_failure(self, outcome: Outcome) -> None:
         """Show the outcome of a command that failed."""
-        self._live.report_failure(outcome)
+        if not outcome.ok:  # As the live console reports it, it would be about the robot.
+            self._live.show_message(outcome.text, "Replay")
 
     def dialog_gone(self, why: str) -> None:
         """Drop the keys typed for a dialog that closed by itself, and say why it did."""

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.replay import ReplayScreen
 from tests.replay.recorded import written
 from tests.support import clock
@@ -204,3 +205,15 @@ async def test_a_small_terminal_shows_the_live_robot_over_its_replay() -> None:
         assert "● online" in live_line(op)
         assert "q back" in live_line(op)
         assert "REPLAY 20" in op.text.splitlines()[1]
+
+
+async def test_what_the_live_robot_answers_late_is_not_taken_for_the_replays() -> None:
+    async with recorded() as op:
+        await play(op)
+        op.app.report_failure(Outcome(Code.REFUSED, "not now, says the node"))
+        await op.until("not now, says the node")
+        assert op.line("▌ Live robot")
+        assert op.app.replay is not None
+        op.app.replay.report_failure(Outcome(Code.REFUSED, "not in the recording"))
+        await op.until("not in the recording")
+        assert op.line("▌ Replay")
