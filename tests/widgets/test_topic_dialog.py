@@ -74,7 +74,10 @@ async def test_fields_follow_the_topic_while_it_is_open() -> None:
         await open_topic(op, "/count")
         await op.until("types and QoS of all of them fit")
         await op.until("10.0 Hz   80 B/s")
-        cells = lambda: op.line("┃   data").split()  # noqa: E731
+
+        def cells() -> list[str]:
+            return op.line("┃   data").split()
+
         await op.until(lambda: cells()[4:6] == ["..", cells()[2]])
         await op.press("space")
         await op.until("frozen")
