@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from textual.events import Resize
+from textual.events import Event, Resize
 from textual.geometry import Offset
 from textual.screen import Screen, ScreenResultType
 from textual.widget import Widget
@@ -13,16 +13,16 @@ from archo_tui.widgets.field import Field
 class Base(Screen[ScreenResultType]):
     """A screen that survives resizes in quick succession and clicks on what has just gone."""
 
-    async def _on_resize(self, event: Resize) -> None:
-        """Lay out for the size that the terminal has now, whatever size the event has.
+    async def on_event(self, event: Event) -> None:
+        """Handle a new size as the one that the terminal has now, whatever size the event has.
 
         Each change of size makes a screen send itself one more event. If the terminal is resized
         again before that event is handled, Textual goes back and forth between the two sizes for
-        ever, and no key is handled any more.
+        ever, and no key is handled any more. The event itself is that of all screens: what one of
+        them marks in it, the others would find.
         """
-        event.prevent_default()  # Textual would also call its own handler.
         size = self.app.size
-        await super()._on_resize(event if event.size == size else Resize(size, size))
+        await super().on_event(Resize(size, size) if isinstance(event, Resize) else event)
 
     def set_focus(
         self, widget: Widget | None, scroll_visible: bool = True, from_app_focus: bool = False

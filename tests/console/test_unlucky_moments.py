@@ -46,6 +46,18 @@ async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
         await stop_works(op)
 
 
+async def test_a_dialog_follows_a_size_that_the_screen_behind_it_got_first() -> None:
+    async with console(*FAST) as op:
+        await op.press("f1")
+        size = op.app._size = Size(60, 20)
+        event = events.Resize(size, size)  # Textual sends the same one to all screens.
+        op.app.main.post_message(event)
+        await op.settle()
+        op.app.screen.post_message(event)
+        await op.settle()
+        assert op.app.screen.query_one(".dialog").region.right <= size.width
+
+
 async def test_under_help_the_palette_is_not_opened_a_second_time() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p", "f1", "ctrl+p")

@@ -33,7 +33,7 @@ KNOWN = {
     "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings _check_bindings",
     "screens/base.py": "_background_screens _compositor _compositor_refresh _dirty_regions "
-    "_dirty_widgets _on_resize",
+    "_dirty_widgets",
     "screens/confirm.py": "_bindings",
     "screens/main.py": "_compositor _compositor_refresh _nodes _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
