@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import sysconfig
 from pathlib import Path
 from traceback import StackSummary
+
+# Python itself may be in the home folder, beside the user's files.
+_PYTHON = Path(sysconfig.get_path("stdlib")).resolve()
 
 
 class OwnCode:
@@ -21,17 +25,21 @@ class OwnCode:
             path: The path of the file.
         """
         self._given, self.path = given, path
+        self._known: dict[str, bool] = {}  # As each question takes a look at the disk.
 
     def __str__(self) -> str:
         return self._given
 
     def is_own(self, filename: str) -> bool:
-        """Return whether a path is the file itself, or in its folder and not in site-packages."""
+        """Return whether a path is the file itself, or in its folder and not a part of Python."""
         if not filename:  # Built-in code has none.
             return False
-        path = Path(filename).resolve()
-        beside = self.path.parent in path.parents and "site-packages" not in path.parts
-        return path == self.path or beside
+        if filename not in self._known:
+            path = Path(filename).resolve()
+            is_installed = "site-packages" in path.parts or _PYTHON in path.parents
+            is_beside = self.path.parent in path.parents and not is_installed
+            self._known[filename] = path == self.path or is_beside
+        return self._known[filename]
 
     def display_name(self, filename: str) -> str:
         """Return the name of a file for people: of this file as typed, of others without folder."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import json.decoder
+from pathlib import Path
 
 import pytest
 
+from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.tracebacks import own_frames
 
 
@@ -51,3 +53,10 @@ def test_an_error_that_never_left_the_engine_is_shown_whole() -> None:
     assert error.__traceback__ is not None
     error.__traceback__ = error.__traceback__.tb_next  # without the frame of this test
     assert "decoder.py" in own_frames(error, json)
+
+
+def test_python_itself_is_not_the_users_though_it_be_in_their_folder() -> None:
+    home = Path(json.__file__).resolve().parents[4]
+    code = OwnCode("mine.py", home / "mine.py")
+    assert code.is_own(str(home / "helper.py"))
+    assert not code.is_own(json.__file__)
