@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
+from pathlib import Path
 from typing import IO, Any
 
 from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd
@@ -50,6 +51,7 @@ class ProgramChild(HostedProgram):
                 report = json.loads(line)
                 if "node" in report:
                     self._names.append(report["node"])
+                    self.file.imported.update(map(Path, report["imported"]))
                     self.node_made(report["node"])
                     for printer in printers:
                         printer.name = self.name

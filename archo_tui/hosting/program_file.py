@@ -5,8 +5,11 @@ from __future__ import annotations
 import importlib
 import linecache
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from weakref import WeakSet
 
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
@@ -24,6 +27,7 @@ class ProgramFile:
         path: The path of the file.
         code: Its code, and that of its folder, as messages name it.
         loaded: The stamps of the text that last ran, or could not be compiled.
+        imported: The files of its folder that it has imported, in this run or before.
         source: The text that last ran.
     """
 
@@ -42,9 +46,11 @@ class ProgramFile:
         self.path, self._name = find_file(given)
         self.code = OwnCode(given, self.path)
         self.loaded: Stamps = {}
+        self.imported: set[Path] = set()
         self.source = Source(b"")
         self._compiled = compile("", given, "exec")
         self._has_run = False
+        self._began = 0  # Unix time in nanoseconds at which it was last run.
 
     def __str__(self) -> str:
         return self._given
@@ -59,7 +65,12 @@ class ProgramFile:
 
     def current_stamps(self) -> Stamps:
         """Return the stamps of the file, and of the modules that are imported from its folder."""
-        return stamps({self.path, *map(Path, self._own_modules().values())})
+        self.note_imports()
+        now = stamps({self.path, *self.imported})
+        # What was imported since the start, and was saved before, is as it was loaded.
+        news = {path: stamp for path, stamp in now.items() if stamp[0] <= self._began}
+        self.loaded = {**news, **self.loaded}
+        return now
 
     def compile(self) -> None:
         """Read and compile the text as it is now, without running it.
@@ -67,6 +78,7 @@ class ProgramFile:
         Raises:
             NodeFileError: It cannot be read, or is not Python.
         """
+        self._began = time.time_ns()
         self.loaded = self.current_stamps()
         try:
             text = regular_files.read(self.path)
@@ -77,28 +89,34 @@ class ProgramFile:
         except (SyntaxError, ValueError) as error:  # ValueError: null bytes.
             raise NodeFileError(*explain(error, self.code, self.source)) from None
 
-    def run(self) -> None:
+    def run(self, use_as_main: Callable[[ModuleType], None]) -> None:
         """Run the compiled text in the calling thread, until its `main()` returns.
 
         Modules of its folder are imported anew, but for the first run.
+
+        Args:
+            use_as_main: Lets `sys.modules` have a module as this program's `__main__`.
 
         Raises:
             BaseException: What the text raises.
         """
         if self._has_run:
-            for name in self._own_modules():
+            for name in self.own_modules():
                 sys.modules.pop(name, None)  # Another program of the folder may be faster.
         self._has_run = True
         package = self._name.rpartition(".")[0]
         if package:
             importlib.import_module(package)
-        elif str(self.path.parent) not in sys.path:
-            sys.path.insert(0, str(self.path.parent))  # As `python FILE` does.
+        else:
+            self._import_from_folder()
         importlib.invalidate_caches()
         linecache.checkcache()
-        # Not in sys.modules, whose __main__ is this program.
         module = ModuleType(self._name if self._function else "__main__")
         module.__dict__.update(__file__=str(self.path), __package__=package)
+        if self._function:
+            sys.modules[self._name] = module
+        else:
+            use_as_main(module)
         exec(self._compiled, module.__dict__)
         if self._function:
             function = getattr(module, self._function, None)
@@ -108,17 +126,41 @@ class ProgramFile:
             if code is not None:
                 raise SystemExit(code)  # As the script that an installation makes.
 
+    def _import_from_folder(self) -> None:
+        """Let imports look in the file's folder first, as `python FILE` does.
+
+        A module that a program of another folder has imported may have the name of one here.
+        """
+        folder = self.path.parent
+        sys.path[:] = [str(folder), *(path for path in sys.path if path != str(folder))]
+        for other in _run_files - {self}:
+            other.note_imports()
+            for name, file in other.own_modules().items():
+                beside = folder / name.partition(".")[0]
+                is_here = beside.is_dir() or beside.with_suffix(".py").is_file()
+                if is_here and not self.code.is_own(str(file)):
+                    del sys.modules[name]
+        _run_files.add(self)
+
     def explain(self, error: BaseException) -> tuple[str, str]:
         """Return what an error of the program means in one line, and its traceback."""
         if isinstance(error, ArchoError):
             return str(error), ""
         return explain(error, self.code, self.source)
 
-    def _own_modules(self) -> dict[str, str]:
-        """Return the files of the imported modules that are from the file's folder, by name."""
-        files = {
-            name: getattr(module, "__file__", None) or ""
+    def note_imports(self) -> None:
+        """Add what is imported by now to `imported`."""
+        self.imported.update(self.own_modules().values())
+
+    def own_modules(self) -> dict[str, Path]:
+        """Return the imported modules that are from the file's folder, and their files."""
+        return {
+            name: Path(file)
             for name, module in list(sys.modules.items())
-            if not name.startswith(OURS) and name != "__main__"
+            if not name.startswith(OURS)
+            and name != "__main__"
+            and self.code.is_own(file := getattr(module, "__file__", None) or "")
         }
-        return {name: file for name, file in files.items() if self.code.is_own(file)}
+
+
+_run_files: WeakSet[ProgramFile] = WeakSet()  # That were run as `__main__` in this process.

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 import threading
 import time
 import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from types import ModuleType
 from typing import Any
 
 from rclpy import _process
@@ -29,10 +31,15 @@ class _Process(_process.Process):
         arguments = [str(program.file.path), *program.arguments, *program.ros_args]
         super().__init__(arguments, program.domain_id)
         self._on_node = on_node
+        self.main: ModuleType | None = None
         self.nodes: list[weakref.ref[Node]] = []
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
         self.awaited: weakref.WeakSet[threading.Thread] = weakref.WeakSet()  # As non-daemons.
         self.pools: weakref.WeakSet[ThreadPoolExecutor] = weakref.WeakSet()
+
+    def use_as_main(self, module: ModuleType) -> None:
+        """Let `sys.modules` have a module as `__main__` in the threads of this program."""
+        self.main = module
 
     def add_node(self, node: Node) -> None:
         self.nodes.append(weakref.ref(node))
@@ -47,6 +54,22 @@ class _Process(_process.Process):
         """Return the contexts that it uses."""
         used = {node.context for reference in list(self.nodes) if (node := reference())}
         return used | ({self.default_context} if self.default_context is not None else set())
+
+
+class _MainModule(ModuleType):
+    """The `__main__` of `sys.modules`: in each program's threads the module of that program.
+
+    Dataclasses with postponed annotations look for their module there, and so does pickle.
+    """
+
+    def __init__(self, original: ModuleType) -> None:
+        super().__init__("__main__")
+        object.__setattr__(self, "_original", original)
+
+    def __getattribute__(self, name: str) -> Any:
+        process = _process.current()
+        main = process.main if isinstance(process, _Process) else None
+        return getattr(main or object.__getattribute__(self, "_original"), name)
 
 
 class _MainThread(threading.Thread):
@@ -98,7 +121,7 @@ class ProgramThread(HostedProgram):
 
     def _run_main(self) -> ProgramEnd:
         try:
-            self.file.run()
+            self.file.run(self._process.use_as_main)
         except SystemExit as error:
             code, text = exit_code(error)
             return ProgramEnd(code, f"{self.file}: {text}" if text else "")
@@ -184,6 +207,7 @@ def install() -> Callable[[], None]:
         A function that restores Python's own behaviour.
     """
     start, hook = threading.Thread.start, threading.excepthook
+    main = sys.modules["__main__"]
     make_pool = ThreadPoolExecutor.__init__
 
     def start_in_program(self: threading.Thread) -> None:
@@ -208,8 +232,10 @@ def install() -> Callable[[], None]:
     def uninstall() -> None:
         threading.Thread.start, threading.excepthook = start, hook  # type: ignore[method-assign]
         ThreadPoolExecutor.__init__ = make_pool  # type: ignore[method-assign]
+        sys.modules["__main__"] = main
 
     threading.Thread.start = start_in_program  # type: ignore[method-assign]
     threading.excepthook = hook_of_program
+    sys.modules["__main__"] = _MainModule(main)
     ThreadPoolExecutor.__init__ = make_pool_in_program  # type: ignore[method-assign]
     return uninstall

@@ -37,14 +37,15 @@ def main() -> int:
 
     def init(self: Node, *args: Any, **options: Any) -> None:
         original(self, *args, **options)
-        report(node=self.get_fully_qualified_name())
+        imported = [str(path) for path in file.own_modules().values()]
+        report(node=self.get_fully_qualified_name(), imported=imported)
 
+    file = ProgramFile(given)
     Node.__init__ = init  # type: ignore[method-assign]
     sys.argv = sys.argv[2:]
-    file = ProgramFile(given)
     try:
         file.compile()
-        file.run()
+        file.run(lambda module: sys.modules.update(__main__=module))
     except SystemExit as error:
         code, text = exit_code(error)
         if text:

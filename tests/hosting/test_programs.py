@@ -202,6 +202,43 @@ def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
         assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
 
 
+BESIDE = """
+from __future__ import annotations
+from dataclasses import dataclass, fields
+from typing import ClassVar
+import rclpy
+
+
+@dataclass
+class Place:
+    x: int = 0
+    unit: ClassVar[str] = "m"
+
+
+import words
+
+rclpy.init()
+node = rclpy.create_node(words.NAME)
+with open("said.txt", "a") as file:
+    print(words.NAME, *[field.name for field in fields(Place)], file=file)
+rclpy.spin(node)
+"""
+
+
+def test_a_module_beside_a_program_is_its_own_and_restarts_it_when_saved() -> None:
+    for folder in ("north", "south"):
+        Path(folder).mkdir()
+        written(f"{folder}/words.py", f"NAME = '{folder}'\n")
+        written(f"{folder}/mine.py", BESIDE)
+    with running(Path("north/mine.py"), Path("south/mine.py")) as session:
+        wait_until(lambda: said() == ["north", "x", "south", "x"])
+        written("north/words.py", "NAME = 'northern'\n")
+        wait_until(lambda: said()[4:] == ["northern", "x"])
+        wait_until(lambda: "mine.py was saved: /north restarted" in texts(session))
+        # An import is no save.
+        assert sum("was saved" in text for text in texts(session)) == 1
+
+
 def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
     with running(talker(), only=False) as session:
         wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
