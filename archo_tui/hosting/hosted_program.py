@@ -67,6 +67,7 @@ class HostedProgram(ABC):
         state: How it is doing.
         crash: `FILE:LINE` and the error after a crash; "" otherwise.
         has_name: True once it has made a node.
+        was_refused: True if it was ended at its first node, since a STOP was not released by then.
         served: The full names of the services and actions that it was last known to serve.
     """
 
@@ -92,7 +93,8 @@ class HostedProgram(ABC):
         name, file = program.name or f"/{program.file.path.stem}", program.file
         self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
         self.crash = ""
-        self.has_name = False
+        self.has_name = self.was_refused = False
+        self._has_node = False  # In this run.
         self.served: tuple[str, ...] = ()
         self._stopping = threading.Event()
         self._thread = self.thread_class(target=self._run, name=name, daemon=True)
@@ -150,6 +152,7 @@ class HostedProgram(ABC):
             return
         while True:
             self.state = self.state._replace(life=Life.UP, error="", traceback="")
+            self._has_node = self.was_refused = False
             self._take_end(self.run_once())
             delay = self.program.respawn_delay
             if delay is None or not self._may_run_after(max(delay, LEAST_RESPAWN_DELAY)):
@@ -170,6 +173,10 @@ class HostedProgram(ABC):
         if self._stopping.is_set():
             self.state = self.state._replace(name=name, life=Life.STOPPED, error="")
             return
+        if self.was_refused:
+            self.state = self.state._replace(name=name, life=Life.STOPPED, error="")
+            self._on_end(self)
+            return
         self.crash = end.error
         error = without_file_name(self.file, end.error) or f"exit code {end.code}"
         if end.code == 0:
@@ -180,17 +187,31 @@ class HostedProgram(ABC):
             )
         self._on_end(self)
 
-    def node_made(self, name: str) -> None:
+    def accept_node(self, name: str) -> bool:
         """Take note of a node that it makes, whose name the program has from then on.
+
+        A STOP that was sent since the program was started has not reached its nodes. So it may go
+        on only if there is none when its first node is made: before that it moves nothing.
 
         Args:
             name: The full name of the node.
+
+        Returns:
+            False if the program must end instead.
         """
+        if not self._has_node and not self._may_run():
+            self.was_refused = True
+            return False
         if not self.has_name:
             self.has_name = True
             self.state = self.state._replace(name=name)
             self._thread.name = name  # By which its output is known.
         self._on_node(self, name)
+        if not self._has_node and not self._may_run():  # The robot's own node held it, and is gone.
+            self.was_refused = True
+            return False
+        self._has_node = True
+        return True
 
     def begin_to_stop(self) -> None:
         """Ask it to end as Ctrl-C does, without waiting for it."""

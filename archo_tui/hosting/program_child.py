@@ -36,7 +36,7 @@ class ProgramChild(HostedProgram):
         with self._lock:
             if self.is_stopping:
                 return ProgramEnd(0)
-            process, reports = self._started()
+            process, reports, answers = self._started()
             self._process = process
         streams = [process.stdout, process.stderr]
         printers = [
@@ -46,15 +46,18 @@ class ProgramChild(HostedProgram):
         for printer in printers:
             printer.start()
         end: dict[str, Any] = {}
-        with reports:
+        with reports, answers:
             for line in reports:
                 report = json.loads(line)
                 if "node" in report:
-                    self._names.append(report["node"])
                     self.file.imported.update(map(Path, report["imported"]))
-                    self.node_made(report["node"])
+                    may_go_on = self.accept_node(report["node"])
+                    if may_go_on:
+                        self._names.append(report["node"])
                     for printer in printers:
                         printer.name = self.name
+                    with contextlib.suppress(BrokenPipeError):  # It has ended by now.
+                        print(json.dumps(may_go_on), file=answers, flush=True)
                 else:
                     end = report
         code = process.wait()
@@ -65,13 +68,14 @@ class ProgramChild(HostedProgram):
             end = {"error": f"{self.file}: ended by {signal.Signals(-code).name}"}
         return ProgramEnd(code, end.get("error", ""), end.get("traceback", ""))
 
-    def _started(self) -> tuple[subprocess.Popen[str], IO[str]]:
-        """Start the process; return it, and the stream of its reports."""
+    def _started(self) -> tuple[subprocess.Popen[str], IO[str], IO[str]]:
+        """Start the process; return it, the stream of its reports, and that of the answers."""
         receiver, sender = os.pipe()
+        heard, answerer = os.pipe()
         environment = dict(os.environ)
         if self.program.domain_id is not None:
             environment["ROS_DOMAIN_ID"] = str(self.program.domain_id)
-        runner = [sys.executable, "-m", "archo_tui.hosting.run_program", str(sender)]
+        runner = [sys.executable, "-m", "archo_tui.hosting.run_program", str(sender), str(heard)]
         try:
             process = subprocess.Popen(
                 [*runner, str(self.file), *self.program.arguments, *self.program.ros_args],
@@ -81,12 +85,14 @@ class ProgramChild(HostedProgram):
                 text=True,
                 errors="replace",
                 env=environment | {"PYTHONUNBUFFERED": "1"},
-                pass_fds=[sender],
+                pass_fds=[sender, heard],
                 start_new_session=True,  # Ctrl-C at the terminal is the console's.
             )
         finally:
             os.close(sender)
-        return process, os.fdopen(receiver, encoding="utf-8", errors="replace")
+            os.close(heard)
+        reports = os.fdopen(receiver, encoding="utf-8", errors="replace")
+        return process, reports, os.fdopen(answerer, "w", encoding="utf-8")
 
     def node_names(self) -> tuple[str, ...]:
         return tuple(self._names)

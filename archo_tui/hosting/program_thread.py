@@ -27,10 +27,10 @@ _OWN_END = 0.2  # Seconds in which its threads end by themselves once its contex
 class _Process(_process.Process):
     """The state of rclpy of one program, with its nodes."""
 
-    def __init__(self, program: Program, on_node: Callable[[str], None]) -> None:
+    def __init__(self, program: Program, accept_node: Callable[[str], bool]) -> None:
         arguments = [str(program.file.path), *program.arguments, *program.ros_args]
         super().__init__(arguments, program.domain_id)
-        self._on_node = on_node
+        self._accept_node = accept_node
         self.main: ModuleType | None = None
         self.nodes: list[weakref.ref[Node]] = []
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
@@ -43,7 +43,8 @@ class _Process(_process.Process):
 
     def add_node(self, node: Node) -> None:
         self.nodes.append(weakref.ref(node))
-        self._on_node(node.get_fully_qualified_name())
+        if not self._accept_node(node.get_fully_qualified_name()):
+            raise KeyboardInterrupt
 
     def living_nodes(self) -> list[Node]:
         """Return its nodes that are on the graph."""
@@ -97,7 +98,7 @@ class ProgramThread(HostedProgram):
         self._serves: tuple[str, ...] = ()
 
     def _new_process(self) -> _Process:
-        return _Process(self.program, self.node_made)
+        return _Process(self.program, self.accept_node)
 
     def again(self) -> ProgramThread:
         return ProgramThread(self.program, self._on_end, self._on_node, self._may_run)

@@ -73,10 +73,13 @@ class Programs:
         if hosted is self._adding and state.life is Life.CRASHED and not hosted.has_name:
             return
         self._on_gone(hosted.served)
-        if state.life is Life.CRASHED:
+        file = hosted.file.path.name
+        if hosted.was_refused:
+            self._on_event("WARN", state.name.lstrip("/"), f"{file} {_BEHIND_STOP}")
+        elif state.life is Life.CRASHED:
             self._on_event("ERROR", state.name.lstrip("/"), f"crashed: {state.error}")
         else:
-            self._on_event("INFO", state.name.lstrip("/"), f"{hosted.file.path.name} has ended")
+            self._on_event("INFO", state.name.lstrip("/"), f"{file} has ended")
 
     def states(self) -> tuple[Hosted, ...]:
         """Return how each program is doing, once for each of its nodes."""

@@ -1,7 +1,8 @@
-"""The child process of a program on ROS 2: `python -m archo_tui.hosting.run_program FD FILE ...`.
+"""The child process of a program on ROS 2: `... run_program REPORTS ANSWERS FILE ...`.
 
 It runs the file as `python FILE ...` does, and reports on a file descriptor, a JSON object a line:
-each node that is made, and what the file raised.
+each node that is made, and what the file raised. On another one it is answered whether it may go on
+with that node.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ _GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
 
 def main() -> int:
     """Run the file of the command line, and return its exit code."""
-    descriptor, given = int(sys.argv[1]), sys.argv[2]
+    descriptor, answerer, given = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     os.set_inheritable(descriptor, False)
+    os.set_inheritable(answerer, False)
+    answers, asking = os.fdopen(answerer, encoding="utf-8"), threading.Lock()
     threading.Thread(target=_end_with_console, args=(descriptor,), daemon=True).start()
     from rclpy.node import Node
 
@@ -38,11 +41,14 @@ def main() -> int:
     def init(self: Node, *args: Any, **options: Any) -> None:
         original(self, *args, **options)
         imported = [str(path) for path in file.own_modules().values()]
-        report(node=self.get_fully_qualified_name(), imported=imported)
+        with asking:
+            report(node=self.get_fully_qualified_name(), imported=imported)
+            if answers.readline().strip() != "true":
+                raise KeyboardInterrupt  # A STOP is not released.
 
     file = ProgramFile(given)
     Node.__init__ = init  # type: ignore[method-assign]
-    sys.argv = sys.argv[2:]
+    sys.argv = sys.argv[3:]
     try:
         file.compile()
         file.run(lambda module: sys.modules.update(__main__=module))

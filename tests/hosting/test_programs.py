@@ -252,6 +252,32 @@ def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
         assert said() == ["made", "interrupted", "left"]
 
 
+WAITS = """
+import time
+from pathlib import Path
+
+while not Path("go").exists():
+    time.sleep(0.02)
+"""
+
+
+def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 0.2)
+    late = written("late.py", WAITS + TALKER.replace("{word}", "made"))
+    with running(late, only=False) as session:
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        refused = "late.py is not started behind a STOP that is not released: release it first"
+        wait_until(lambda: refused in texts(session))
+        assert life(session, "/late") is Life.STOPPED
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        assert session.host.start_node("/late").ok
+        wait_until(lambda: said() == ["made"])
+
+
 def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
     text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
     with running(written("mine.py", text), only=False) as session:
