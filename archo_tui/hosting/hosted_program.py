@@ -16,6 +16,7 @@ from archo_tui.hosting.time_limit import Interrupted
 from archo_tui.robot.state import Hosted, Life
 
 JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
+KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.
 LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no flood.
 
 
@@ -150,7 +151,7 @@ class HostedProgram(ABC):
     def _run_and_respawn(self) -> None:
         if self.program.start_delay > 0 and not self._may_run_after(self.program.start_delay):
             return
-        while True:
+        while not self._stopping.is_set():
             self.state = self.state._replace(life=Life.UP, error="", traceback="")
             self._has_node = self.was_refused = False
             self._take_end(self.run_once())
@@ -221,21 +222,28 @@ class HostedProgram(ABC):
         if self._thread.is_alive():
             self.interrupt()
 
-    def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
+    def join(self, timeout: float) -> bool:
+        """Wait until it has ended, at most that many seconds, and return whether it has."""
+        if self._thread.ident is not None:
+            self._thread.join(max(timeout, 0.0))
+        return not self._thread.is_alive()
+
+    def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
         """End it.
 
         Args:
             timeout: Seconds to wait before it is ended by force.
+            kill_timeout: Seconds to wait after that.
 
         Returns:
             False if it did not end; it is marked as stuck then.
         """
         self.begin_to_stop()
-        if self._thread.ident is not None:
-            self._thread.join(timeout)
-        if self._thread.is_alive() and not self.kill():
-            self.state = self.state._replace(name=self.name, life=Life.STUCK)
-            return False
+        if not self.join(timeout):
+            self.force_end()
+            if not self.join(kill_timeout):
+                self.state = self.state._replace(name=self.name, life=Life.STUCK)
+                return False
         self.release()
         if self.state.life is not Life.CRASHED:
             self.state = self.state._replace(name=self.name, life=Life.STOPPED, error="")
@@ -262,8 +270,8 @@ class HostedProgram(ABC):
         """Do to it what Ctrl-C does. Any thread; it may be called again."""
 
     @abstractmethod
-    def kill(self) -> bool:
-        """End it by force, and return whether it has ended within half a second."""
+    def force_end(self) -> None:
+        """End it by force if it runs, without waiting. Any thread."""
 
     def release(self) -> None:  # noqa: B027
         """Take off the graph what is left of it there, once it has ended."""

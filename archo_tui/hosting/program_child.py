@@ -16,8 +16,6 @@ from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
 
-_KILL_TIMEOUT = 0.5  # Seconds that the system may take to end a process that is killed.
-
 
 class ProgramChild(HostedProgram):
     """A program in a child process, without a standard input."""
@@ -43,6 +41,7 @@ class ProgramChild(HostedProgram):
             threading.Thread(target=_write_lines, args=(stream,), name=self.name, daemon=True)
             for stream in streams
         ]
+        threading.Thread(target=_end_group, args=(process,), daemon=True).start()
         for printer in printers:
             printer.start()
         end: dict[str, Any] = {}
@@ -106,15 +105,20 @@ class ProgramChild(HostedProgram):
     def interrupt(self) -> None:
         self._signal(signal.SIGINT)
 
-    def kill(self) -> bool:
+    def force_end(self) -> None:
         self._signal(signal.SIGKILL)
-        self._thread.join(_KILL_TIMEOUT)
-        return not self._thread.is_alive()
 
     def _signal(self, number: int) -> None:
         with self._lock, contextlib.suppress(ProcessLookupError):
-            if self._process is not None and self._process.poll() is None:
+            if self._process is not None and self._process.returncode is None:
                 os.killpg(self._process.pid, number)  # What it has started in its turn, too.
+
+
+def _end_group(process: subprocess.Popen[str]) -> None:
+    """Wait until a program has ended, and end what it has started: that may have its output."""
+    process.wait()
+    with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
+        os.killpg(process.pid, signal.SIGKILL)
 
 
 def _write_lines(stream: IO[str]) -> None:

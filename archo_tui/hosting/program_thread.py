@@ -18,7 +18,7 @@ from rclpy.node import Node
 
 from archo_tui.hosting.hosted_node import destroy, served_names, waits_for_others
 from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd, exit_code
-from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in
+from archo_tui.hosting.time_limit import Interrupted, raise_in
 
 _SERVES_PERIOD = 1.0  # Seconds for which the names of what it serves are kept.
 _OWN_END = 0.2  # Seconds in which its threads end by themselves once its contexts are shut down.
@@ -185,10 +185,11 @@ class ProgramThread(HostedProgram):
     def release(self) -> None:
         self._clean_up()
 
-    def kill(self) -> bool:
-        self._clean_up()
-        others = self._other_threads()
-        return all([interrupt(thread) for thread in (*others, self._thread)])
+    def force_end(self) -> None:
+        if self._thread.is_alive():
+            self._clean_up()
+            for thread in (*self._other_threads(), self._thread):
+                raise_in(thread)
 
 
 def _adopt(thread: threading.Thread, process: _Process) -> None:

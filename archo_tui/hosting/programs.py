@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 
-from archo_tui.hosting.hosted_program import HostedProgram, Program
+from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Program
 from archo_tui.hosting.node_files import NodeFileError
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.robot.outcome import Code, Outcome
@@ -43,6 +44,7 @@ class Programs:
         self._on_node, self._has_stop = on_node, has_stop
         self._changing = threading.Lock()
         self._hosted: list[HostedProgram] = []
+        self._is_over = False  # Set when the console ends: nothing is begun any more.
         self._adding: HostedProgram | None = None  # Whose early crash `add` raises.
 
     def add(self, program: Program) -> None:
@@ -157,11 +159,14 @@ class Programs:
             NodeFileError: Its text is not Python.
         """
         new = self._new(old.program)
-        new.begin()
+        new.file.compile()
         self._hosted[self._hosted.index(old)] = new
+        if not self._is_over:
+            new.begin()
 
     def begin_to_end(self) -> None:
         """Ask all of them to end, without waiting."""
+        self._is_over = True
         for hosted in self._hosted:
             hosted.begin_to_stop()
 
@@ -174,4 +179,9 @@ class Programs:
         Returns:
             The names of those that did not end.
         """
-        return [h.name for h in self._hosted if not h.stop(max(seconds(), 0.0))]
+        for hosted in self._hosted:
+            hosted.join(seconds())
+        for hosted in self._hosted:
+            hosted.force_end()
+        end = time.monotonic() + KILL_TIMEOUT
+        return [h.name for h in self._hosted if not h.stop(0.0, end - time.monotonic())]

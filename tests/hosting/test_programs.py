@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -407,7 +408,7 @@ while not Path("end").exists():
 
 def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 0.2)
-    monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3,))
+    monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3, 0.5))
     with running(written("sleeper.py", SLEEPS)) as session:
         wait_until(lambda: "/sleeper" in states(session))
         outcome = session.host.stop_node("/sleeper")
@@ -421,6 +422,39 @@ def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.Monke
         program = session.host.programs.find("/sleeper")
         assert program is not None
         wait_until(lambda: not program._thread.is_alive())
+
+
+def test_many_programs_that_do_not_end_take_no_longer_than_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 0.1)
+    names = [f"sleeper_{number}" for number in range(6)]
+    files = [written(f"{n}.py", SLEEPS.replace("sleeper", n)) for n in names]
+    with running(*files) as session:
+        wait_until(lambda: {f"/{name}" for name in names} == states(session).keys())
+        began = time.monotonic()
+        session.host.stop()
+        assert time.monotonic() - began < 2.3
+        written("end", "")
+        programs = [session.host.programs.find(f"/{name}") for name in names]
+        wait_until(lambda: not any(p._thread.is_alive() for p in programs if p is not None))
+
+
+LEAVES = """
+import subprocess
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("parent")
+subprocess.Popen(["sleep", "1000"])
+"""
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
+def test_what_a_program_has_started_ends_with_it() -> None:
+    with running(written("parent.py", LEAVES)) as session:
+        # All that has its standard output has ended by then.
+        wait_until(lambda: life(session, "/parent") is Life.ENDED)
 
 
 def _nodes(session: Session) -> list[Any]:
