@@ -62,7 +62,9 @@ def reason_of(error: BaseException) -> str:
 
     Fast DDS reports the two types as an incompatible type or an invalid allocator.
     """
-    text = (str(error).splitlines() or [""])[0]
+    text = ""
+    with contextlib.suppress(Exception):  # A __str__ of the user's own may fail, too.
+        text = (str(error).splitlines() or [""])[0]
     if any(sign in text for sign in _TWO_TYPES):
         return f"{text.partition(':')[0]}: {_ONE_TYPE}"
     return text

@@ -17,6 +17,12 @@ from archo_tui.safe_text import safe
 _PERIOD = 1.0  # Seconds in which each node may print _MAX_LINES lines.
 _MAX_LINES = 50
 _MAX_LENGTH = 10_000  # Characters of a line.
+_OWNER = "owner of output"  # Of a thread's attributes.
+
+
+def share_output(thread: threading.Thread, owner: threading.Thread) -> None:
+    """Let what a thread prints be known by the name of another thread, and counted with its."""
+    vars(thread)[_OWNER] = owner
 
 
 @dataclass
@@ -82,7 +88,7 @@ class NodeOutput(_Output):
         thread = threading.current_thread()
         if thread is threading.main_thread():
             return self._stream.write(text)
-        name = thread.name
+        name = vars(thread).get(_OWNER, thread).name
         with self._lock:
             lines = self._lines(name, text)
         for line in lines:

@@ -18,6 +18,7 @@ from rclpy.node import Node
 
 from archo_tui.hosting.hosted_node import destroy, served_names, waits_for_others
 from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd, exit_code
+from archo_tui.hosting.node_output import share_output
 from archo_tui.hosting.time_limit import Interrupted, raise_in
 
 _SERVES_PERIOD = 1.0  # Seconds for which the names of what it serves are kept.
@@ -31,6 +32,7 @@ class _Process(_process.Process):
         arguments = [str(program.file.path), *program.arguments, *program.ros_args]
         super().__init__(arguments, program.domain_id)
         self._accept_node = accept_node
+        self.main_thread = threading.current_thread()
         self.main: ModuleType | None = None
         self.nodes: list[weakref.ref[Node]] = []
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
@@ -216,6 +218,7 @@ def install() -> Callable[[], None]:
         process = _process.current()
         if isinstance(process, _Process):
             _adopt(self, process)
+            share_output(self, process.main_thread)
             if not self.daemon:
                 process.awaited.add(self)
                 self.daemon = True  # The end of the console waits for none.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import io
 import os
 import signal
@@ -10,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -341,6 +343,53 @@ def test_a_program_lasts_as_long_as_the_threads_that_it_started() -> None:
         wait_until(lambda: life(session, "/late") is Life.ENDED)
         assert [word for word in said() if word != "made"] == ["over", "shut"]
         assert life(session) is Life.UP
+
+
+THREADS = """
+import threading
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("printer")
+threading.Thread(target=print, args=("hello from a thread",)).start()
+rclpy.spin(node)
+"""
+
+
+def test_what_a_thread_of_a_program_prints_is_said_by_the_program() -> None:
+    with running(written("printer.py", THREADS)) as session:
+        said = ("printer stdout", "hello from a thread")
+        wait_until(lambda: said in [(e.source, e.text) for e in session.robot.snapshot.events])
+
+
+ODD = """
+import rclpy
+
+
+class Odd(Exception):
+    def __str__(self):
+        raise ValueError
+
+
+rclpy.init()
+node = rclpy.create_node("odd")
+raise Odd
+"""
+
+
+def test_an_error_that_has_no_text_is_a_crash_all_the_same() -> None:
+    with running(written("odd.py", ODD)) as session:
+        wait_until(lambda: life(session, "/odd") is Life.CRASHED)
+        assert states(session)["/odd"].error == "line 12: Odd, in: raise Odd"
+
+
+def test_nothing_of_an_ended_run_is_kept() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: "/talker" in states(session))
+        first = weakref.ref(session.host.programs.find("/talker"))
+        assert session.host.stop_node("/talker").ok
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: gc.collect() >= 0 and first() is None)
 
 
 POOL = """

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -36,14 +35,15 @@ class Process:
 
 
 main = Process()  # Of all threads that belong to no program.
-_of_threads: WeakKeyDictionary[threading.Thread, Process] = WeakKeyDictionary()
+_KEY = "process of rclpy"  # Of a thread's attributes, so that the process ends with its threads.
 
 
 def current() -> Process:
     """Return the state of the program that the calling thread belongs to."""
-    return _of_threads.get(threading.current_thread(), main)
+    found: Process = vars(threading.current_thread()).get(_KEY, main)
+    return found
 
 
 def adopt(thread: threading.Thread, process: Process) -> None:
     """Let a thread belong to a program."""
-    _of_threads[thread] = process
+    vars(thread)[_KEY] = process
