@@ -71,10 +71,13 @@ async def _play(console: Console, recording: Recording, dialog: RecordingList) -
     except Exception as error:  # A damaged file may raise anything; the live console goes on.
         said = f"{recording.name}: {in_one_line(error)}"
     else:
-        if not dialog.has_left:  # The operator has not closed it meanwhile.
+        if dialog.has_left:  # The operator has closed it meanwhile.
+            return
+        if dialog.is_active:
             dialog.dismiss()
             console.begin_replay(player)
-        return
+            return
+        said = "another dialog was opened meanwhile"
     console.report_failure(Outcome(Code.REFUSED, f"not played: {said}"))
 
 

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
+import pytest
+
+from archo_tui.commands import recordings
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.replay import ReplayScreen
 from tests.replay.recorded import written
@@ -27,12 +33,16 @@ async def recorded(*ros_args: str, size: tuple[int, int] = (120, 36)) -> AsyncIt
         yield op
 
 
-async def play(op: Console) -> None:
-    """Choose the newest recording in the list of the palette."""
+async def list_recordings(op: Console) -> None:
     await op.press("ctrl+p")
     await op.type("list the recordings")
     await op.press("enter")
     await op.until("enter play")
+
+
+async def play(op: Console) -> None:
+    """Choose the newest recording in the list of the palette."""
+    await list_recordings(op)
     await op.press("enter")
     await op.until("REPLAY 20")
 
@@ -180,6 +190,30 @@ async def test_ctrl_q_in_a_dialog_of_a_replay_asks_at_the_live_robot() -> None:
         await op.press("question_mark", "ctrl+q")
         await op.until("The robot is on its way to shelf 12")
         assert "REPLAY" not in op.text
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+
+async def test_no_replay_opens_over_a_dialog_that_was_opened_after_enter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    is_read = asyncio.Event()
+
+    async def slow(work: Any, *arguments: Any) -> Any:
+        if work is recordings._open:
+            await is_read.wait()
+        return await in_daemon(work, *arguments)
+
+    monkeypatch.setattr(recordings, "in_daemon", slow)
+    async with recorded() as op:
+        for _ in range(2):  # The second list lies over the first.
+            await list_recordings(op)
+            await op.press("enter")
+        is_read.set()
+        await op.until("REPLAY 20")
+        assert "not played: another dialog was opened meanwhile" in op.text
+        await op.press("q")
+        await op.until("enter play")
         await op.press("escape")
         assert op.app.screen is op.app.main
 
