@@ -162,6 +162,10 @@ class MainScreen(Base[None]):
         # No person has moved the focus there, so a list shows no cursor yet.
         self.set_focus(self._focused_last, scroll_visible=False)
 
+    def on_unmount(self) -> None:
+        # Textual keeps what it calls for a screen, and by that the screen.
+        self.app.theme_changed_signal.unsubscribe(self)
+
     @property
     def _first_field(self) -> Widget | None:
         """The field of the goal if it has the focus at first, or None."""

@@ -85,6 +85,10 @@ class AnswerRequest(Dialog[None]):
         self._show_request()
         self.app.app_resume_signal.subscribe(self, lambda _: self._restart_reading())
 
+    def on_unmount(self) -> None:
+        # Textual keeps what it calls for a screen, and by that the screen.
+        self.app.app_resume_signal.unsubscribe(self)
+
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Restart the time for reading: the dialog is in front, at first or again."""
         self._restart_reading()

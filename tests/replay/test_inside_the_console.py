@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import pytest
 
 from archo_tui.commands import recordings
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.replay.player import Player
+from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.replay import ReplayScreen
 from tests.replay.recorded import written
@@ -180,6 +184,21 @@ async def test_a_second_replay_follows_the_first() -> None:
             assert "List the recordings" not in op.text
             await op.press("escape", "q")
             assert op.app.screen is op.app.main
+
+
+async def test_recordings_that_were_played_do_not_stay_in_memory() -> None:
+    async with recorded() as op:
+        players: WeakSet[Player] = WeakSet()
+        for _ in range(4):
+            await play(op)
+            assert op.app.replay is not None
+            station = op.app.replay.station
+            assert isinstance(station, RecordedStation)
+            players.add(station.player)
+            del station
+            await op.press("q")
+        gc.collect()
+        assert len(players) <= 1  # Of the last one, Textual may still hold something.
 
 
 async def test_ctrl_q_in_a_dialog_of_a_replay_asks_at_the_live_robot() -> None:
