@@ -263,7 +263,7 @@ FAULTS = [
     Fault("hosting/host.py", "                self._restore_parameters(new)", "                pass", "tests/hosting/test_reloading.py"),
     Fault("hosting/hosted_node.py", "        except BaseException as error:  # SystemExit", "        except Exception as error:  # SystemExit", "tests/hosting/test_reloading.py"),
     Fault("station/history.py", "None if battery.is_old(now) else battery.percentage", "battery.percentage", "tests/station/test_history.py"),
-    Fault("screens/base.py", "event if event.size == size else Resize(size, size)", "event", CONSOLE + "/test_unlucky_moments.py"),
+    Fault("screens/base.py", "Resize(size, size) if isinstance(event, Resize) else event", "event", "tests/console/test_unlucky_moments.py"),
     Fault("screens/base.py", "return (None, None) if is_removed else", "return", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/dismissable.py", " if self.is_active else AwaitComplete()", "", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/dismissable.py", "        if self._result is not None:\n            self.dismiss()", "        pass", CONSOLE + "/test_keys.py"),
