@@ -116,6 +116,7 @@ class Robot:
         self._clock = clock
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
+        message_classes.load_all(file)
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
             own_name(), on_message, masks, context=context, start_parameter_services=False

@@ -9,7 +9,6 @@ from archo_tui.robot.period import Period
 from archo_tui.robot.state import Diagnostic, DiagnosticLevel
 from archo_tui.safe_text import harmless
 
-TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 _MOST = 1000  # Names that are kept; a publisher of ever new names must not fill the memory.
 # The constants of diagnostic_msgs/msg/DiagnosticStatus.
 _LEVELS = dict(enumerate(DiagnosticLevel))

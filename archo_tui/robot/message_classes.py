@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot_file.known_types import DIAGNOSTICS
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import KINDS, InterfaceType, base_name, package_of, parse_type
 
 EMPTY = "structure_needs_at_least_one_member"  # The field that rosidl adds to an empty message.
@@ -30,6 +32,24 @@ def load(type_name: str) -> Any:
         return getattr(importlib.import_module(module), parts.name)
     except (ImportError, AttributeError, ValueError):
         return None
+
+
+def load_all(file: RobotFile) -> None:
+    """Load the classes that a robot file names, and those that a STOP or a command usually has.
+
+    The first import of a package takes long where the disk is slow. On the ROS thread a STOP would
+    wait for it. The services of a file have their types on the graph only: most are of `std_srvs`,
+    or of a package that has an action of the robot, too.
+    """
+    topics = [file.battery, file.motion, file.pose]
+    types = {kind for topic in topics if topic is not None for kind in topic.types}
+    types |= {gauge.type for gauge in file.gauges} | {goal.type for goal in file.goals}
+    if file.diagnostics:
+        types.add(DIAGNOSTICS)
+    for name in types:
+        load(name)
+    for package in {"std_srvs", *(package_of(goal.type) for goal in file.goals)}:
+        load(f"{package}/srv/Trigger")  # And with it all of the services.
 
 
 def _is_interfaces(package: str) -> bool:

@@ -9,13 +9,13 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.robot import diagnostics
 from archo_tui.robot.diagnostics import Diagnostics
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import Period
 from archo_tui.robot.reading_subscriptions import News, Reader, ReadingSubscriptions
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
 from archo_tui.safe_text import harmless
 
@@ -118,7 +118,7 @@ class Telemetry:
             types = {kind: _named_fields(fields) for kind, fields in pose.types.items()}
             yield Reader("pose", pose.topic, types, self._on_pose)
         if topic := self._robot.diagnostics:
-            yield Reader("diagnostics", topic, {diagnostics.TYPE: {}}, self._on_diagnostics)
+            yield Reader("diagnostics", topic, {DIAGNOSTICS: {}}, self._on_diagnostics)
         for place, gauge in enumerate(self._robot.gauges):
             types = {gauge.type: {"value": gauge.field}}
             yield Reader(place, gauge.topic, types, partial(self._on_gauge, place))

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import sys
+import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from archo_tui.robot import message_classes
+from archo_tui.session import _robots_nodes
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
 
 
 @pytest.mark.parametrize(
@@ -27,3 +32,26 @@ def test_a_module_that_is_no_package_of_interfaces_is_not_imported(
 def test_interfaces_are_found_by_their_names() -> None:
     assert message_classes.load("std_msgs/msg/String").__name__ == "String"
     assert message_classes.load("archo_interfaces/action/MoveToShelf").__name__ == "MoveToShelf"
+
+
+async def test_a_class_of_the_robot_file_is_loaded_before_the_ros_thread_needs_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a slow disk the first import takes long, and a STOP would wait for it."""
+    loaded: list[tuple[str, str]] = []
+    load = message_classes.load
+
+    def noted(type_name: str) -> Any:
+        loaded.append((threading.current_thread().name, type_name))
+        return load(type_name)
+
+    monkeypatch.setattr(message_classes, "load", noted)
+    async with robot(*_robots_nodes(False).values()) as it:
+        await until(lambda: it.snapshot.battery.percentage is not None)
+        assert (await ended(it.emergency_stop())).ok
+    # A module has all the messages, services or actions of its package.
+    modules = [(thread, name.rpartition("/")[0]) for thread, name in loaded]
+    on_ros_thread = {module for thread, module in modules if thread == "archo-client"}
+    before = {module for thread, module in modules if thread == threading.main_thread().name}
+    assert on_ros_thread
+    assert on_ros_thread <= before
