@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
+    from archo_tui.hosting.package_shares import PackageShares
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.console_recorder import ConsoleRecorder
     from archo_tui.remote.request_handler import RequestHandler
@@ -54,6 +55,7 @@ class Session:
     host: Host
     box: BlackBox
     _console_recorder: ConsoleRecorder
+    _shares: PackageShares | None = None
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
@@ -73,8 +75,11 @@ class Session:
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
         self._launch_file = self._launched()
-        self._node_names, workspace_folders = found_in_workspaces(options.node_files)
-        interfaces = self._activate(workspace_folders)
+        found = found_in_workspaces(options.node_files)
+        self._node_names, self._workspaces = found.names, found.workspaces
+        if self._launch_file is not None:
+            self._workspaces.append(self._launch_file.workspace)
+        interfaces = self._activate(found.interfaces)
         # It imports rclpy, so the engine must have been activated.
         from archo_tui.rclpy_context import RclpyContext
 
@@ -208,6 +213,7 @@ class Session:
             robot.own_nodes = self.host.names
             self._node_files = [NodeFile(given) for given in self._node_names]
             self._programs = self._own_programs()
+            self._shares = self._package_shares()
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._undo_init()
@@ -219,6 +225,14 @@ class Session:
         except BaseException:
             self._undo_init()
             raise
+
+    def _package_shares(self) -> PackageShares | None:
+        """Let the nodes of a workspace find the files of its packages."""
+        if not self._workspaces:
+            return None
+        from archo_tui.hosting.package_shares import PackageShares
+
+        return PackageShares(self._workspaces)
 
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
         from archo_tui.recording.attachments import attachments
@@ -248,8 +262,9 @@ class Session:
             self.host.stop()
         self.journal.close()
         self._rclpy.shutdown()
-        if self._launch_file is not None:
-            self._launch_file.close()
+        for folder in (self._launch_file, self._shares):
+            if folder is not None:
+                folder.close()
 
     def _record_event(self, event: Event) -> None:
         """Give an event to the recorder and to the journal. Called on the robot's thread."""
@@ -400,8 +415,9 @@ class Session:
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
         self._rclpy.shutdown()
-        if self._launch_file is not None:
-            self._launch_file.close()
+        for folder in (self._launch_file, self._shares):
+            if folder is not None:
+                folder.close()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck

@@ -8,11 +8,29 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from archo_tui.errors import ArchoError
 
+if TYPE_CHECKING:
+    from archo_tui.launch.workspace import Workspace
 
-def found_in_workspaces(given: Iterable[Path | str]) -> tuple[list[str], list[Path]]:
+
+class WorkspaceNodes(NamedTuple):
+    """The given node files, with what the given workspaces have in their place.
+
+    Attributes:
+        names: The files, and the dotted names of modules.
+        interfaces: The folders of interface packages.
+        workspaces: The workspaces.
+    """
+
+    names: list[str]
+    interfaces: list[Path]
+    workspaces: list[Workspace]
+
+
+def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
     """Return node files, with the modules of a workspace's executables in its place.
 
     The source folders of the workspace's packages can be imported from afterwards.
@@ -20,14 +38,10 @@ def found_in_workspaces(given: Iterable[Path | str]) -> tuple[list[str], list[Pa
     Args:
         given: Python files, modules by dotted names, and folders of workspaces.
 
-    Returns:
-        The files and the dotted names of modules, and the folders of interface packages.
-
     Raises:
         ArchoError: A folder is no workspace, or no Python package of it has an executable.
     """
-    names: list[str] = []
-    interfaces: list[Path] = []
+    names, interfaces, workspaces = found = WorkspaceNodes([], [], [])
     for item in given:
         if not Path(item).is_dir():
             names.append(str(item))
@@ -35,6 +49,7 @@ def found_in_workspaces(given: Iterable[Path | str]) -> tuple[list[str], list[Pa
         from archo_tui.launch.workspace import Workspace
 
         workspace = Workspace.below(Path(item))
+        workspaces.append(workspace)
         packages = workspace.packages.values()
         points = [point for p in packages for point in workspace.executables(p).values()]
         if not points:
@@ -42,6 +57,6 @@ def found_in_workspaces(given: Iterable[Path | str]) -> tuple[list[str], list[Pa
         for point in points:
             if point.source is not None and str(point.source) not in sys.path:
                 sys.path.insert(0, str(point.source))
-        names += dict.fromkeys(point.module for point in points)
-        interfaces += workspace.interface_packages.values()
-    return names, interfaces
+        names.extend(dict.fromkeys(point.module for point in points))
+        interfaces.extend(workspace.interface_packages.values())
+    return found

@@ -217,6 +217,32 @@ def test_a_workspace_in_the_place_of_a_node_file_is_hosted(workspace: Path) -> N
         assert "/speed" in session._context._graph.topics
 
 
+READS = """
+import rclpy
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("reader")
+    with open(get_package_share_directory("my_robot") + "/config/wheels.yaml") as file:
+        print(file.read().split()[-1])
+    try:
+        get_package_share_directory("my_robt")
+    except PackageNotFoundError as error:
+        print(error)
+    rclpy.spin(node)
+"""
+
+
+def test_a_node_finds_the_files_of_its_package_as_it_runs(workspace: Path) -> None:
+    (workspace / "src/my_robot/my_robot/wheels.py").write_text(READS)
+    with launched(launch_file("wheels()")) as session:
+        wait_until(lambda: "1.5" in texts(session))
+        wait_until(lambda: any("my_robt' not found" in text for text in texts(session)))
+    assert "ament_index_python" not in sys.modules
+
+
 def test_the_arguments_of_a_launch_file_are_printed(
     workspace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,0 +1,82 @@
+"""The `ament_index_python` of a workspace's nodes as they run, where none is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from types import ModuleType
+
+from archo_tui.launch.install_prefix import share_folder
+from archo_tui.launch.workspace import Workspace
+from archo_tui.nearest import nearest_hint
+
+_NAME = "ament_index_python"
+
+
+class PackageNotFoundError(KeyError):
+    """No package has this name."""
+
+
+class PackageShares:
+    """The share folders of the packages of some workspaces, which are made when they are asked for.
+
+    A node may ask for one in any of its threads; it runs the setup.py of the package.
+    """
+
+    def __init__(self, workspaces: Iterable[Workspace]) -> None:
+        """Let imports find the stand-in, until `close`, unless there is a real one."""
+        self._workspaces = list(workspaces)
+        self._prefix: tempfile.TemporaryDirectory[str] | None = None
+        if self._workspaces and importlib.util.find_spec(_NAME) is None:
+            self._prefix = tempfile.TemporaryDirectory(prefix="archo-shares-")
+            for name in (_NAME, f"{_NAME}.packages"):
+                sys.modules[name] = self._module(name)
+
+    def close(self) -> None:
+        """Remove the stand-in and the folders."""
+        if self._prefix is not None:
+            for name in (_NAME, f"{_NAME}.packages"):
+                sys.modules.pop(name, None)
+            self._prefix.cleanup()
+            self._prefix = None
+
+    def _module(self, name: str) -> ModuleType:
+        module = ModuleType(name)
+        module.__dict__.update(
+            PackageNotFoundError=PackageNotFoundError,
+            get_package_prefix=self.get_package_prefix,
+            get_package_share_directory=self.get_package_share_directory,
+            get_package_share_path=self.get_package_share_path,
+            __path__=[],
+            packages=module,
+        )
+        return module
+
+    def get_package_prefix(self, package_name: str) -> str:
+        """Return the install prefix of a package, as ament_index_python does.
+
+        Raises:
+            PackageNotFoundError: There is no such package.
+            ArchoError: Its setup.py has a mistake.
+        """
+        prefix = self._prefix
+        for workspace in self._workspaces if prefix is not None else ():
+            package = workspace.find(package_name)
+            if package is not None and prefix is not None:
+                share_folder(Path(prefix.name), package)
+                return prefix.name
+        known = [name for workspace in self._workspaces for name in workspace.packages]
+        near = nearest_hint(package_name, known)
+        raise PackageNotFoundError(f"package '{package_name}' not found{near}")
+
+    def get_package_share_directory(self, package_name: str, print_warning: bool = True) -> str:
+        """Return the share folder of a package, as ament_index_python does."""
+        return os.path.join(self.get_package_prefix(package_name), "share", package_name)
+
+    def get_package_share_path(self, package_name: str, print_warning: bool = True) -> Path:
+        """Return the share folder of a package as a path, as ament_index_python does."""
+        return Path(self.get_package_share_directory(package_name))
