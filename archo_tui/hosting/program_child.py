@@ -57,6 +57,8 @@ class ProgramChild(HostedProgram):
                         printer.name = self.name
                     with contextlib.suppress(BrokenPipeError):  # It has ended by now.
                         print(json.dumps(may_go_on), file=answers, flush=True)
+                elif "serves" in report:
+                    self.served = tuple(report["serves"])
                 else:
                     end = report
         code = process.wait()
@@ -97,7 +99,7 @@ class ProgramChild(HostedProgram):
         return tuple(self._names)
 
     def serves_now(self) -> tuple[str, ...]:
-        return ()  # The graph tells it, as of every other process.
+        return self.served  # As it has reported.
 
     def is_at_rest(self) -> bool:
         return self.has_name

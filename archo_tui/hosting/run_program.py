@@ -1,8 +1,8 @@
 """The child process of a program on ROS 2: `... run_program REPORTS ANSWERS FILE ...`.
 
 It runs the file as `python FILE ...` does, and reports on a file descriptor, a JSON object a line:
-each node that is made, and what the file raised. On another one it is answered whether it may go on
-with that node.
+each node that is made, what they serve, and what the file raised. On another one it is answered
+whether it may go on with a node.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from typing import Any
+from weakref import WeakSet
 
 assert sys.platform != "win32"  # As mypy is to know; there the console runs no programs on ROS 2.
 
@@ -28,26 +29,48 @@ def main() -> int:
     os.set_inheritable(answerer, False)
     answers, asking = os.fdopen(answerer, encoding="utf-8"), threading.Lock()
     threading.Thread(target=_end_with_console, args=(descriptor,), daemon=True).start()
+    from rclpy.action import ActionServer
     from rclpy.node import Node
 
+    from archo_tui.hosting.hosted_node import served_names
     from archo_tui.hosting.hosted_program import exit_code
     from archo_tui.hosting.program_file import ProgramFile
 
     def report(**what: Any) -> None:
         os.write(descriptor, json.dumps(what).encode() + b"\n")
 
-    original = Node.__init__
+    nodes: WeakSet[Node] = WeakSet()
+    make_node, make_service, make_action = (
+        Node.__init__,
+        Node.create_service,
+        ActionServer.__init__,
+    )
 
     def init(self: Node, *args: Any, **options: Any) -> None:
-        original(self, *args, **options)
+        make_node(self, *args, **options)
         imported = [str(path) for path in file.own_modules().values()]
         with asking:
             report(node=self.get_fully_qualified_name(), imported=imported)
             if answers.readline().strip() != "true":
                 raise KeyboardInterrupt  # A STOP is not released.
+        nodes.add(self)
+
+    def report_services() -> None:
+        report(serves=sorted({name for node in list(nodes) for name in served_names(node)}))
+
+    def create_service(self: Node, *args: Any, **options: Any) -> Any:
+        service = make_service(self, *args, **options)
+        report_services()
+        return service
+
+    def init_action(self: ActionServer, *args: Any, **options: Any) -> None:
+        make_action(self, *args, **options)
+        report_services()
 
     file = ProgramFile(given)
     Node.__init__ = init  # type: ignore[method-assign]
+    Node.create_service = create_service  # type: ignore[method-assign]
+    ActionServer.__init__ = init_action  # type: ignore[method-assign]
     sys.argv = sys.argv[3:]
     try:
         file.compile()

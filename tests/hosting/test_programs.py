@@ -114,6 +114,7 @@ def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:
         wait_until(lambda: "/talker" in states(session))
         wait_until(lambda: any(n.name == "/talker" for n in session.robot.snapshot.nodes))
         assert life(session) is Life.UP
+        wait_until(lambda: states(session)["/talker"].serves == ("/answer",))
         assert session.host.start_node("/talker") == (Code.REFUSED, "/talker is running")
         assert session.host.copy_node("/talker").code == Code.REFUSED
         assert session.host.stop_node("/talker") == (Code.DONE, "/talker stopped")
@@ -305,6 +306,8 @@ LISTINGS = Path(textbook.__file__).parent
 def test_the_listings_of_the_textbook_run_as_printed(listing: str, node: str) -> None:
     with running(LISTINGS / f"{listing}.py") as session:
         wait_until(lambda: node in states(session) and life(session, node) is Life.UP)
+        if listing == "move_action_server":  # By which it is asked before it is ended.
+            wait_until(lambda: states(session)[node].serves == ("/move_to_shelf",))
         assert session.host.stop_node(node).ok
 
 
