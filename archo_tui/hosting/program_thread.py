@@ -31,7 +31,7 @@ class _Process(_process.Process):
     def __init__(self, program: Program, accept_node: Callable[[str], bool]) -> None:
         arguments = [str(program.file.path), *program.arguments, *program.ros_args]
         super().__init__(arguments, program.domain_id)
-        self._accept_node = accept_node
+        self.file, self._accept_node = program.file, accept_node
         self.main_thread = threading.current_thread()
         self.main: ModuleType | None = None
         self.nodes: list[weakref.ref[Node]] = []
@@ -231,8 +231,13 @@ def install() -> Callable[[], None]:
             process.pools.add(self)
 
     def hook_of_program(args: threading.ExceptHookArgs) -> None:
-        if args.exc_type is not Interrupted:  # Its program has ended.
+        process = _process.current()
+        if not isinstance(process, _Process):
             hook(args)
+        elif args.exc_value is not None and args.exc_type is not Interrupted:  # It has ended.
+            text, _ = process.file.explain(args.exc_value)
+            name = threading.current_thread().name
+            sys.stdout.write(f"exception in thread {name}: {text}\n")
 
     def uninstall() -> None:
         threading.Thread.start, threading.excepthook = start, hook  # type: ignore[method-assign]

@@ -365,6 +365,23 @@ def test_what_a_thread_of_a_program_prints_is_said_by_the_program() -> None:
         wait_until(lambda: said in [(e.source, e.text) for e in session.robot.snapshot.events])
 
 
+THREAD_RAISES = """
+import threading
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("thrower")
+threading.Thread(target=lambda: 1 / 0, name="work").start()
+rclpy.spin(node)
+"""
+
+
+def test_an_error_in_a_thread_of_a_program_is_an_event_and_no_crash() -> None:
+    with running(written("thrower.py", THREAD_RAISES)) as session:
+        wait_until(lambda: any("ZeroDivisionError" in text for text in texts(session)))
+        assert life(session, "/thrower") is Life.UP
+
+
 ODD = """
 import rclpy
 
