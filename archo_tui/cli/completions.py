@@ -1,35 +1,110 @@
-"""`archo-tui completions SHELL`: the script by which a shell completes our words."""
+"""The script by which a shell completes the words of this program."""
 
 from __future__ import annotations
 
-from argparse import Namespace
+import argparse
+from collections.abc import Iterable
 
-from archo_tui.cli.options import SUBCOMMANDS, console_parser
+import shtab
+
+from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
 from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.remote.verb_help import options_of, verbs_of_file
+from archo_tui.verbs.base import Argument
+
+# The names of the functions have `file` in them where shtab shall complete file names.
+_BASH = f"""\
+_archo_tui_ask() {{
+  local word
+  while IFS= read -r word; do
+    [[ $word == "$1"* ]] && printf '%s\\n' "$word"
+  done < <(archo-tui {COMPLETE} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null)
+}}
+_archo_tui_ask_or_file() {{
+  _archo_tui_ask "$1"
+  compgen -f -- "$1"
+}}"""
+_ZSH = f"""\
+_archo_tui_ask() {{
+  local -a found
+  found=(${{(f)"$(archo-tui {COMPLETE} "${{(@)words[1,CURRENT]}}" 2>/dev/null)"}})
+  compadd -a found
+}}
+_archo_tui_ask_or_file() {{
+  _archo_tui_ask
+  _files
+}}"""
+_FISH = f"""\
+function _archo_tui_ask
+  set -l before (commandline -opc)
+  archo-tui {COMPLETE} $before[2..] (commandline -ct) 2>/dev/null
+end
+function _archo_tui_ask_or_file
+  _archo_tui_ask
+  __fish_complete_path (commandline -ct)
+end"""
+_PREAMBLE = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
+_ASK = {"bash": "_archo_tui_ask", "zsh": "_archo_tui_ask", "fish": "(_archo_tui_ask)"}
+_ASK_OR_FILE = {
+    "bash": "_archo_tui_ask_or_file",
+    "zsh": "_archo_tui_ask_or_file",
+    "fish": "(_archo_tui_ask_or_file)",
+}
 
 
-def print_completions(options: Namespace) -> int:
-    """Print a shell's completion script, which knows the verbs of ARCHO's robot file."""
-    import shtab
+def completion_script(shell: str) -> str:
+    """Return the completion script of bash, zsh or fish; it knows the verbs of ARCHO's robot file.
 
-    from archo_tui.remote.verb_help import options_of, verbs_of_file
-
+    The script asks `archo-tui __complete` for what only a console or the disk knows.
+    """
     parser = console_parser(takes_command=False)
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
+    _add_completers(parser)
     for name, (what, add_options) in SUBCOMMANDS.items():
-        add_options(commands.add_parser(name, help=what, description=what))
-    verbs = {
-        verb.id: (verb.help, verb.options)
-        for verb in verbs_of_file().values()
-        if verb.id not in SUBCOMMANDS
-    }
-    verbs["wait"] = "Wait until the robot is in that state", ()
-    for name, (what, takes) in verbs.items():
-        verb_parser = commands.add_parser(name, help=what, description=what)
-        for option, _ in options_of(name, takes):
-            verb_parser.add_argument(*option.split()[:1], action="store_true")
+        subparser = commands.add_parser(name, help=what, description=what)
+        add_options(subparser)
+        _add_completers(subparser)
+    verbs = {verb.id: verb for verb in verbs_of_file().values() if verb.id not in SUBCOMMANDS}
+    for name, verb in verbs.items():
+        subparser = commands.add_parser(name, help=verb.help, description=verb.help)
+        _add_options(subparser, options_of(name, verb.options))
+        for argument in verb.arguments:
+            _add_argument(subparser, argument)
+    wait = "Wait until the robot is in that state"
+    subparser = commands.add_parser("wait", help=wait, description=wait)
+    _add_options(subparser, options_of("wait"))
+    subparser.add_argument("state", choices=("idle", "arrived", "ready", "stopped", "battery"))
+    return str(shtab.complete(parser, shell=shell, preamble=_PREAMBLE[shell]))
+
+
+def _add_completers(parser: argparse.ArgumentParser) -> None:
+    """Tell shtab how the values of this program's own options are completed."""
     for action in parser._actions:
-        if action.metavar in ("FILE", "DIR", "PATH"):
-            action.complete = shtab.DIRECTORY if action.metavar == "DIR" else shtab.FILE  # type: ignore[attr-defined]
-    print(shtab.complete(parser, shell=options.shell))
-    return 0
+        if action.metavar in ("FILE", "PATH"):
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        elif action.metavar == "DIR":
+            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
+        elif action.metavar == "RECORDING":
+            action.complete = _ASK_OR_FILE  # type: ignore[attr-defined]
+        elif action.metavar == "NAME":  # Of a recording to delete.
+            action.complete = _ASK  # type: ignore[attr-defined]
+        elif action.dest == "engine":
+            action.choices = "embedded", "ros2"
+
+
+def _add_options(parser: argparse.ArgumentParser, options: Iterable[tuple[str, str]]) -> None:
+    for option, does in options:
+        name, _, value = option.partition(" ")
+        if value:
+            parser.add_argument(name, metavar=value, help=does)
+        else:
+            parser.add_argument(name, action="store_true", help=does)
+
+
+def _add_argument(parser: argparse.ArgumentParser, argument: Argument) -> None:
+    if argument.is_flag:
+        parser.add_argument(argument.name, action="store_true")
+        return
+    nargs = "*" if argument.many or argument.rest else None
+    action = parser.add_argument(argument.name.replace("=", "_"), nargs=nargs)
+    action.complete = shtab.FILE if argument.name == "file" else _ASK  # type: ignore[attr-defined]

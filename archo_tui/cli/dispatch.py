@@ -6,11 +6,10 @@ from argparse import Namespace
 from collections.abc import Callable
 
 from archo_tui.cli import subcommands
-from archo_tui.cli.completions import print_completions
 from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.launch import launch
-from archo_tui.cli.options import SUBCOMMANDS, console_parser
+from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
 from archo_tui.cli.output import complain, report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.replay import replay
@@ -22,7 +21,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "check": subcommands.check,
     "launch": launch,
     "keys": subcommands.print_keys,
-    "completions": print_completions,
+    "completions": subcommands.print_completions,
     "consoles": subcommands.list_consoles,
     "mcp": subcommands.serve_assistant,
     "recordings": subcommands.recordings,
@@ -46,6 +45,10 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     Raises:
         ArchoError: The words are no command line of this program, and none of them is a STOP.
     """
+    if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
+        from archo_tui.remote.completing import print_candidates
+
+        return print_candidates(words[1:])
     if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
         words = [*words[1:2], "--help"]
     is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS

@@ -13,6 +13,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+COMPLETE = "__complete"  # The hidden command of completion scripts; cobra's has the same name.
+
 _DESCRIPTION = """\
 Operate the warehouse robot ARCHO from a terminal.
 

@@ -1,4 +1,4 @@
-"""The subcommands that take a few lines: check, keys, consoles, mcp, recordings, journal."""
+"""The subcommands that take a few lines: check, keys, completions, consoles, mcp, ...."""
 
 from __future__ import annotations
 
@@ -54,6 +54,14 @@ def print_keys(options: Namespace) -> int:
         print(safe(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
     if others:
         complain(others)
+    return 0
+
+
+def print_completions(options: Namespace) -> int:
+    """Print the completion script of a shell."""
+    from archo_tui.cli.completions import completion_script
+
+    print(completion_script(options.shell))
     return 0
 
 

@@ -63,6 +63,15 @@ def why_text(recording: store.Recording) -> str:
     return f"{recording.why}{', kept' if is_kept else ''}"
 
 
+def recording_names() -> list[str]:
+    """Return the names of all recordings, the newest first.
+
+    Raises:
+        ArchoError: The folder cannot be read.
+    """
+    return [recording.name for recording in _all_recordings()[::-1]]
+
+
 def delete_named(names: Sequence[str]) -> Iterator[str]:
     """Delete recordings and yield a line for each.
 

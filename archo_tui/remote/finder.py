@@ -49,15 +49,20 @@ class Stopped:
         self.console, self.code, self.text = console, code, text
 
 
-def find(selection: Mapping[str, Any], faults: list[str] | None = None) -> list[Connection]:
+def find(
+    selection: Mapping[str, Any],
+    faults: list[str] | None = None,
+    within: float = HELLO_TIMEOUT,
+) -> list[Connection]:
     """Return all consoles that could be meant, by process; also those that do not answer.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
         faults: Gets the reason for each folder that is not looked into.
+        within: Seconds in which they say hello.
     """
     found = _candidates(selection, [] if faults is None else faults)
-    _exchange(found, b"", lambda console: bool(console.hello), HELLO_TIMEOUT)
+    _exchange(found, b"", lambda console: bool(console.hello), within)
     for console in found:
         if not _could_be(selection, console):
             console.close()
@@ -65,20 +70,21 @@ def find(selection: Mapping[str, Any], faults: list[str] | None = None) -> list[
     return sorted(found, key=lambda console: int(console.who.get("pid", 0)))
 
 
-def choose(selection: Mapping[str, Any]) -> Connection:
+def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Connection:
     """Return a connection to the one console that is meant, whose hello has come.
 
     A console that only watches is passed over where another one of the same robot can act.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+        within: Seconds in which it says hello.
 
     Raises:
         Unreached: There is none, there are several, or one that could be meant does not answer:
             a verb could reach another robot.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
-    found = _able_to_act(find(selection, faults))
+    found = _able_to_act(find(selection, faults, within))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
         found[0].wait()

@@ -24,6 +24,7 @@ from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import PATIENCE, Question, Verb
 from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.candidates import candidates
 from archo_tui.verbs.goals import SendGoal
 from archo_tui.verbs.inspect import Echo, Shown
 from archo_tui.verbs.parse import YES, named, parse
@@ -258,6 +259,10 @@ class RequestHandler:
         number = request.get("id")
         if session.is_assistant:
             return await self._assistants.obey(session.requester, request)
+        if "complete" in request:
+            words = words_of({"words": request["complete"]})
+            found = candidates(self.verbs, self._station, words)
+            return {**_result(number, Outcome(Code.DONE, "")), "data": found}
         if request.get("follow"):
             if words_of(request)[0] == "echo":
                 await self._follow_topic(session, request)
