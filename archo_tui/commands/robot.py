@@ -71,7 +71,8 @@ class FormGoalKey(VerbCommand):
             console.update_screen()  # The goal may wait in the queue.
             return outcome
 
-        console.open(MessageForm(kind.title, message_fields, send, typed, kind.form))
+        form = console.view.snapshot.form(kind)
+        console.open(MessageForm(kind.title, message_fields, send, typed, form))
         return None
 
 

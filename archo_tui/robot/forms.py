@@ -200,6 +200,27 @@ def _list(element: TypedField, text: str) -> list[Any]:
     return items
 
 
-def default_text(field: TypedField) -> str:
-    """Return the text in the field at first, which means the message's default value."""
-    return typed_text(field.default)
+def default_text(field: TypedField, given: FormField) -> str:
+    """Return the text in the field at first: the message's default value, or "" if out of range.
+
+    Args:
+        field: The field.
+        given: Its label and limits in the robot file.
+    """
+    text = typed_text(field.default)
+    if is_number(field):
+        try:
+            check_range(field, given, field.default, text)
+        except ValueError:
+            return ""
+    return text
+
+
+def range_text(given: FormField) -> str:
+    """Return the known limits of the robot file: `1 .. 40`, `at least 1`, `at most 40`, or ""."""
+    low, high = _number_of(given.low, None), _number_of(given.high, None)
+    if low is not None and high is not None:
+        return f"{low:.15g} .. {high:.15g}"
+    if high is not None:
+        return f"at most {high:.15g}"
+    return "" if low is None else f"at least {low:.15g}"

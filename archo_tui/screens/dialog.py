@@ -152,13 +152,13 @@ class Form(Dialog[None]):
 
     Attributes:
         submit_label: The word on the button that does the same as enter.
-        default_message: The message while nothing is wrong with the typed text.
+        hint: The line below the field while there is no message.
     """
 
     BINDINGS = [("escape", "close", "Close")]
 
     submit_label: ClassVar[str]
-    default_message = ""
+    hint = Content("")
 
     def __init__(self, id: str, value: str = "", *, disabled: bool = False) -> None:
         """Create the dialog.
@@ -172,7 +172,7 @@ class Form(Dialog[None]):
         self.field = Field(
             value,
             id=id,
-            changed=lambda: self.show_message(self.default_message),
+            changed=self.show_message,
             submitted=self._submit,
             stepped=self.step,
         )
@@ -180,10 +180,16 @@ class Form(Dialog[None]):
 
     def below_field(self) -> ComposeResult:
         """Yield the line for messages, and the buttons."""
-        yield Static(Content(self.default_message), classes="error")
+        yield Static(self.hint, classes="error")
         with Horizontal(classes="answers"):
             yield Button("Cancel", self.action_close, id="leave")
             yield Button(self.submit_label, self._submit, id="submit", disabled=self.field.disabled)
+
+    def show_message(self, text: str = "") -> None:
+        """Show a message in place of the hint; without a text, show the hint again."""
+        super().show_message(text)
+        if not text:
+            self.set_text(".error", self.hint)
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)

@@ -43,19 +43,19 @@ class EditParameter(Form):
         self._offered = offered
         self._parameter, self._send = parameter, send
         self._shown = parameter.value  # The present value.
+        allowed = range_text(parameter)
+        kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
+        self.hint = Content.styled(kind, "not bold $quiet")
         if parameter.read_only:
-            self.default_message = f"{parameter.name} is read-only: it can only be set at startup"
+            self.hint = Content(f"{parameter.name} is read-only: it can only be set at startup")
 
     def body(self) -> ComposeResult:
         parameter = self._parameter
-        allowed = range_text(parameter)
         with Vertical(classes="dialog") as box:
             title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
             box.border_title = escape(title)
             box.border_subtitle = "enter set   esc cancel"
             yield Static(Content(parameter.description or "no description"))
-            kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
-            yield Static(Content(f"type   {kind}"))
             yield Static(_value_line(parameter.value), id="now")
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
             yield self.field

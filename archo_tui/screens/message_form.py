@@ -13,7 +13,7 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Label, Static
 
-from archo_tui.robot.forms import default_text, parse
+from archo_tui.robot.forms import default_text, parse, range_text
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import FormField
@@ -93,8 +93,9 @@ class MessageForm(Dialog[None]):
         labels = [self._label(message_field) for message_field in self._message_fields]
         width = max(map(len, labels), default=0) + 1
         for number, message_field in enumerate(self._message_fields):
+            given = self._form_field(message_field)
             field = Field(
-                self._typed.get(message_field.path, default_text(message_field)),
+                self._typed.get(message_field.path, default_text(message_field, given)),
                 id=f"field-{number}",
                 changed=self.show_message,
                 submitted=self.action_send,
@@ -106,14 +107,18 @@ class MessageForm(Dialog[None]):
             with Horizontal(classes="message-field"):
                 yield Label(f"{self._label(message_field):<{width}}", markup=False)
                 yield field
-                yield Label(f" {message_field.type}", classes="type", markup=False)
+                kind = ", ".join(filter(None, (message_field.type, range_text(given))))
+                yield Label(f" {kind}", classes="type", markup=False)
         if not self._message_fields:
             yield Static(Content("It takes no values."))
 
     def _label(self, message_field: TypedField) -> str:
-        form_field = self._form.get(message_field.path, FormField())
-        label = form_field.label or message_field.path
-        return f"{label} ({form_field.unit})" if form_field.unit else label
+        given = self._form_field(message_field)
+        label = given.label or message_field.path
+        return f"{label} ({given.unit})" if given.unit else label
+
+    def _form_field(self, message_field: TypedField) -> FormField:
+        return self._form.get(message_field.path, FormField())
 
     def on_mount(self) -> None:
         first = "#yaml" if self._is_yaml else "#field-0" if self._message_fields else "#send"
@@ -154,8 +159,8 @@ class MessageForm(Dialog[None]):
         for number, message_field in enumerate(self._message_fields):
             text = self._typed[message_field.path] = self._fields[number].value
             try:
-                form_field = self._form.get(message_field.path, FormField())
-                values[message_field.path] = parse(message_field, form_field, text)
+                given = self._form_field(message_field)
+                values[message_field.path] = parse(message_field, given, text)
             except ValueError as error:
                 self.show_message(str(error))
                 self.set_focus(self._fields[number])

@@ -13,7 +13,7 @@ from textual.widgets import Input
 from archo_tui.paths import journal_file
 from tests.support import clock
 from tests.support.clock import seconds
-from tests.support.console import FAST, LONG, console
+from tests.support.console import BRISK, FAST, LONG, console
 
 
 async def test_a_goal_is_typed_driven_and_arrives() -> None:
@@ -253,3 +253,15 @@ async def test_a_held_ctrl_c_cancels_once_and_then_says_nothing() -> None:
         assert "No goal is running" not in op.text
         said = [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
         assert said.count("cancel: accepted") == len(said) - 1 == 1  # and that it was sent
+
+
+async def test_the_form_of_a_goal_shows_its_range_and_offers_no_value_beyond() -> None:
+    async with console(*BRISK) as op:
+        await op.press("G", *"move", "enter")
+        await op.until("esc cancel")
+        assert "int32, 1 .. 40" in op.line("┃ Shelf")
+        assert "0 int32" not in op.words
+        await op.press("enter")
+        await op.until("Shelf: type a value")
+        await op.press(*"12", "enter")
+        await op.until("MOVING to 12")

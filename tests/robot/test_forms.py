@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.forms import parse
+from archo_tui.robot.forms import default_text, parse, range_text
 from archo_tui.robot.state import TypedField
-from archo_tui.robot_file.model import FormField
+from archo_tui.robot_file.model import FormField, ParameterRef
 
 
 @pytest.mark.parametrize(
@@ -104,3 +104,20 @@ def test_what_is_no_number_fits_no_range(given: FormField, text: str, said: str)
     with pytest.raises(ValueError) as caught:
         parse(TypedField("x", "double", None), given, text)
     assert str(caught.value) == said
+
+
+def test_a_default_value_out_of_range_is_not_offered() -> None:
+    shelf = TypedField("shelf_number", "int32", 0)
+    assert default_text(shelf, FormField()) == "0"
+    assert default_text(shelf, FormField(low=0, high=40)) == "0"
+    assert default_text(shelf, FormField(low=1, high=40)) == ""
+    assert default_text(TypedField("speed", "double", 1.5), FormField(high=1.0)) == ""
+    assert default_text(TypedField("name", "string", "a"), FormField()) == "a"
+
+
+def test_a_range_tells_the_limits_that_are_known() -> None:
+    later = ParameterRef("motor_controller", "shelf_count")
+    assert range_text(FormField(low=1.0, high=40.0)) == "1 .. 40"
+    assert range_text(FormField(low=0.5, high=later)) == "at least 0.5"
+    assert range_text(FormField(high=9999)) == "at most 9999"
+    assert range_text(FormField()) == ""

@@ -39,7 +39,8 @@ def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(package: 
 def sends_untouched(name: str, made: Any) -> None:
     """A form, and a text, that are filled with that message send it."""
     fields = list(messages.flat_fields(made))
-    typed = {field.path: parse(field, FormField(), default_text(field)) for field in fields}
+    given = FormField()
+    typed = {field.path: parse(field, given, default_text(field, given)) for field in fields}
     assert told(filled(TYPES[name](), typed)) == told(made), name
     assert told(filled(TYPES[name](), bounded_yaml.load(default_yaml(fields)))) == told(made), name
 
