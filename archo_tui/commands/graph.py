@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot import ros2_command
 from archo_tui.robot.interface_text import definitions_text
 from archo_tui.robot.state import TOPIC, TopicView
+
+if TYPE_CHECKING:
+    from archo_tui.screens.topic import WatchedTopic
 
 
 class ShowResource(Command):
@@ -29,20 +33,38 @@ class ShowResource(Command):
         row = console.main.graph.selected
         assert row is not None
         if row.resource.kind == TOPIC:
-            show_topic(console, row.resource.name, row.resource.types)
+            show_topic(console, row.resource.name, row.resource.types, _step_in_graph)
         else:
             console.open(ShowText(row.resource.name, row.details))
 
 
-def show_topic(console: Console, name: str, types: Sequence[str]) -> None:
+def _step_in_graph(console: Console, by: int) -> WatchedTopic | None:
+    """Move the cursor of the Graph to the topic above or below; None if there is none."""
+    row = console.main.graph.step(by, TOPIC)
+    return None if row is None else _watched(console, row.resource.name, row.resource.types)
+
+
+def show_topic(
+    console: Console,
+    name: str,
+    types: Sequence[str],
+    step: Callable[[Console, int], WatchedTopic | None] = lambda *_: None,
+) -> None:
     """Open the dialog that looks into a topic.
 
     Args:
         console: The console.
         name: The full name of the topic.
         types: Its types, whose definitions can be shown.
+        step: Returns the next topic (1) or the one before (-1); None where there is none.
     """
     from archo_tui.screens.topic import TopicDialog
+
+    console.open(TopicDialog(_watched(console, name, types), partial(step, console)))
+
+
+def _watched(console: Console, name: str, types: Sequence[str]) -> WatchedTopic:
+    from archo_tui.screens.topic import WatchedTopic
 
     def copy(view: TopicView) -> None:
         command = ros2_command.echo(name, view.type)
@@ -50,4 +72,4 @@ def show_topic(console: Console, name: str, types: Sequence[str]) -> None:
         console.show_message(command, title="Copied the command")
 
     follow = partial(console.station.robot.follow_topic, name)
-    console.open(TopicDialog(name, follow, partial(in_daemon, definitions_text, types), copy))
+    return WatchedTopic(name, follow, partial(in_daemon, definitions_text, types), copy)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Coroutine
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
@@ -14,6 +15,7 @@ from textual.widgets import Static
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog, DialogHead, main_screen
+from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.field_lines import (
@@ -35,6 +37,8 @@ from archo_tui.words.topic import summary
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
 _LOW = 20  # Rows of the terminal below which the line of titles has no room.
 _LOWEST = 14  # Rows below which the ends have none.
+_WIDE = 160  # Columns from which the Graph stays in sight beside it.
+_LEAST_BESIDE = 80  # Columns that it takes at least then.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
 _PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
 _KEYS = "enter fold  p plot  space freeze  / narrow  t type  y copy  esc close"
@@ -42,6 +46,22 @@ _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
 Follow = Callable[
     [Callable[[], TopicRequest], Callable[[TopicView], None]], Coroutine[Any, Any, None]
 ]
+
+
+class WatchedTopic(NamedTuple):
+    """A topic that is looked into.
+
+    Attributes:
+        name: Its full name.
+        follow: Follows it: called with what returns the request, and with what shows a view.
+        read_type: Returns the definition of its type.
+        copy: Copies the command that shows it.
+    """
+
+    name: str
+    follow: Follow
+    read_type: Callable[[], Awaitable[str]]
+    copy: Callable[[TopicView], None]
 
 
 class TopicDialog(Dialog[None]):
@@ -60,32 +80,27 @@ class TopicDialog(Dialog[None]):
         ("slash", "narrow", "Show the fields whose path has a text"),
         ("t", "show_type", "The definition of the type"),
         ("y", "copy", "Copy the ros2 command that shows the topic"),
+        ("left", "step(-1)", "Look into the topic above, in Graph"),
+        ("right", "step(1)", "Look into the topic below, in Graph"),
     ]
 
     def __init__(
-        self,
-        name: str,
-        follow: Follow,
-        read_type: Callable[[], Awaitable[str]],
-        copy: Callable[[TopicView], None],
+        self, topic: WatchedTopic, step: Callable[[int], WatchedTopic | None] = lambda _: None
     ) -> None:
         """Create the dialog.
 
         Args:
-            name: The full name of the topic.
-            follow: Follows the topic: called with what returns the request, and with what shows a
-                view.
-            read_type: Returns the definition of its type.
-            copy: Copies the command that shows the topic.
+            topic: The topic.
+            step: Returns the topic below (1) or above (-1) in the Graph; None for none.
         """
         super().__init__()
-        self._topic, self._follow = name, follow
-        self._read_type, self._copy = read_type, copy
-        self._view = TopicView(name)
+        self._topic, self._step = topic, step
+        self._view = TopicView(topic.name)
         self._folded: set[str] = set()  # The groups that are folded, by path.
         self._open_arrays: dict[str, int] = {}
         self._plotted: list[str] = []
         self._is_frozen = False
+        self._margin = 0, 0, 0, 0
         self._border = "", ""  # The texts on it: topic and type, and the keys.
         self._summary, self._titles = Line(classes="summary"), Line(classes="titles")
         self._rows: Rows[FieldView] = Rows(
@@ -102,7 +117,7 @@ class TopicDialog(Dialog[None]):
 
     def body(self) -> ComposeResult:
         with self._box:
-            self._box.border_title = escape(self._topic)
+            self._box.border_title = escape(self._topic.name)
             yield self._summary
             yield self._titles
             yield self._rows
@@ -113,14 +128,14 @@ class TopicDialog(Dialog[None]):
                 yield Static(id="topic-ends-text")
 
     def on_mount(self) -> None:
-        self._cover_panels()
         self._rows.show_cursor()
         self.set_focus(self._rows)
         self._show(self._view)
         start_worker(self, self._follow_topic, _GROUP)
 
     async def _follow_topic(self) -> None:
-        await self._follow(self._request, self._receive)
+        topic = self._topic
+        await topic.follow(self._request, partial(self._receive, topic))
 
     def on_resize(self) -> None:
         height = self.app.size.height
@@ -129,12 +144,23 @@ class TopicDialog(Dialog[None]):
 
     def _cover_panels(self) -> None:
         """Leave in sight what stands above and below the panels, in a replay the time line, too."""
-        main = main_screen(self.app)
-        if main is not None:
+        main, heads = main_screen(self.app), self.query(DialogHead)
+        if main is not None and heads:  # A dialog that goes has no widgets any more.
             covered = main.panels_region
-            above = covered.y - self.query_one(DialogHead).rows
+            above = covered.y - heads.first().rows
             below = main.size.height - covered.bottom - 1  # The footer has one of its own.
-            self._box.styles.margin = max(above, 0), 0, max(below, 0), 0
+            left, down = self._place_beside_graph(main)
+            margin = max(above, 0) + down, 0, max(below, 0), left
+            if margin != self._margin:  # Setting it lays out the whole box.
+                self._margin = self._box.styles.margin = margin
+
+    def _place_beside_graph(self, main: MainScreen) -> tuple[int, int]:
+        """Return the columns and rows that stay in sight: on a large screen Graph and the goal."""
+        graph = main.graph
+        is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
+        if not is_left or main.size.width < _WIDE:
+            return 0, 0
+        return graph.region.right, main.parameters.region.y - main.panels_region.y
 
     def _request(self) -> TopicRequest:
         top = self._rows.scroll_offset.y
@@ -147,17 +173,17 @@ class TopicDialog(Dialog[None]):
             plot_columns(self._plot.size.width),
         )
 
-    def _receive(self, view: TopicView) -> None:
-        if not self._is_frozen and not self.has_left:
+    def _receive(self, topic: WatchedTopic, view: TopicView) -> None:
+        if topic is self._topic and not self._is_frozen and not self.has_left:
             self._show(view)
 
     def _show_again(self) -> None:
         if not self.has_left:
-            self._cover_panels()
             self._show(self._view)
 
     def _show(self, view: TopicView) -> None:
         had_ends, self._view = self._view.ends, view
+        self._cover_panels()  # The screen behind it may have been laid out since.
         self._show_border()
         self._summary.show_spans(summary(view, is_frozen=self._is_frozen))
         if view.ends is not None and view.ends != had_ends:
@@ -167,10 +193,12 @@ class TopicDialog(Dialog[None]):
 
     def _show_border(self) -> None:
         """Write topic, type and keys on the border, as much as fits."""
-        view, width = self._view, self.app.size.width
+        view, width = self._view, self._box.outer_size.width or self.app.size.width
         kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
         title = escape(f"{view.topic}   {kind}".rstrip())
         keys = _KEYS if width > len(_KEYS) + 4 else _FEW_KEYS
+        if self._margin[3]:  # Beside the Graph.
+            keys = f"← → topic  {keys}"
         if (title, keys) != self._border:  # Setting it draws the whole box.
             self._border = title, keys
             self._box.border_title, self._box.border_subtitle = title, keys
@@ -250,6 +278,22 @@ class TopicDialog(Dialog[None]):
         self._rows.redraw()
         self._show_plots()
 
+    def action_step(self, by: int) -> None:
+        """Look into another topic of the Graph, in the place of this one."""
+        topic = self._step(by)
+        if topic is None:
+            return
+        self.workers.cancel_group(self, _GROUP)
+        self._topic, self._view = topic, TopicView(topic.name)
+        self._folded.clear()
+        self._open_arrays.clear()
+        self._plotted.clear()
+        self._is_frozen = False
+        self._search.close()
+        self.set_text("#topic-ends-text", Content(""))
+        self._show(self._view)
+        start_worker(self, self._follow_topic, _GROUP)
+
     def action_freeze(self) -> None:
         """Show no newer messages, or show them again."""
         self._is_frozen = not self._is_frozen
@@ -257,7 +301,7 @@ class TopicDialog(Dialog[None]):
 
     def action_copy(self) -> None:
         """Copy the command that shows the topic."""
-        self._copy(self._view)
+        self._topic.copy(self._view)
 
     def action_show_type(self) -> None:
         """Show the definition of the type, in a dialog over this one."""
@@ -266,7 +310,10 @@ class TopicDialog(Dialog[None]):
             start_worker(self, self._show_type, _GROUP)
 
     async def _show_type(self) -> None:
-        text = await self._read_type()
-        self.is_asking = False
-        if not self.has_left:
-            self.app.push_screen(ShowText(self._topic, text))
+        topic = self._topic
+        try:
+            text = await topic.read_type()
+        finally:
+            self.is_asking = False
+        if topic is self._topic and not self.has_left:
+            self.app.push_screen(ShowText(topic.name, text))

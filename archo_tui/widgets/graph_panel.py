@@ -81,6 +81,21 @@ class GraphPanel(Panel):
         """Return the row under the cursor."""
         return self._rows.item
 
+    def step(self, by: int, kind: str) -> ResourceRow | None:
+        """Move the cursor to the next row of a kind, and return that row; None if there is none.
+
+        Args:
+            by: 1 for downwards, -1 for upwards.
+            kind: The kind of resource, such as TOPIC.
+        """
+        following = range(self._rows.cursor + by, len(self._rows.items) if by > 0 else -1, by)
+        found = (n for n in following if self._rows.items[n].resource.kind == kind)
+        number = next(found, None)
+        if number is None:
+            return None
+        self._rows.move_to(number)
+        return self._rows.item
+
     @property
     def focus_target(self) -> Widget:
         return self._rows

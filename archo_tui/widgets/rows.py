@@ -281,6 +281,10 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         way = by.get(key, -count if key.endswith("home") else count)
         self._move(way)
 
+    def move_to(self, number: int) -> None:
+        """Move the cursor to an item, and show it."""
+        self._move(number - self.cursor)
+
     def _move(self, by: int) -> None:
         last = max(len(self._items) - 1, 0)
         self.shows_cursor = True
@@ -294,7 +298,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             return
         number = self._number_at(row)
         if number != self.cursor or not self.shows_cursor:
-            self._move(number - self.cursor)
+            self.move_to(number)
         elif self._action:
             await self.run_action(self._action)
 

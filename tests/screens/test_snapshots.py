@@ -205,6 +205,13 @@ async def test_the_history_looks_as_accepted(request: pytest.FixtureRequest, nam
     await compare_all(request, name, snapshot, "h", *span, seconds=700)
 
 
+async def test_a_topic_stands_beside_the_graph_where_there_is_room(
+    request: pytest.FixtureRequest,
+) -> None:
+    keys = ["8", "home", "down", "enter", "p"]
+    await compare(request, "topic beside", STATES["normal"], "160x48", *keys, dialog=True)
+
+
 async def test_the_history_stands_beside_the_panels_where_there_is_room(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
