@@ -103,11 +103,12 @@ TWO = """
 
 
 @pytest.fixture
-def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A workspace with a package of nodes."""
     monkeypatch.setattr("sys.path", [*sys.path])
-    for name in ("my_wheels", "my_wheels.wheels"):  # Of another test's workspace.
-        monkeypatch.delitem(sys.modules, name, raising=False)
+    names = ("my_wheels", "my_wheels.wheels")
+    for name in names:  # Of another test's workspace.
+        sys.modules.pop(name, None)
     robot = Path("ws/src/my_wheels")
     for name in ("my_wheels", "launch", "config"):
         (robot / name).mkdir(parents=True)
@@ -116,7 +117,9 @@ def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (robot / "my_wheels/__init__.py").touch()
     (robot / "my_wheels/wheels.py").write_text(WHEELS)
     (robot / "config/wheels.yaml").write_text("/**:\n  ros__parameters:\n    speed: 1.5\n")
-    return Path("ws")
+    yield Path("ws")
+    for name in names:
+        sys.modules.pop(name, None)
 
 
 def launch_file(actions: str) -> Path:
