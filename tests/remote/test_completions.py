@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import os
 import shutil
 import subprocess
@@ -66,17 +67,20 @@ def run(tmp_path: Path) -> Callable[..., str]:
     return run_it
 
 
+completions_of = functools.cache(completion_script)  # It takes a quarter of a second.
+
+
 @pytest.fixture
 def offered(run: Callable[..., str], tmp_path: Path) -> Callable[..., list[str]]:
     """What bash offers for the last of the words behind `archo-tui`, by the printed script."""
-    (tmp_path / "completions").write_text(completion_script("bash"))
+    (tmp_path / "completions").write_text(completions_of("bash"))
     return lambda *words: run("bash", COMPLETED, "bash", *words).split()
 
 
 @pytest.mark.parametrize("shell", LINES)
 def test_one_line_installs_the_completions_of_a_shell(shell: str, run: Callable[..., str]) -> None:
     for word in ("status", "consoles", "--watch", "--namespace"):
-        assert word.lstrip("-") in completion_script(shell)
+        assert word.lstrip("-") in completions_of(shell)
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     said = run(shell, f"{BEFORE.get(shell, '')}{LINES[shell]}\n{ASKED[shell]}")
