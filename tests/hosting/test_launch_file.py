@@ -228,7 +228,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_share_
 def main():
     rclpy.init()
     node = rclpy.create_node("reader")
-    with open(get_package_share_directory("my_robot") + "/config/wheels.yaml") as file:
+    with open(get_package_share_directory("my_wheels") + "/config/wheels.yaml") as file:
         print(file.read().split()[-1])
     try:
         get_package_share_directory("my_robt")
@@ -239,7 +239,7 @@ def main():
 
 
 def test_a_node_finds_the_files_of_its_package_as_it_runs(workspace: Path) -> None:
-    (workspace / "src/my_robot/my_robot/wheels.py").write_text(READS)
+    (workspace / "src/my_wheels/my_wheels/wheels.py").write_text(READS)
     with launched(launch_file("wheels()")) as session:
         wait_until(lambda: "1.5" in texts(session))
         wait_until(lambda: any("my_robt' not found" in text for text in texts(session)))
