@@ -86,6 +86,8 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
 
     def compose(self) -> ComposeResult:
+        main = main_screen(self.app)
+        self.set_class(main is not None and main.is_replay, "-over-replay")
         yield DialogHead()
         yield from self.body()
         yield DialogFooter()

@@ -235,6 +235,11 @@ class MainScreen(Base[None]):
         return self._body.region
 
     @property
+    def is_replay(self) -> bool:
+        """True if it has the time line of a replay, above the footer."""
+        return self._time_line is not None
+
+    @property
     def is_full(self) -> bool:
         """True while one panel fills the screen."""
         return self.has_class("-full")

@@ -104,6 +104,17 @@ async def test_stop_in_a_replay_stops_the_live_robot() -> None:
         assert "STOPPED" in live_line(op)
 
 
+async def test_a_message_over_a_topic_of_a_replay_leaves_the_time_line_in_sight() -> None:
+    async with recorded() as op:
+        await play(op)
+        await op.press("end", "8", "down", "enter")
+        await op.until("QoS not recorded")
+        before = op.text.splitlines()[-3:]
+        await op.press("ctrl+x")
+        await op.until("STOP goes to the live robot")
+        assert op.text.splitlines()[-3:] == before
+
+
 async def test_no_other_key_of_a_replay_reaches_the_live_robot() -> None:
     async with recorded(*LONG) as op:
         await op.press("g", *"12 7", "enter")
