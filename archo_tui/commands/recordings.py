@@ -71,11 +71,12 @@ async def _play(console: Console, recording: Recording, dialog: RecordingList) -
     except Exception as error:  # A damaged file may raise anything; the live console goes on.
         said = f"{recording.name}: {in_one_line(error)}"
     else:
-        if dialog.has_left:  # The operator has closed it meanwhile.
-            return
-        if dialog.is_active:
+        if dialog.is_active and not dialog.has_left:
             dialog.dismiss()
             console.begin_replay(player)
+            return
+        player.close()
+        if dialog.has_left:  # The operator has closed it meanwhile.
             return
         said = "another dialog was opened meanwhile"
     console.report_failure(Outcome(Code.REFUSED, f"not played: {said}"))

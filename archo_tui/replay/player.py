@@ -81,6 +81,10 @@ class Player:
             self._window = Window(begin, begin + SPAN)
             self._start_reading(self._window)
 
+    def close(self) -> None:
+        """End the reading of a player that is not shown any more."""
+        self._window = Window(self.start, self.start)
+
     def play(self, *, on: bool) -> None:
         """Play or pause; at the end, playing begins again from the start."""
         self.go_to(self.start if on and self.position >= self.end else self.position)

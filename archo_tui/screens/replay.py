@@ -46,6 +46,9 @@ class ReplayScreen(MainScreen, Dismissable[None]):
     def on_mount(self) -> None:
         start_worker(self, partial(self._player.follow, self._update), "play")
 
+    def on_unmount(self) -> None:
+        self._player.close()
+
     def show_view(self, view: ScreenState) -> None:
         """Show what the live robot does."""
         self._live_text = live_line(view, self.size.width)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import gc
-from collections.abc import AsyncIterator
+import threading
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -14,6 +16,7 @@ import pytest
 
 from archo_tui.commands import recordings
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.replay.bag_file import BagFile, BagMessage
 from archo_tui.replay.player import Player
 from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
@@ -21,6 +24,7 @@ from archo_tui.screens.replay import ReplayScreen
 from tests.replay.recorded import written
 from tests.support import clock
 from tests.support.console import BRISK, LONG, Console, click, console
+from tests.support.quiet import outside
 
 
 @asynccontextmanager
@@ -210,6 +214,24 @@ async def test_recordings_that_were_played_do_not_stay_in_memory() -> None:
             await op.press("q")
         gc.collect()
         assert len(players) <= 1  # Of the last one, Textual may still hold something.
+
+
+async def test_a_long_recording_is_read_no_further_once_its_replay_was_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with recorded() as op:
+        read = BagFile.messages
+
+        def read_for_ever(*arguments: Any) -> Iterator[BagMessage]:
+            return cycle([*read(*arguments)])
+
+        monkeypatch.setattr(BagFile, "messages", read_for_ever)
+        await play(op)
+        assert "replay" in [thread.name for thread in threading.enumerate()]
+        await op.press("q")
+        await outside(
+            lambda: "replay" not in [thread.name for thread in threading.enumerate()], "an end"
+        )
 
 
 async def test_ctrl_q_in_a_dialog_of_a_replay_asks_at_the_live_robot() -> None:
