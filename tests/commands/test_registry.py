@@ -65,7 +65,7 @@ KEYS = {
     "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
     "TopicDialog": {
         "enter": "fold", "p": "plot", "space": "freeze", "slash": "narrow", "t": "show_type",
-        "y": "copy", "escape": "leave", "q": "close",
+        "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)", "right": "step(1)",
     },
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
