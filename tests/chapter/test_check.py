@@ -257,7 +257,7 @@ def test_the_page_quotes_for_each_section_what_check_says(
     section: str, listings: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, lines = check(capsys, *(LISTINGS / f"{name}.py" for name in listings))
-    said = [re.sub(r"^# \S+?:", "# ", line) for line in lines]
+    said = [re.sub(r"^# .*?\.py:", "# ", line) for line in lines]
     text = PAGE.read_text().partition(f"### {section} ")[2].partition("\n##")[0]
     quoted = re.findall(r"^(?:ok|not ok|#) .*$", text, re.MULTILINE)
     assert quoted
