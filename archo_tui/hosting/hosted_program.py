@@ -276,10 +276,6 @@ class HostedProgram(ABC):
     def release(self) -> None:  # noqa: B027
         """Take off the graph what is left of it there, once it has ended."""
 
-    @abstractmethod
-    def again(self) -> HostedProgram:
-        """Return the same program, not begun."""
-
 
 def exit_code(error: SystemExit) -> tuple[int, str]:
     """Return the exit code that Python makes of a SystemExit, and the text that it prints."""

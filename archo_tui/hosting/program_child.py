@@ -27,9 +27,6 @@ class ProgramChild(HostedProgram):
         self._names: list[str] = []
         self._lock = threading.Lock()  # Around the start of the process, which a stop may meet.
 
-    def again(self) -> ProgramChild:
-        return ProgramChild(self.program, self._on_end, self._on_node, self._may_run)
-
     def run_once(self) -> ProgramEnd:
         with self._lock:
             if self.is_stopping:

@@ -102,9 +102,6 @@ class ProgramThread(HostedProgram):
     def _new_process(self) -> _Process:
         return _Process(self.program, self.accept_node)
 
-    def again(self) -> ProgramThread:
-        return ProgramThread(self.program, self._on_end, self._on_node, self._may_run)
-
     def run_once(self) -> ProgramEnd:
         self._process = self._new_process()
         _adopt(threading.current_thread(), self._process)

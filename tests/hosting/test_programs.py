@@ -22,6 +22,7 @@ import pytest
 import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
 from archo_tui.hosting import hosted_program
+from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import Session
@@ -359,10 +360,19 @@ rclpy.spin(node)
 """
 
 
-def test_what_a_thread_of_a_program_prints_is_said_by_the_program() -> None:
+def test_what_a_thread_of_a_program_prints_is_said_by_the_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    later: list[tuple[str, str]] = []  # Once the session runs, its frontend takes what is printed.
+    output = NodeOutput(io.StringIO(), lambda _, source, text: later.append((source, text)))
+    monkeypatch.setattr(sys, "stdout", output)
     with running(written("printer.py", THREADS)) as session:
         said = ("printer stdout", "hello from a thread")
-        wait_until(lambda: said in [(e.source, e.text) for e in session.robot.snapshot.events])
+
+        def all_said() -> list[tuple[str, str]]:
+            return [*later, *((e.source, e.text) for e in session.robot.snapshot.events)]
+
+        wait_until(lambda: said in all_said())
 
 
 THREAD_RAISES = """
