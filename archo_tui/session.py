@@ -336,7 +336,8 @@ class Session:
         if sys.platform != "win32":
             from archo_tui.hosting.program_child import ProgramChild
 
-            return ProgramChild(*arguments)
+            output = NodeOutput(io.StringIO(), self.robot.note)
+            return ProgramChild(*arguments, output=output)
         raise ArchoError("--run with --engine ros2 does not work on Windows")
 
     def _own_programs(self) -> list[Program]:

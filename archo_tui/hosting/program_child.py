@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from archo_tui.hosting.hosted_program import HostedProgram, Program, ProgramEnd
+from archo_tui.hosting.node_output import NodeOutput
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
 
@@ -20,9 +21,16 @@ assert sys.platform != "win32"  # As mypy is to know: signals and inherited file
 class ProgramChild(HostedProgram):
     """A program in a child process, without a standard input."""
 
-    def __init__(self, program: Program, *callbacks: Any) -> None:
-        """Create it, without running it; the callbacks are those of `HostedProgram`."""
+    def __init__(self, program: Program, *callbacks: Any, output: NodeOutput) -> None:
+        """Create it, without running it.
+
+        Args:
+            program: What is to run.
+            *callbacks: Those of `HostedProgram`.
+            output: Gets what it prints, in threads with the name of its node.
+        """
         super().__init__(program, *callbacks)
+        self._output = output
         self._process: subprocess.Popen[str] | None = None
         self._names: list[str] = []
         self._lock = threading.Lock()  # Around the start of the process, which a stop may meet.
@@ -35,7 +43,7 @@ class ProgramChild(HostedProgram):
             self._process = process
         streams = [process.stdout, process.stderr]
         printers = [
-            threading.Thread(target=_write_lines, args=(stream,), name=self.name, daemon=True)
+            threading.Thread(target=self._write_lines, args=(stream,), name=self.name, daemon=True)
             for stream in streams
         ]
         threading.Thread(target=_end_group, args=(process,), daemon=True).start()
@@ -107,6 +115,12 @@ class ProgramChild(HostedProgram):
     def force_end(self) -> None:
         self._signal(signal.SIGKILL)
 
+    def _write_lines(self, stream: IO[str]) -> None:
+        """Pass on what comes from a stream, in the calling thread, whose name says whose it is."""
+        with stream:
+            for line in stream:
+                self._output.write(line)
+
     def _signal(self, number: int) -> None:
         with self._lock, contextlib.suppress(ProcessLookupError):
             if self._process is not None and self._process.returncode is None:
@@ -118,10 +132,3 @@ def _end_group(process: subprocess.Popen[str]) -> None:
     process.wait()
     with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
         os.killpg(process.pid, signal.SIGKILL)
-
-
-def _write_lines(stream: IO[str]) -> None:
-    """Write a stream line by line in the calling thread, whose name says whose lines they are."""
-    with stream:
-        for line in stream:
-            sys.stdout.write(line)
