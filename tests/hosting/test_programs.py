@@ -246,6 +246,7 @@ def test_a_module_beside_a_program_is_its_own_and_restarts_it_when_saved() -> No
 
 def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
     with running(talker(), only=False) as session:
+        wait_until(lambda: said() == ["made"])  # A STOP before its first node would end it.
         wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
         assert asyncio.run(session.robot.emergency_stop()).ok
         talker("anew")
