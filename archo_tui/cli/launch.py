@@ -9,6 +9,7 @@ from pathlib import Path
 
 from archo_tui.cli.console import run_console
 from archo_tui.cli.options import console_parser
+from archo_tui.cli.output import FAILED, complain
 from archo_tui.errors import ArchoError
 from archo_tui.safe_text import safe
 
@@ -21,6 +22,7 @@ _SUFFIX = ".launch.py"  # As the names of ROS 2's launch files end.
 
 def launch(options: Namespace) -> int:
     """Run the console with a launch file, or print the arguments that the file declares."""
+    from archo_tui.hosting.launch_file import NothingRunsError
     from archo_tui.launch.evaluate import launch_arguments, parse_arguments
     from archo_tui.launch.workspace import Workspace
     from archo_tui.session_options import Launch
@@ -34,7 +36,12 @@ def launch(options: Namespace) -> int:
         return 0
     chosen = Launch(file, parse_arguments(options.arguments))
     console = vars(console_parser(takes_command=False).parse_args(["--only"])) | vars(options)
-    return run_console(Namespace(**console), [], chosen)
+    try:
+        return run_console(Namespace(**console), [], chosen)
+    except NothingRunsError as error:
+        for text in map(str, (*error.notes, error)):
+            complain(text)
+        return FAILED
 
 
 def _launch_file(given: Path) -> Path:

@@ -24,6 +24,19 @@ if TYPE_CHECKING:
 _DOMAIN = "ROS_DOMAIN_ID"
 
 
+class NothingRunsError(ArchoError):
+    """The error of a launch file of which no part can run here.
+
+    Attributes:
+        notes: What it would start, and why that is not here.
+    """
+
+    def __init__(self, path: Path, notes: Sequence[LaunchNote]) -> None:
+        """Create the error for a launch file with its notes."""
+        super().__init__(f"nothing of {path} runs here")
+        self.notes = notes
+
+
 class LaunchFile:
     """A launch file, evaluated once, and a folder with what its packages install.
 
@@ -52,8 +65,7 @@ class LaunchFile:
             printed = self._plan.printed.splitlines()
             self.notes += [LaunchNote("INFO", str(path), line) for line in printed]
             if not self._plan.programs:
-                why = next((n for n in self.notes if n.level == "WARN"), "it starts no node")
-                raise ArchoError(f"nothing of {path} runs here: {why}")
+                raise NothingRunsError(path, self.notes)
         except BaseException:
             self.close()
             raise

@@ -183,12 +183,16 @@ def test_what_is_respawned_is_not_behind_a_stop(
         wait_until(lambda: runs.read_text().count("ran") > count)
 
 
-def test_a_launch_file_of_which_nothing_runs_is_an_error(workspace: Path) -> None:
+def test_a_launch_file_of_which_nothing_runs_says_all_and_fails(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = launch_file('Node(package="turtlesim", executable="turtlesim_node"),')
-    with pytest.raises(ArchoError) as raised, launched(file):
-        pass
-    why = f"{file}:19: package turtlesim is not here: start it with ROS 2"
-    assert str(raised.value) == f"nothing of {file} runs here: {why}"
+    assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
+    assert capsys.readouterr().err.splitlines() == [
+        f"archo-tui: {file}:18: wheels on the left",
+        f"archo-tui: {file}:19: package turtlesim is not here: start it with ROS 2",
+        f"archo-tui: nothing of {file} runs here",
+    ]
 
 
 def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: Path) -> None:
