@@ -5,7 +5,30 @@ class ArchoError(Exception):
     """An error that the user can mend; the message says what, where and what to do."""
 
 
+class UserFileError(ArchoError):
+    """A file of the user's own is wrong.
+
+    Attributes:
+        report: The traceback for the person who wrote the file; "" if it would say no more.
+    """
+
+    def __init__(self, text: str, report: str = "") -> None:
+        """Create the error with one line that says what is wrong where, and the traceback."""
+        super().__init__(text)
+        self.report = report
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of an error's text; "" if it has none."""
+    return (str(error).splitlines() or [""])[0]
+
+
+def quoted_line(line: str) -> str:
+    """Return a line of code as messages end with it: `, in: x = y + 1`; "" for a blank one."""
+    return f", in: {line.strip()}" if line.strip() else ""
+
+
 def in_one_line(error: BaseException) -> str:
     """Return an error as one line; other errors than ours begin with the name of their type."""
-    text = (str(error).splitlines() or [""])[0]
+    text = first_line(error)
     return text if isinstance(error, ArchoError) else f"{type(error).__name__}: {text}".rstrip(": ")

@@ -9,7 +9,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +18,13 @@ from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
-from archo_tui.hosting.watch import FileWatcher, Watched
+from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.parameters import files
 from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
+from archo_tui.robot.state import LAUNCH
 from archo_tui.robot_file import load as robot_files
 from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
@@ -75,11 +76,10 @@ class Session:
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
         self._launch_file = self._launched()
-        found = found_in_workspaces(options.node_files)
-        self._node_names, self._workspaces = found.names, found.workspaces
+        self._node_names, self._workspaces = found_in_workspaces(options.node_files)
         if self._launch_file is not None:
             self._workspaces.append(self._launch_file.workspace)
-        interfaces = self._activate(found.interfaces)
+        interfaces = self._activate()
         # It imports rclpy, so the engine must have been activated.
         from archo_tui.rclpy_context import RclpyContext
 
@@ -142,20 +142,14 @@ class Session:
             "watching": self.options.watch,
         }
 
-    def _activate(self, workspace_folders: Sequence[Path]) -> dict[str, Path]:
-        """Activate the engine, and return the interface packages of the user's own.
-
-        Args:
-            workspace_folders: The interface packages of the workspaces among the node files.
-        """
+    def _activate(self) -> dict[str, Path]:
+        """Activate the engine, and return the interface packages of the user's own."""
         options = self.options
         own: dict[str, Path] = {}
         self._mistakes: list[str] = []  # In the user's interface packages.
         others = options.attach or options.node_makers or options.only
-        folders = [*workspace_folders, *options.interfaces]
-        if self._launch_file is not None:
-            folders += self._launch_file.workspace.interface_packages.values()
-        if folders:
+        of_workspaces = [p for w in self._workspaces for p in w.interface_packages.values()]
+        if folders := [*of_workspaces, *options.interfaces]:
             from archo_tui.hosting import own_interfaces
 
             own, self._mistakes = own_interfaces.find_all(folders, options.engine)
@@ -241,11 +235,12 @@ class Session:
 
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
         """Return the user's own files, with what happens when they are saved."""
-        from archo_tui.hosting.hosted_file import HostedFile, HostedProgramFile
-
-        kept, note = self.station.edits.values_set, self.robot.note
-        watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
-        watched += [HostedProgramFile(self.host.programs, p.file) for p in self._programs]
+        kept, note, host = self.station.edits.values_set, self.robot.note, self.host
+        watched: list[Watched] = [
+            WatchedFile(file, partial(host.reload, file, kept)) for file in self._node_files
+        ]
+        programs = [program.file for program in self._programs]
+        watched += [WatchedFile(file, partial(host.programs.reload, file)) for file in programs]
         if self._launch_file is not None:
             from archo_tui.hosting.launch_file import HostedLaunchFile
 
@@ -262,6 +257,10 @@ class Session:
             self.host.stop()
         self.journal.close()
         self._rclpy.shutdown()
+        self._remove_folders()
+
+    def _remove_folders(self) -> None:
+        """Remove what the packages of workspaces have installed for this session."""
         for folder in (self._launch_file, self._shares):
             if folder is not None:
                 folder.close()
@@ -389,7 +388,7 @@ class Session:
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():
-            self.robot.note(note.level, "launch", str(note))
+            self.robot.note(note.level, LAUNCH, str(note))
         users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
@@ -416,9 +415,7 @@ class Session:
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
         self._rclpy.shutdown()
-        for folder in (self._launch_file, self._shares):
-            if folder is not None:
-                folder.close()
+        self._remove_folders()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck

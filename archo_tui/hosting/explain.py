@@ -10,7 +10,8 @@ from typing import Any
 import rclpy
 
 import archo_tui
-from archo_tui.hosting.own_code import OwnCode, quoted_line
+from archo_tui.errors import first_line, quoted_line
+from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.tracebacks import own_frames
 
@@ -64,7 +65,7 @@ def reason_of(error: BaseException) -> str:
     """
     text = ""
     with contextlib.suppress(Exception):  # A __str__ of the user's own may fail, too.
-        text = (str(error).splitlines() or [""])[0]
+        text = first_line(error)
     if any(sign in text for sign in _TWO_TYPES):
         return f"{text.partition(':')[0]}: {_ONE_TYPE}"
     return text

@@ -16,8 +16,9 @@ from rclpy.context import Context
 from archo_tui.errors import in_one_line
 from archo_tui.hosting.hosted_node import HostedNode, without_file_name
 from archo_tui.hosting.hosted_program import HostedProgram
-from archo_tui.hosting.node_files import NodeFile, NodeFileError
+from archo_tui.hosting.node_files import NodeFile
 from archo_tui.hosting.programs import Programs
+from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 

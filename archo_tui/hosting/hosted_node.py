@@ -23,10 +23,10 @@ from archo_tui.errors import in_one_line
 from archo_tui.hosting import global_executor
 from archo_tui.hosting.explain import explain
 from archo_tui.hosting.global_executor import GlobalExecutor
-from archo_tui.hosting.node_files import FileNode, NodeFile, NodeFileError
-from archo_tui.hosting.program_file import ProgramFile
+from archo_tui.hosting.node_files import FileNode
 from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_limited, stack_of
 from archo_tui.hosting.tracebacks import own_frames
+from archo_tui.hosting.user_file import NodeFileError, UserFile
 from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot import message_classes
 from archo_tui.robot.fields import filled
@@ -448,7 +448,7 @@ def waits_for_others(thread: threading.Thread) -> bool:
     return False
 
 
-def without_file_name(file: NodeFile | ProgramFile, text: str) -> str:
+def without_file_name(file: UserFile, text: str) -> str:
     """Shorten `FILE:31: NameError: ...` to `line 31: NameError: ...`, for places that name FILE."""
     prefix = f"{file}:"
     if not text.startswith(prefix):

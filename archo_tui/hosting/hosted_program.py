@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from archo_tui.hosting.hosted_node import CONSTRUCTION_TIME, CONSTRUCTOR_POLL, without_file_name
-from archo_tui.hosting.node_files import NodeFileError
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.time_limit import Interrupted
+from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.state import Hosted, Life
 
 JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
@@ -123,12 +123,7 @@ class HostedProgram(ABC):
         return tuple(state._replace(name=name, serves=self.served) for name in self.names)
 
     def begin(self) -> None:
-        """Run it, in threads or a process of its own.
-
-        Raises:
-            NodeFileError: Its text is not Python.
-        """
-        self.file.compile()
+        """Run the compiled file, in threads or a process of its own."""
         self.state = self.state._replace(saved=self.file.saved)
         self._thread.start()
 

@@ -6,7 +6,6 @@ This module is imported before the engine is chosen, and so must not import rclp
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -17,6 +16,7 @@ from archo_tui.hosting.watch import Stamps, stamps
 from archo_tui.launch.evaluate import evaluate
 from archo_tui.launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
 from archo_tui.launch.workspace import Workspace
+from archo_tui.robot.state import LAUNCH
 
 if TYPE_CHECKING:
     from archo_tui.hosting.hosted_program import Program
@@ -96,8 +96,7 @@ class LaunchFile:
         programs = []
         for launched in self._plan.programs:
             entry_point = launched.entry_point
-            if entry_point.source is not None and str(entry_point.source) not in sys.path:
-                sys.path.insert(0, str(entry_point.source))
+            entry_point.make_importable()
             self._note_environment(launched)
             domain = launched.environment.get(_DOMAIN)
             programs.append(
@@ -115,11 +114,7 @@ class LaunchFile:
 
     def _note_environment(self, launched: LaunchedProgram) -> None:
         """Add a note for variables of one program, since programs share one environment."""
-        own = {
-            name
-            for name, value in launched.environment.items()
-            if name != _DOMAIN and self._plan.environment.get(name, value) != value
-        } | (launched.environment.keys() - self._plan.environment.keys() - {_DOMAIN})
+        own = dict(launched.environment.items() - self._plan.environment.items()).keys() - {_DOMAIN}
         if own:
             where = f"{Path(launched.file).name}:{launched.line}"
             text = f"{', '.join(sorted(own))} is not set for {launched.executable} alone: without "
@@ -166,7 +161,7 @@ class HostedLaunchFile:
         try:
             self._file.check()
         except ArchoError as error:
-            self._note("ERROR", "launch", f"the saved text does not run: {error}")
+            self._note("ERROR", LAUNCH, f"the saved text does not run: {error}")
         else:
             self._restart(f"{self._file.path.name}, or a file that it reads, was saved")
 

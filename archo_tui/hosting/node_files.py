@@ -21,28 +21,14 @@ from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.explain import code_of, explain
 from archo_tui.hosting.main_function import ComputedError, MainFunction, NodeCall, SkippedCall
-from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import Interrupted, TookTooLong, run_limited
+from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile
 from archo_tui.hosting.watch import Stamps, stamps
 
 T = TypeVar("T")
 
 IMPORT_TIME = 10.0  # Seconds that a file may take to be imported.
-OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the file is.
-
-
-class NodeFileError(ArchoError):
-    """A node file cannot be run, or a node of it cannot be constructed.
-
-    Attributes:
-        report: The traceback for the person who wrote the file; "" if it would say no more.
-    """
-
-    def __init__(self, text: str, report: str = "") -> None:
-        """Create the error with one line that says what is wrong where, and the traceback."""
-        super().__init__(text)
-        self.report = report
 
 
 class FileNode:
@@ -155,7 +141,7 @@ def _is_made(node: Node) -> bool:
     return True
 
 
-class NodeFile:
+class NodeFile(UserFile):
     """A node file, and the modules that it imports from its folder.
 
     Attributes:
@@ -176,26 +162,11 @@ class NodeFile:
         Raises:
             NodeFileError: There is no such file or module.
         """
-        self._given = given
-        self.path, self._name = find_file(given)
-        self.code = OwnCode(given, self.path)
+        super().__init__(given)
         self._modules: dict[str, ModuleType] = {}  # The file's own, by their names.
         self._before: dict[str, ModuleType] = {}  # Those of the text before.
-        self.loaded: Stamps = {}
-        self.source = Source(b"")
         self.not_run = ""
         self._failed = False
-
-    def __str__(self) -> str:
-        return self._given
-
-    @property
-    def saved(self) -> float:
-        """The Unix time in seconds at which the file was saved; 0.0 while there is no file."""
-        try:
-            return self.path.stat().st_mtime
-        except OSError:
-            return 0.0
 
     def current_stamps(self) -> Stamps:
         """Return the stamps of the file and its modules; after a failure of its whole folder."""
@@ -351,30 +322,3 @@ def _not_run_text(file: str, calls: list[SkippedCall]) -> str:
     if len(lines) > 1:
         more = f", nor are lines {', '.join(map(str, lines))}"
     return f"{file}:{line}: {by} calls {text}, which is not run here{more}"
-
-
-def find_file(given: str) -> tuple[Path, str]:
-    """Return the path of a file or module, and the name that its module gets.
-
-    Raises:
-        NodeFileError: There is none.
-    """
-    path = Path(given)
-    dotted = given.replace(".", "_").isidentifier() and path.suffix != ".py" and not path.exists()
-    if dotted and "." in given:
-        if "" not in sys.path and str(Path.cwd()) not in sys.path:
-            sys.path.insert(0, str(Path.cwd()))
-        try:
-            spec = importlib.util.find_spec(given)
-        except (ImportError, ValueError) as error:
-            raise NodeFileError(f"{given}: {error}") from None
-        if spec is None or not spec.origin or not Path(spec.origin).is_file():
-            raise NodeFileError(f"{given}: no such module, and no such file")
-        return Path(spec.origin).resolve(), given
-    if not path.is_file():
-        raise NodeFileError(f"{given}: no such file")
-    if path.suffix != ".py":
-        raise NodeFileError(f"{given}: not a Python file")
-    resolved = path.resolve()
-    letters = "".join(char if char.isalnum() else "_" for char in str(resolved))
-    return resolved, f"_node_file_{letters}"

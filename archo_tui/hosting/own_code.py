@@ -6,6 +6,8 @@ import sysconfig
 from pathlib import Path
 from traceback import StackSummary
 
+from archo_tui.errors import quoted_line
+
 # Python itself may be in the home folder, beside the user's files.
 _PYTHON = Path(sysconfig.get_path("stdlib")).resolve()
 
@@ -58,8 +60,3 @@ class OwnCode:
             return self._given, ""
         last = frames[-1]
         return f"{self.display_name(last.filename)}:{last.lineno}", quoted_line(last.line or "")
-
-
-def quoted_line(line: str) -> str:
-    """Return a line of code as messages end with it: `, in: x = y + 1`; "" for a blank one."""
-    return f", in: {line.strip()}" if line.strip() else ""

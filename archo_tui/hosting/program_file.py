@@ -14,13 +14,12 @@ from weakref import WeakSet
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.explain import explain
-from archo_tui.hosting.node_files import OURS, NodeFileError, find_file
-from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.source import Source
+from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile
 from archo_tui.hosting.watch import Stamps, stamps
 
 
-class ProgramFile:
+class ProgramFile(UserFile):
     """A Python file as a program, with the modules that it imports from its folder.
 
     Attributes:
@@ -42,26 +41,12 @@ class ProgramFile:
         Raises:
             NodeFileError: There is no such file or module.
         """
-        self._given, self._function = given, function
-        self.path, self._name = find_file(given)
-        self.code = OwnCode(given, self.path)
-        self.loaded: Stamps = {}
+        super().__init__(given)
+        self._function = function
         self.imported: set[Path] = set()
-        self.source = Source(b"")
         self._compiled = compile("", given, "exec")
         self._has_run = False
         self._began = 0  # Unix time in nanoseconds at which it was last run.
-
-    def __str__(self) -> str:
-        return self._given
-
-    @property
-    def saved(self) -> float:
-        """The Unix time in seconds at which the file was saved; 0.0 while there is no file."""
-        try:
-            return self.path.stat().st_mtime
-        except OSError:
-            return 0.0
 
     def current_stamps(self) -> Stamps:
         """Return the stamps of the file, and of the modules that are imported from its folder."""

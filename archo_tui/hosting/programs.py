@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Program
-from archo_tui.hosting.node_files import NodeFileError
 from archo_tui.hosting.program_file import ProgramFile
+from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 
@@ -57,6 +57,7 @@ class Programs:
         self._adding = hosted
         with self._changing:
             self._hosted.append(hosted)
+            hosted.file.compile()
             hosted.begin()
         hosted.wait()
         self._adding = None

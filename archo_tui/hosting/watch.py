@@ -6,7 +6,7 @@ It compares times and sizes, which works on every file system.
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -30,8 +30,8 @@ def stamps(paths: Iterable[Path]) -> Stamps:
     return found
 
 
-class Watched(Protocol):
-    """Files that are reloaded together."""
+class Stamped(Protocol):
+    """Files whose changes are seen by their stamps."""
 
     @property
     def loaded(self) -> Stamps:
@@ -40,8 +40,34 @@ class Watched(Protocol):
     def current_stamps(self) -> Stamps:
         """Return the stamps of the files as they are now."""
 
+
+class Watched(Stamped, Protocol):
+    """Files that are reloaded together."""
+
     def reload(self) -> None:
         """Load the files as they are now; an event says what is wrong with them."""
+
+
+class WatchedFile:
+    """A file of nodes or of a program, with what it imports from its folder."""
+
+    def __init__(self, file: Stamped, reload: Callable[[], None]) -> None:
+        """Watch a file.
+
+        Args:
+            file: The file.
+            reload: Runs it as it is now, in the place of what runs of it.
+        """
+        self._file, self.reload = file, reload
+
+    @property
+    def loaded(self) -> Stamps:
+        """The stamps of the text that was last loaded, or could not be loaded."""
+        return self._file.loaded
+
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the file now, and of what it imports."""
+        return self._file.current_stamps()
 
 
 class FileWatcher:

@@ -1,11 +1,10 @@
-"""The node files and interface packages of the workspaces that are given in place of files.
+"""The node files of the workspaces that are given in place of files.
 
 This module is imported before the engine is chosen, and so must not import rclpy.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,12 +20,10 @@ class WorkspaceNodes(NamedTuple):
 
     Attributes:
         names: The files, and the dotted names of modules.
-        interfaces: The folders of interface packages.
         workspaces: The workspaces.
     """
 
     names: list[str]
-    interfaces: list[Path]
     workspaces: list[Workspace]
 
 
@@ -41,7 +38,7 @@ def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
     Raises:
         ArchoError: A folder is no workspace, or no Python package of it has an executable.
     """
-    names, interfaces, workspaces = found = WorkspaceNodes([], [], [])
+    names, workspaces = found = WorkspaceNodes([], [])
     for item in given:
         if not Path(item).is_dir():
             names.append(str(item))
@@ -55,8 +52,6 @@ def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
         if not points:
             raise ArchoError(f"{item}: no setup.py of its packages names a node: console_scripts")
         for point in points:
-            if point.source is not None and str(point.source) not in sys.path:
-                sys.path.insert(0, str(point.source))
+            point.make_importable()
         names.extend(dict.fromkeys(point.module for point in points))
-        interfaces.extend(workspace.interface_packages.values())
     return found

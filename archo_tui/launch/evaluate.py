@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.launch import child_process
 from archo_tui.launch.plan import LaunchArgument, LaunchedProgram, LaunchNote, LaunchPlan
 from archo_tui.launch.workspace import Workspace
@@ -15,17 +15,8 @@ EVALUATION_TIME = 10.0  # Seconds that a launch file may take.
 _CHILD = "archo_tui.launch.evaluation"
 
 
-class LaunchFileError(ArchoError):
-    """A launch file is wrong.
-
-    Attributes:
-        report: The traceback for the person who wrote the file; "" if it would say no more.
-    """
-
-    def __init__(self, text: str, report: str = "") -> None:
-        """Create the error with one line that says what is wrong where, and the traceback."""
-        super().__init__(text)
-        self.report = report
+class LaunchFileError(UserFileError):
+    """A launch file is wrong."""
 
 
 def parse_arguments(words: Iterable[str]) -> dict[str, str]:

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any, NamedTuple
 
+from archo_tui.errors import first_line, quoted_line
+
 
 class UserError(NamedTuple):
     """An error of a person's file.
@@ -32,10 +34,10 @@ def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
         error: The error.
         is_own: Returns True for the path of a file of the person's.
     """
-    name, why = type(error).__name__, (str(error).splitlines() or [""])[0]
+    name, why = type(error).__name__, first_line(error)
     report = _own_traceback(error, is_own)
     if isinstance(error, SyntaxError) and is_own(error.filename or ""):
-        text = f"SyntaxError: {error.msg}{_quoted(error.text or '')}"
+        text = f"SyntaxError: {error.msg}{quoted_line(error.text or '')}"
         return UserError(error.filename or "", error.lineno or 1, text, report)
     if isinstance(error, ModuleNotFoundError):
         why += " (looked for it where Python looks, and in the packages of the workspace)"
@@ -45,7 +47,9 @@ def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
     own = [f for f in traceback.extract_tb(error.__traceback__) if is_own(f.filename)]
     if not own:
         return UserError("", 0, text, report)
-    return UserError(own[-1].filename, own[-1].lineno or 1, text + _quoted(own[-1].line), report)
+    return UserError(
+        own[-1].filename, own[-1].lineno or 1, text + quoted_line(own[-1].line or ""), report
+    )
 
 
 def describe_hang(
@@ -63,7 +67,7 @@ def describe_hang(
     if frame is None:
         return UserError("", 0, f"does not return within {seconds:g} s", "")
     file, line = frame.f_code.co_filename, frame.f_lineno
-    text = f"does not return within {seconds:g} s{_quoted(linecache.getline(file, line))}"
+    text = f"does not return within {seconds:g} s{quoted_line(linecache.getline(file, line))}"
     return UserError(file, line, text, "")
 
 
@@ -72,7 +76,3 @@ def _own_traceback(error: BaseException, is_own: Callable[[str], bool]) -> str:
     own = [frame for frame in report.stack if is_own(frame.filename)]
     report.stack = traceback.StackSummary.from_list(own)
     return "".join(report.format(chain=False))
-
-
-def _quoted(line: str | None) -> str:
-    return f", in: {line.strip()}" if line and line.strip() else ""

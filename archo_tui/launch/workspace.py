@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import importlib.util
 import os
+import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,6 +37,11 @@ class EntryPoint:
     module: str
     function: str
     source: Path | None
+
+    def make_importable(self) -> None:
+        """Let Python import the module in this process."""
+        if self.source is not None and str(self.source) not in sys.path:
+            sys.path.insert(0, str(self.source))
 
 
 class Workspace:

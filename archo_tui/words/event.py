@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Event, Hosted, logger_node
+from archo_tui.robot.state import LAUNCH, Event, Hosted, logger_node
 
 _GRAVITY = {"WARN": "▲", "ERROR": "✗", "FATAL": "✗"}
 _OPEN = (Code.HELD, Code.TIMEOUT, Code.NOT_CONFIRMED)  # It may still be done.
-LAUNCH = "launch"  # The source of what the user's launch file says.
 
 
 def event_text(event: Event) -> str:

@@ -8,7 +8,7 @@ Most are NamedTuples, which are made and copied in a fraction of a dataclass's t
 """
 
 from archo_tui.robot.state.diagnostic import Diagnostic, DiagnosticLevel
-from archo_tui.robot.state.event import OWN_LEVELS, Event
+from archo_tui.robot.state.event import LAUNCH, OWN_LEVELS, Event
 from archo_tui.robot.state.goal import Goal, Phase, values_text
 from archo_tui.robot.state.hosted import Hosted, Life
 from archo_tui.robot.state.names import in_namespace, logger_node, not_offered
@@ -32,6 +32,7 @@ from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
     "ACTION",
+    "LAUNCH",
     "LEVELS",
     "OWN_LEVELS",
     "SERVICE",

@@ -9,6 +9,7 @@ from archo_tui.robot.audit_records import AuditRecord
 # The levels of the console's own events: what the person, a shell or an assistant did, how goals
 # ended, and what other consoles did.
 OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
+LAUNCH = "launch"  # The source of what the user's launch file says.
 
 
 @dataclass(frozen=True)  # A tuple has a `count` of its own.
