@@ -142,7 +142,7 @@ class Listener(Node):
     ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
-        heard = self._heard[name, kind] = _Heard()
+        heard = _Heard()
 
         def both(message: Any) -> None:
             self._on_message(name, message if mask is None else mask(message))
@@ -152,4 +152,5 @@ class Listener(Node):
                 tap(name, message)
 
         heard.subscription = self.create_subscription(kind, topic, both, qos, **options)
+        self._heard[name, kind] = heard  # Only now: rclpy may have raised.
         return heard.subscription

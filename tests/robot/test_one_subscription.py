@@ -78,19 +78,19 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
     """Fast DDS refuses a second type of a topic in one process, for example."""
     file = here / "base.yaml"
     file.write_text(FILE.replace("topic: level", "topic: refused", 1) + "record: [refused]\n")
-    listen = Listener.listen_quietly
+    subscribe = Listener.create_subscription
 
-    def refusing(self: Listener, kind: Any, topic: str, *rest: Any) -> Any:
+    def refusing(self: Listener, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
         if topic == "/refused":
             raise RuntimeError("incompatible type")
-        return listen(self, kind, topic, *rest)
+        return subscribe(self, kind, topic, *rest, **options)
 
     class Both(Talker):
         def __init__(self, **options: Any) -> None:
             super().__init__(**options)
             self.create_publisher(Float32, "refused", 10)
 
-    monkeypatch.setattr(Listener, "listen_quietly", refusing)
+    monkeypatch.setattr(Listener, "create_subscription", refusing)
     async with robot(Both, robot=file) as it:
         await until(lambda: it.snapshot.gauges[0].value == 80.0)
         reason = "RuntimeError: incompatible type"
@@ -98,5 +98,6 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
         assert it.snapshot.faults["refused"] == f"refused {why}"
         texts = [event.text for event in it.snapshot.events]
         assert f"not recorded: /refused {why}" in texts
+        assert not it._node.listens(Float32, "/refused")
         await while_passes(3)
         assert [event.text for event in it.snapshot.events] == texts
