@@ -40,14 +40,8 @@ class Entry(NamedTuple):
     works: bool
 
 
-class Help(Dialog[None]):
-    """A list with one entry a command; a command that cannot run now is darker."""
-
-    BINDINGS = [
-        ("escape", "close", "Close"),
-        ("pageup", "scroll(-1)", "Scroll up"),
-        ("pagedown", "scroll(1)", "Scroll down"),
-    ]
+class KeyList(Dialog[None]):
+    """A dialog with keys, which is drawn anew when its size changes, or which of them work."""
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
         """Create the dialog.
@@ -58,7 +52,35 @@ class Help(Dialog[None]):
         """
         super().__init__()
         self._list_entries = list_entries
-        self._entries = entries = list_entries()
+        self._entries = list_entries()
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._draw)
+
+    def show_view(self, view: View) -> None:
+        """Show which of the keys work now."""
+        entries = self._list_entries()
+        if entries != self._entries:
+            self._entries = entries
+            self._draw()
+
+    def _draw(self) -> None:
+        """Draw the keys."""
+        raise NotImplementedError
+
+
+class Help(KeyList):
+    """A list with one entry a command; a command that cannot run now is darker."""
+
+    BINDINGS = [
+        ("escape", "close", "Close"),
+        ("pageup", "scroll(-1)", "Scroll up"),
+        ("pagedown", "scroll(1)", "Scroll down"),
+    ]
+
+    def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
+        """Create the dialog; `list_entries` is that of `KeyList`."""
+        super().__init__(list_entries)
         self._scroll = VerticalScroll(can_focus=False)
         self._search = Field(
             id="narrow",
@@ -66,7 +88,7 @@ class Help(Dialog[None]):
             changed=self._draw,
             stepped=lambda step: self._scroll.scroll_relative(y=step, animate=False),
         )
-        self._key_width = max((cell_len(entry.key) for entry in entries), default=0)  # Cells.
+        self._key_width = max((cell_len(entry.key) for entry in self._entries), default=0)  # Cells.
         self._columns = Static(classes="column"), Static(classes="column")
 
     def body(self) -> ComposeResult:
@@ -81,16 +103,6 @@ class Help(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self._search)
-
-    def on_resize(self) -> None:
-        self.call_after_refresh(self._draw)
-
-    def show_view(self, view: View) -> None:
-        """Show which of the keys work now."""
-        entries = self._list_entries()
-        if entries != self._entries:
-            self._entries = entries
-            self._draw()
 
     def action_scroll(self, pages: int) -> None:
         """Scroll by pages; a negative number scrolls up."""

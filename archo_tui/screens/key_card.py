@@ -11,12 +11,10 @@ from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
-from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.help import Entry, section_lines
-from archo_tui.station.view import View
+from archo_tui.screens.help import Entry, KeyList, section_lines
 
 
-class KeyCard(Dialog[None]):
+class KeyCard(KeyList):
     """A short list of keys; `?` leads from it to the list of all."""
 
     BINDINGS = [
@@ -31,13 +29,11 @@ class KeyCard(Dialog[None]):
 
         Args:
             title: The title of the box.
-            list_entries: Returns the keys; called again while the card is open, since some that
-                work now may not work later.
+            list_entries: Returns the keys: see `KeyList`.
             show_all: Opens the list of all keys.
         """
-        super().__init__()
-        self._card_title, self._list_entries, self._show_all = title, list_entries, show_all
-        self._entries = list_entries()
+        super().__init__(list_entries)
+        self._card_title, self._show_all = title, show_all
         self._scroll, self._text = VerticalScroll(), Static()
 
     def body(self) -> ComposeResult:
@@ -49,16 +45,6 @@ class KeyCard(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self._scroll)
-
-    def on_resize(self) -> None:
-        self.call_after_refresh(self._draw)
-
-    def show_view(self, view: View) -> None:
-        """Show which of the keys work now."""
-        entries = self._list_entries()
-        if entries != self._entries:
-            self._entries = entries
-            self._draw()
 
     def action_show_all(self) -> None:
         """Close the card and open the list of all keys."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from archo_tui.robot.state import LEVELS, TOPIC, Snapshot
+from archo_tui.robot.state import LEVELS, TOPIC, Parameter, Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import Verb
@@ -78,17 +78,20 @@ def _owners(station: Station, _: Sequence[str]) -> Iterable[str]:
     return [parameter.node for parameter in station.robot.snapshot.parameters]
 
 
+def _parameters_of(station: Station, word: str) -> list[Parameter]:
+    """Return the parameters of the node that a word names, with its namespace or without."""
+    snapshot = station.robot.snapshot
+    node = full_name(snapshot, word, {parameter.node for parameter in snapshot.parameters})
+    return [parameter for parameter in snapshot.parameters if parameter.node == node]
+
+
 def _parameters(station: Station, words: Sequence[str]) -> Iterable[str]:
-    known = station.robot.snapshot.parameters
-    node = full_name(station.robot.snapshot, words[0], {parameter.node for parameter in known})
-    return [parameter.name for parameter in known if parameter.node == node]
+    return [parameter.name for parameter in _parameters_of(station, words[0])]
 
 
 def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
     """Return the values of a boolean parameter."""
-    known = station.robot.snapshot.parameters
-    node = full_name(station.robot.snapshot, words[0], {parameter.node for parameter in known})
-    kinds = [p.type for p in known if (p.node, p.name) == (node, words[1])]
+    kinds = [p.type for p in _parameters_of(station, words[0]) if p.name == words[1]]
     return ("true", "false") if kinds == ["bool"] else ()
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import heapq
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, MutableMapping
+from operator import attrgetter
 from typing import Any
 
 from archo_tui.launch.stand_ins.action import Action, LaunchDescription
@@ -91,8 +92,10 @@ class DeclareLaunchArgument(Action):
             raise SubstitutionFailure(text, self.place)
 
 
-class SetLaunchConfiguration(Action):
-    """Sets a launch configuration."""
+class _SetVariable(Action):
+    """Sets a launch configuration, or a variable of the environment."""
+
+    _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
     def __init__(
         self, name: SomeSubstitutionsType, value: SomeSubstitutionsType, **options: Any
@@ -103,18 +106,32 @@ class SetLaunchConfiguration(Action):
 
     def execute(self, context: LaunchContext) -> None:
         name = perform_substitutions(context, self._name)
-        context.launch_configurations[name] = perform_substitutions(context, self._value)
+        self._variables(context)[name] = perform_substitutions(context, self._value)
 
 
-class UnsetLaunchConfiguration(Action):
-    """Removes a launch configuration."""
+class _UnsetVariable(Action):
+    """Removes a launch configuration, or a variable of the environment."""
+
+    _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
     def __init__(self, name: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
         self._name = normalize_to_list_of_substitutions(name)
 
     def execute(self, context: LaunchContext) -> None:
-        context.launch_configurations.pop(perform_substitutions(context, self._name), None)
+        self._variables(context).pop(perform_substitutions(context, self._name), None)
+
+
+class SetLaunchConfiguration(_SetVariable):
+    """Sets a launch configuration."""
+
+    _variables = attrgetter("launch_configurations")
+
+
+class UnsetLaunchConfiguration(_UnsetVariable):
+    """Removes a launch configuration."""
+
+    _variables = attrgetter("launch_configurations")
 
 
 class ResetLaunchConfigurations(Action):
@@ -169,30 +186,16 @@ class ResetEnvironment(Action):
         context.reset_environment()
 
 
-class SetEnvironmentVariable(Action):
+class SetEnvironmentVariable(_SetVariable):
     """Sets an environment variable of the programs that are started afterwards."""
 
-    def __init__(
-        self, name: SomeSubstitutionsType, value: SomeSubstitutionsType, **options: Any
-    ) -> None:
-        super().__init__(**options)
-        self._name = normalize_to_list_of_substitutions(name)
-        self._value = normalize_to_list_of_substitutions(value)
-
-    def execute(self, context: LaunchContext) -> None:
-        name = perform_substitutions(context, self._name)
-        context.environment[name] = perform_substitutions(context, self._value)
+    _variables = attrgetter("environment")
 
 
-class UnsetEnvironmentVariable(Action):
+class UnsetEnvironmentVariable(_UnsetVariable):
     """Removes an environment variable."""
 
-    def __init__(self, name: SomeSubstitutionsType, **options: Any) -> None:
-        super().__init__(**options)
-        self._name = normalize_to_list_of_substitutions(name)
-
-    def execute(self, context: LaunchContext) -> None:
-        context.environment.pop(perform_substitutions(context, self._name), None)
+    _variables = attrgetter("environment")
 
 
 class AppendEnvironmentVariable(Action):
