@@ -11,11 +11,10 @@ from archo_tui.robot.definitions import ros2msg_type
 from archo_tui.robot.field_notes import FieldNotes, notes_of
 from archo_tui.robot.fields import NESTED, element_of
 from archo_tui.robot.message_classes import EMPTY, name_of
-from archo_tui.robot.message_text import shortest
+from archo_tui.robot.message_text import primitive, shortened
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView
 
 MAX_FIELDS = 2_000  # Rows of one message.
-_MAX_TEXT = 500  # Characters of a string.
 _TIME, _DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"
 
 
@@ -115,11 +114,6 @@ def _array(
 
 
 def _shown(value: Any, kind: str) -> bool | float | str:
-    """Return a primitive value: a byte as its number, a float32 by its fewest digits."""
-    if isinstance(value, bytes):
-        return value[0] if len(value) == 1 else value.hex(" ")
-    if isinstance(value, float):
-        return shortest(value) if kind == "float" else value
-    if isinstance(value, str):
-        return value if len(value) <= _MAX_TEXT else f"{value[:_MAX_TEXT]} ..."
-    return value  # type: ignore[no-any-return]  # bool or int
+    """Return a primitive value as it is shown."""
+    shown: bool | float | str = primitive(value, kind)
+    return shortened(shown) if isinstance(shown, str) else shown

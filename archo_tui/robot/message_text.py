@@ -134,20 +134,29 @@ def _value(value: Any, kind: str, form: _Form) -> Any:
         return [_value(item, element, form) for item in listed(value)]
     if NESTED.fullmatch(kind):
         return _message(value, form)
+    if isinstance(value, str):
+        is_whole = form.is_json and form.elements > MAX_ELEMENTS
+        return value if is_whole else shortened(value)
+    if form.is_json and isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return primitive(value, kind)
+
+
+def primitive(value: Any, kind: str) -> Any:
+    """Return a bool, number or text as it is shown: a byte as its number, a float32 in few digits.
+
+    Args:
+        value: The value as rclpy has it; several bytes are shown in hexadecimal.
+        kind: Its type, as rosidl writes it.
+    """
     if isinstance(value, bytes):
         return value[0] if len(value) == 1 else value.hex(" ")
-    if isinstance(value, float):
-        return _number(value, kind, form)
-    if isinstance(value, str):
-        is_long = len(value) > _MAX_TEXT and (not form.is_json or form.elements == MAX_ELEMENTS)
-        return f"{value[:_MAX_TEXT]} ..." if is_long else value
-    return value
+    return shortest(value) if isinstance(value, float) and kind == "float" else value
 
 
-def _number(value: float, kind: str, form: _Form) -> float | str:
-    if not math.isfinite(value):
-        return str(value) if form.is_json else value
-    return shortest(value) if kind == "float" else value
+def shortened(text: str) -> str:
+    """Return a text, cut where it is long."""
+    return text if len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]} ..."
 
 
 def shortest(value: float) -> float:

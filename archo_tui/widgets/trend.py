@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from archo_tui.words.state import BARS
+
 Samples = tuple[tuple[float, float], ...]  # Pairs of monotonic s and %, oldest first.
 
-_BARS = "▁▂▃▄▅▆▇█"
 _BAR_SECONDS = 5.0
 _MIN_SPAN = 5.0  # In %, from the lowest to the highest bar, so that noise looks like noise.
 _WINDOW = 30.0  # Seconds of samples for the estimate.
@@ -24,7 +25,7 @@ def sparkline(samples: Samples, width: int) -> str:
         return ""
     low, high = min(shown), max(shown)
     span = max(high - low, _MIN_SPAN)
-    bars = "".join(_BARS[int((value - low) / span * (len(_BARS) - 1))] for value in shown)
+    bars = "".join(BARS[int((value - low) / span * (len(BARS) - 1))] for value in shown)
     return f"{bars} {low:.0f} .. {high:.0f} %".rjust(width)
 
 

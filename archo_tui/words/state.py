@@ -13,6 +13,7 @@ from archo_tui.station.alarm_conditions import battery_health, is_battery_low, o
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
 ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.
+BARS = "▁▂▃▄▅▆▇█"  # Of a curve in one line, the lowest first.
 Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 

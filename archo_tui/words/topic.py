@@ -9,9 +9,8 @@ from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, T
 from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
 from archo_tui.words.inspect import size_text
-from archo_tui.words.state import OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
+from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
 
-_BARS = "▁▂▃▄▅▆▇█"
 _FIRST_DATE = 1e8  # Unix seconds; an earlier stamp is a simulation's or a robot's own time.
 _LAST_DATE = 2e11  # No later one can be written as a date.
 
@@ -109,5 +108,5 @@ def sparkline(curve: Curve) -> str:
             bars += " "
             continue
         before = max(both, key=lambda value: abs(value - before))
-        bars += _BARS[round((before - low) / span * (len(_BARS) - 1))] if span else _BARS[0]
+        bars += BARS[round((before - low) / span * (len(BARS) - 1))] if span else BARS[0]
     return bars
