@@ -111,7 +111,7 @@ class OperateOtherRobot(Command):
 
 
 def _answer(console: Console, number: int, allowed: bool) -> None:
-    console.report_failure(console.station.answer_request(number, allowed=allowed))
+    console.report_failure(console.station.approvals.answer(number, allowed=allowed))
     console.update_screen()
 
 

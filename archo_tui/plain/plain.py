@@ -30,7 +30,7 @@ from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.safe_text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.station.approvals import LIFETIME, READING_TIME
+from archo_tui.station.approval_requests import LIFETIME, READING_TIME
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
@@ -475,7 +475,7 @@ class Plain:
             return Outcome(
                 Code.REFUSED, "read the request first, then answer it in a line of its own"
             )
-        outcome = self._station.answer_request(number, allowed=word == "allow")
+        outcome = self._station.approvals.answer(number, allowed=word == "allow")
         self._conditions.check_again()
         return outcome
 

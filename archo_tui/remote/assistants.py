@@ -13,7 +13,7 @@ from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
 from archo_tui.safe_text import harmless, hides
-from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
+from archo_tui.station.approval_requests import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
@@ -116,7 +116,7 @@ class Assistants:
                 f"values: more than {_LONGEST_TEXT} characters, or some that are invisible"
             )
         try:
-            one = self._station.request_approval(QueuedGoal(verb.kind, values), text)
+            one = self._station.approvals.request(QueuedGoal(verb.kind, values), text)
         except ValueError as error:
             return {"code": Code.REFUSED.value, "text": str(error)}
         said = f"request {one.number} waits for a person: {text}"
@@ -209,10 +209,11 @@ class Assistants:
         return one
 
     async def _cancel(self, requester: Requester) -> Outcome:
-        withdrawn = self._station.withdraw_requests(requester)
+        withdrawn = self._station.approvals.withdraw(requester)
         if withdrawn:
             return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
         if all(end.done() for end in requester.ends):
             said = "no goal of this assistant runs; say stop to stop the robot"
             return Outcome(Code.REFUSED, said)
-        return await self._station.cancel()  # While its goal waits or runs, no other goal does.
+        # While its goal waits or runs, no other goal does.
+        return await self._station.goals.cancel()

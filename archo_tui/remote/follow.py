@@ -47,7 +47,7 @@ async def follow_goal(
     """
     shown = None
     while True:
-        found = station.goal_of(requester)
+        found = station.goals.goal_of(requester)
         if found is not None and found != shown:
             shown = found
             tell({"id": number, "goal": goal(found, station.clock.monotonic())})

@@ -20,7 +20,8 @@ from archo_tui.robot import messages
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
-from archo_tui.station.station import CALLED_OFF, Station
+from archo_tui.station.goal_driver import CALLED_OFF
+from archo_tui.station.station import Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import PATIENCE, Question, Verb
 from archo_tui.verbs.called import choose_verb
@@ -152,7 +153,7 @@ class RequestHandler:
             ends_with_it = True
         if ends_with_it:
             session.requester.has_left = True
-            await self._station.call_off(session.requester)
+            await self._station.goals.call_off(session.requester)
 
     async def _on_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`."""

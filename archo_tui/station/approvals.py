@@ -1,204 +1,150 @@
-"""The approval requests of assistants: a goal is sent only after a person at this console agrees.
+"""The way of a goal that an assistant asks for: a person at this console decides.
 
-Pure: times come in, and nothing is sent from here.
+A goal is sent only after the person has allowed it, for exactly the values that were shown.
 """
 
 from __future__ import annotations
 
-from asyncio import Future
-from collections.abc import Iterator
-from enum import Enum
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.requester import Requester
-from archo_tui.robot.state import Goal
-from archo_tui.robot.values import text_of
+from archo_tui.clock import Clock
+from archo_tui.robot import forms
+from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
+from archo_tui.robot.stops import NOT_SENT
+from archo_tui.station.approval_requests import ApprovalRequest, ApprovalRequests, ApprovalStatus
+from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.yaml_text.dump import flow
 
-MAX_WAITING = 3  # Requests that may wait for a person at a time.
-LIFETIME = 60.0  # Seconds after which a request expires.
-PAUSE = 10.0  # Seconds after a denial without new requests: the person sees the screen again.
-READING_TIME = 1.0  # Seconds that a request must have been shown before an answer counts.
-_KEPT = 100  # Requests that are kept, so that their end can be asked for.
+if TYPE_CHECKING:
+    from archo_tui.robot.client import Robot
 
 
-def quoted(value: Any) -> str:
-    """Format a value of a goal for the person who decides.
+class Approvals:
+    """The way of an approval request: asked, shown, and answered, withdrawn or outdated.
 
-    Text is quoted as in YAML, so that nothing in it looks like the next value.
-    """
-    return flow(value) if isinstance(value, str) else text_of(value)
-
-
-class ApprovalStatus(Enum):
-    """The state of an approval request; the value is the word for it."""
-
-    WAITING = "waits for a person"
-    ALLOWED = "allowed"
-    DENIED = "denied"
-    EXPIRED = "expired"
-    VOID = "void"
-
-
-class ApprovalRequest(NamedTuple):
-    """A goal that an assistant wants: allowed at most once, and for exactly these values.
-
-    Attributes:
-        number: Counts from 1; persons and assistants name the request by it.
-        requester: The assistant.
-        goal: What is sent if a person allows it.
-        text: The goal in words, as `go to shelf 12`.
-        requested: When it was made, in monotonic seconds.
-        stop_count: STOPs read by then, at this and other consoles; a further one voids it.
-        status: Its state.
-        reason: Why it is void or expired.
-        goal_end: Set to the outcome of the goal when that has ended; None until it is allowed.
-        ended_goal: The goal as it ended; None until then.
+    Used on the event loop of the frontend only.
     """
 
-    number: int
-    requester: Requester
-    goal: QueuedGoal
-    text: str
-    requested: float
-    stop_count: int
-    status: ApprovalStatus = ApprovalStatus.WAITING
-    reason: str = ""
-    goal_end: Future[Outcome] | None = None
-    ended_goal: Goal | None = None
-
-    def seconds_left(self, now: float) -> float:
-        """Return the seconds until the request expires, 0.0 at least.
+    def __init__(
+        self,
+        requests: ApprovalRequests,
+        robot: Robot,
+        clock: Clock,
+        goals: GoalDriver,
+        refresh: Callable[[], object],
+    ) -> None:
+        """Create the way of the requests in `requests`.
 
         Args:
-            now: Monotonic time in seconds.
+            requests: Keeps the requests and their states.
+            robot: The robot's side of the ROS graph.
+            clock: Decides when a request expires.
+            goals: Sends the goals that a person allows.
+            refresh: Brings the view up to date; calls `close_outdated` in its turn.
         """
-        return max(self.requested + LIFETIME - now, 0.0)
+        self._requests, self._goals = requests, goals
+        self._robot, self._clock, self._refresh = robot, clock, refresh
 
+    def close_outdated(self) -> None:
+        """Close the requests that a person can no longer allow, with an event for each."""
+        now = self._clock.monotonic()
+        stop_count = self._robot.stops.count + self._robot.stops.sent_elsewhere
+        busy_reason = self._goals.busy_reason
+        for request in self._requests.close_outdated(now, stop_count, busy_reason):
+            text = f"request {request.number} is {request.status.value}, {request.reason}"
+            self._robot.note("WARN", "console", f"{text}: {request.text}")
 
-class ApprovalRequests:
-    """The requests that wait for a person, and the last ones that are closed."""
-
-    def __init__(self) -> None:
-        """Start without requests."""
-        self._all: dict[int, ApprovalRequest] = {}
-        self._last_number = 0
-        self._last_denial = -PAUSE  # Monotonic seconds.
-
-    @property
-    def waiting(self) -> tuple[ApprovalRequest, ...]:
-        """The requests that wait for a person, the oldest first."""
-        return tuple(
-            request for request in self._all.values() if request.status == ApprovalStatus.WAITING
-        )
-
-    def get(self, number: int) -> ApprovalRequest | None:
-        """Return the request of that number; None if there was none, or it is kept no more."""
-        return self._all.get(number)
-
-    def add(
-        self, requester: Requester, goal: QueuedGoal, text: str, now: float, stop_count: int
-    ) -> ApprovalRequest:
-        """Make a request that waits for a person.
+    def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
+        """Ask a person at this console to allow a goal of the assistant that asks now.
 
         Args:
-            requester: The assistant.
-            goal: What is sent if a person allows it.
-            text: The goal in words.
-            now: Monotonic time in seconds.
-            stop_count: STOPs read by now, at this and other consoles.
+            goal: What is sent if the person allows it.
+            text: The goal in words, as `go to shelf 12`.
 
         Raises:
-            ValueError: MAX_WAITING requests wait already, or a person denied one less than PAUSE
-                seconds ago.
+            ValueError: The goal cannot be asked for now; the text says why.
         """
-        pause_left = self._last_denial + PAUSE - now
-        if pause_left > 0:
-            raise ValueError(f"a person has just said no: wait {pause_left:.0f} s")
-        if len(self.waiting) >= MAX_WAITING:
-            raise ValueError(f"{MAX_WAITING} requests wait for a person already")
-        self._last_number += 1
-        number = self._last_number
-        self._all[number] = ApprovalRequest(number, requester, goal, text, now, stop_count)
-        self._forget_oldest()
-        return self._all[number]
+        if self._goals.frontend is None or not self._goals.frontend.has_person:
+            raise ValueError("nobody can allow it: this console has no screen and no terminal")
+        if self._robot.snapshot.is_stopped:
+            raise ValueError("the robot is stopped: a person has to release it first")
+        if self._goals.busy_reason:
+            raise ValueError(f"{self._goals.busy_reason}: wait until it has ended")
+        requester, stop_count = current_requester(), self._robot.stops.count_when_typed
+        if requester.has_left or self._robot.stops.is_void(stop_count):
+            raise ValueError(NOT_SENT)
+        stop_count += self._robot.stops.sent_elsewhere
+        request = self._requests.add(requester, goal, text, self._clock.monotonic(), stop_count)
+        record = AuditRecord(
+            "request", {"request": request.number, "values": goal.values}, Code.ACCEPTED
+        )
+        asked = f"asks: {text} (request {request.number})"
+        self._robot.note(requester.level, requester.source, asked, audit_record=record)
+        self._refresh()
+        return request
 
-    def _forget_oldest(self) -> None:
-        waiting = {request.number for request in self.waiting}
-        for number in [number for number in self._all if number not in waiting]:
-            if len(self._all) > _KEPT:
-                del self._all[number]
-
-    def close(self, number: int, status: ApprovalStatus, reason: str = "") -> ApprovalRequest:
-        """End the wait of a request.
-
-        Args:
-            number: The request's.
-            status: Anything but WAITING.
-            reason: Why it is void or expired.
+    def withdraw(self, requester: Requester) -> str:
+        """Close the requests of an assistant that wait for a person.
 
         Returns:
-            The request as it is now.
+            Their goals in words; "" if there was none.
         """
-        self._all[number] = closed = self._all[number]._replace(status=status, reason=reason)
-        return closed
+        withdrawn = [
+            request for request in self._requests.waiting if request.requester is requester
+        ]
+        for request in withdrawn:
+            reason = "the assistant has withdrawn it"
+            self._requests.close(request.number, ApprovalStatus.VOID, reason)
+        self._refresh()
+        return ", ".join(request.text for request in withdrawn)
 
-    def deny(self, number: int, now: float) -> None:
-        """Close a request that a person denied; no other can be made for PAUSE seconds.
+    def answer(self, number: int, *, allowed: bool) -> Outcome:
+        """Carry out what a person has decided: an allowed goal is sent at once, and only once.
 
         Args:
             number: The request's.
-            now: Monotonic time in seconds.
-        """
-        self.close(number, ApprovalStatus.DENIED)
-        self._last_denial = now
-
-    def on_sent(self, number: int, goal_end: Future[Outcome]) -> None:
-        """Record that the goal of an allowed request was sent.
-
-        Args:
-            number: The request's.
-            goal_end: Will be set to the outcome of the goal.
-        """
-        self._all[number] = self._all[number]._replace(goal_end=goal_end)
-
-    def on_goal_ended(self, goal_end: Future[Outcome] | None, goal: Goal) -> None:
-        """Record how a goal ended; one that no request asked for is ignored.
-
-        Args:
-            goal_end: What tells the goal from others: see `ApprovalRequest.goal_end`.
-            goal: The goal as it ended.
-        """
-        for request in self._all.values():
-            if goal_end is not None and request.goal_end is goal_end:
-                self._all[request.number] = request._replace(ended_goal=goal)
-                return
-
-    def close_outdated(
-        self, now: float, stop_count: int, busy_reason: str
-    ) -> list[ApprovalRequest]:
-        """Close the requests that a person can no longer allow.
-
-        Args:
-            now: Monotonic time in seconds.
-            stop_count: STOPs read by now, at this and other consoles.
-            busy_reason: What the robot does instead, which voids all requests; "" if nothing.
+            allowed: False if the person denied it.
 
         Returns:
-            The requests that were closed.
+            DONE with the decision in words; else why the request can no longer be answered so.
         """
-        return [*self._outdated(now, stop_count, busy_reason)]
+        self._refresh()
+        request = self._requests.get(number)
+        if request is None:
+            return Outcome(Code.REFUSED, f"there is no request {number}")
+        if request.status != ApprovalStatus.WAITING:
+            return Outcome(Code.REFUSED, f"request {number} is {request.status.value}")
+        if allowed and self._robot.stops.gate().is_shut:
+            return Outcome(Code.CANCELLED, NOT_SENT)
+        action = request.goal.kind.action
+        refusal = self._robot.snapshot.unavailable(action) or self._range_error(request.goal)
+        if allowed and refusal:
+            return Outcome(Code.REFUSED, refusal)
+        if allowed:
+            self._requests.close(number, ApprovalStatus.ALLOWED)
+        else:
+            self._requests.deny(number, self._clock.monotonic())
+        verb, word = ("allow", "allowed") if allowed else ("deny", "denied")
+        record = AuditRecord(verb, {"request": number}, Code.DONE)
+        text = f"{word} request {number} of {request.requester.source}: {request.text}"
+        self._robot.note(YOU.level, YOU.source, text, audit_record=record)
+        if allowed:
+            # The ends of its earlier goals are in the hands of those that wait for them.
+            ends = request.requester.ends = []
+            with on_behalf_of(request.requester):
+                answer = self._goals.drive([request.goal])
+            self._requests.on_sent(number, ends[0] if ends else answer)
+        self._refresh()
+        return Outcome(Code.DONE, text)
 
-    def _outdated(self, now: float, stop_count: int, busy_reason: str) -> Iterator[ApprovalRequest]:
-        for request in self.waiting:
-            if request.stop_count != stop_count:
-                yield self.close(request.number, ApprovalStatus.VOID, "a STOP came")
-            elif request.requester.has_left:
-                yield self.close(request.number, ApprovalStatus.VOID, "the assistant has left")
-            elif busy_reason:
-                yield self.close(request.number, ApprovalStatus.VOID, busy_reason)
-            elif now - request.requested >= LIFETIME:
-                reason = f"nobody answered in {LIFETIME:g} s"
-                yield self.close(request.number, ApprovalStatus.EXPIRED, reason)
+    def _range_error(self, goal: QueuedGoal) -> str:
+        """Return which value of a goal is beyond a limit of the robot; "" if none is."""
+        fields = self._robot.snapshot.forms.get(goal.kind.id) or ()
+        try:
+            forms.check_ranges(fields, self._robot.snapshot.form(goal.kind), goal.values)
+        except ValueError as error:
+            return str(error)
+        return ""

@@ -93,7 +93,7 @@ class Go(Verb):
         return values
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        return station.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
+        return station.goals.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
 
 
 def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
@@ -133,7 +133,7 @@ class SendGoal(Verb):
         return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        return station.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
+        return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
 
 
 def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
@@ -170,10 +170,10 @@ class Cancel(Verb):
             return await station.robot.cancel_all()
         goal, now = values[RUNNING], station.running_goal
         if goal is None or goal.mine:
-            return await station.cancel()
+            return await station.goals.cancel()
         if now is None or now.number != goal.number:  # The question may have waited for long.
             return Outcome(Code.REFUSED, "the goal that was asked about has ended")
-        return await station.cancel(another=True)
+        return await station.goals.cancel(another=True)
 
 
 class ContinueQueue(Verb):
@@ -195,7 +195,7 @@ class ContinueQueue(Verb):
         return bool(station.queue.hold_reason) or not (station.queue.waiting and ends)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return station.resume()
+        return station.goals.resume()
 
 
 class SkipGoal(Verb):
@@ -207,4 +207,4 @@ class SkipGoal(Verb):
         return "" if station.queue.waiting else "no goal waits in the queue"
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return station.skip()
+        return station.goals.skip()

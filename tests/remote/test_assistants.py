@@ -20,7 +20,7 @@ from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
 from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
-from archo_tui.station import approvals
+from archo_tui.station import approval_requests
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
@@ -267,12 +267,12 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         elif way == "goal":
             assert (await other.ask("go", "3"))["code"] == "accepted"
         elif way == "time":
-            monkeypatch.setattr(approvals, "LIFETIME", 0.0)
+            monkeypatch.setattr(approval_requests, "LIFETIME", 0.0)
         else:
             assistant.close()
         await op.until(lambda: "An assistant asks" not in op.text)
         await op.until(lambda: not op.app.station.requests.waiting)
-        refused = op.app.station.answer_request(1, allowed=True)
+        refused = op.app.station.approvals.answer(1, allowed=True)
         assert refused.text.startswith("request 1 is ")
         if way != "gone":
             said = await says(assistant, "wait", "request", "1")
@@ -311,7 +311,7 @@ async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
         await asks(assistant)
         op.app.action_command("alarms")  # as a click on the request does: the field has the focus
         await op.until("An assistant asks")
-        monkeypatch.setattr(approvals, "LIFETIME", 0.0)
+        monkeypatch.setattr(approval_requests, "LIFETIME", 0.0)
         await op.until(lambda: "An assistant asks" not in op.text)
         await op.press("enter")  # for the answer
         await op.until("The request is over: press the key again.")
@@ -336,7 +336,7 @@ async def test_what_waits_is_withdrawn_by_cancel() -> None:
         await asks(assistant)
         said = await says(assistant, "cancel")
         assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
-        assert op.app.station.answer_request(1, allowed=True).text == "request 1 is void"
+        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is void"
 
 
 async def test_each_request_tells_of_its_own_goal() -> None:
@@ -368,7 +368,7 @@ async def test_once_allowed_is_once() -> None:
         await asks(assistant)
         await allowed(op)
         await op.until("Arrived at shelf 12")
-        assert op.app.station.answer_request(1, allowed=True).text == "request 1 is allowed"
+        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is allowed"
         assert len(op.app.view.snapshot.history) == 1
 
 

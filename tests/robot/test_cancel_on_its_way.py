@@ -101,11 +101,11 @@ async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
         station = person._plain._station
         await until(lambda: offered(station.robot))
         goals = [QueuedGoal(SHELF, {"shelf_number": number}) for number in (12, 7)]
-        answer = station.drive(goals)
+        answer = station.goals.drive(goals)
         goal = station.running_goal
         assert goal is not None
         assert (goal.name, goal.phase) == ("shelf 12", Phase.SENT)
-        assert await station.cancel() == (Code.ACCEPTED, NEVER_LEFT)
+        assert await station.goals.cancel() == (Code.ACCEPTED, NEVER_LEFT)
         assert await ended(answer) == (Code.CANCELLED, NEVER_LEFT)
         assert station.queue.hold_reason == "cancelled"
         assert station.running_goal is None
@@ -181,7 +181,7 @@ async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> N
     station = stub_station(StubRobot(STATES["normal"]))
     face = cast("Frontend", Ends())
     station.attach(face)
-    station.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
+    station.goals.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
     assert station.running_goal is not None
     station.detach()
     station.attach(face)

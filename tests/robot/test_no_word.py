@@ -120,7 +120,7 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
         station, shell = typed._plain._station, Requester("SHELL", "pid 1")
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         with on_behalf_of(shell):
-            assert (await ended(station.drive([QueuedGoal(SHELF, {"shelf_number": 3})]))).ok
+            assert (await ended(station.goals.drive([QueuedGoal(SHELF, {"shelf_number": 3})]))).ok
         await typed.until("9.0 m left")
         await while_passes(2)  # its period is known by then
         made[0].is_well, began = False, seconds()
