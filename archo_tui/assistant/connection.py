@@ -48,18 +48,20 @@ class ConsoleConnection:
         notice, self._notice = self._notice, ""
         return notice
 
-    async def request(self, answer_timeout: float = ANSWER_TIMEOUT, **asked: Any) -> dict[str, Any]:
+    async def request(
+        self, answer_timeout: float = ANSWER_TIMEOUT, **fields: Any
+    ) -> dict[str, Any]:
         """Send a request after those before it have their results, and return its result.
 
         Args:
             answer_timeout: The longest wait for the result, in s.
-            asked: The fields of the request, as docs/protocol.md has them.
+            **fields: The fields of the request, as docs/protocol.md has them.
 
         Raises:
             Unreached: There is no console, or it does not answer.
         """
         async with self._request_lock:
-            return await self._send_and_wait(asked, answer_timeout)
+            return await self._send_and_wait(fields, answer_timeout)
 
     async def stop(self) -> list[dict[str, Any]]:
         """Send STOP at once, whatever else waits, and return the consoles' results.
@@ -88,7 +90,7 @@ class ConsoleConnection:
         if self._reading is not None:
             await self._reading
 
-    async def _send_and_wait(self, asked: dict[str, Any], answer_timeout: float) -> dict[str, Any]:
+    async def _send_and_wait(self, fields: dict[str, Any], answer_timeout: float) -> dict[str, Any]:
         writer = await self._connect()
         if writer.transport.get_write_buffer_size() > _MAX_UNREAD:
             raise Unreached(SILENT)
@@ -96,7 +98,7 @@ class ConsoleConnection:
         answer = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
         try:
-            writer.write(line({"id": number, "assistant": True, **asked}))
+            writer.write(line({"id": number, "assistant": True, **fields}))
             return await asyncio.wait_for(answer, answer_timeout)
         except asyncio.TimeoutError:
             raise Unreached(SILENT) from None
@@ -113,7 +115,7 @@ class ConsoleConnection:
             if self._writer is None:
                 console = await asyncio.to_thread(finder.choose, {"to": self._to})
                 self._name = str(console.hello.get("name") or console.hello["pid"])
-                connected, rest = console.handed_over()
+                connected, rest = console.detach()
                 connected.setblocking(False)
                 reader, self._writer = await asyncio.open_connection(
                     sock=connected, limit=_MAX_LINE

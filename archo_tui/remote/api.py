@@ -72,7 +72,7 @@ class Robot:
         for handle in running:
             handle._has_ended.wait(max(end - time.monotonic(), 0.0))
         for request in requests:
-            request.shut()
+            request.shut_down()
 
     def _leave_to_parent(self) -> None:
         """Let go, in a forked child, of what its parent has asked for.
@@ -92,16 +92,16 @@ class Robot:
         Args:
             timeout: Seconds; None: as long as the console answers.
         """
-        told = self.do("status", timeout=timeout)
+        reply = self.do("status", timeout=timeout)
         return from_reply(
             Status,
             {
-                **told,
-                "battery": from_reply(Battery, told["battery"]),
-                "motion": from_reply(Motion, told["motion"]),
-                "goal": from_reply(Goal, told["goal"]) if told["goal"] else None,
-                "queue": from_reply(Queue, told["queue"]),
-                "alarms": [from_reply(Alarm, alarm) for alarm in told["alarms"]],
+                **reply,
+                "battery": from_reply(Battery, reply["battery"]),
+                "motion": from_reply(Motion, reply["motion"]),
+                "goal": from_reply(Goal, reply["goal"]) if reply["goal"] else None,
+                "queue": from_reply(Queue, reply["queue"]),
+                "alarms": [from_reply(Alarm, alarm) for alarm in reply["alarms"]],
             },
         )
 
@@ -134,14 +134,14 @@ class Robot:
             raise Misused("misuse", f"go sends goals, and {kind!r} is none: use robot.stop()")
         request = self._request(checked_timeout(timeout), words=words, wait=True, feedback=True)
         try:
-            request.begin()
+            request.send()
             handle = GoalHandle(request)
             with self._lock:
-                self._handles = [one for one in self._handles if not one.done()] + [handle]
+                self._handles = [handle for handle in self._handles if not handle.done()] + [handle]
             handle._wait_until_accepted()
         except BaseException:
             request.give_up()
-            request.shut()
+            request.shut_down()
             raise
         return handle
 
@@ -176,7 +176,7 @@ class Robot:
         with unreached():
             try:
                 _stop({"to": hello["name"]})
-            except finder.Nobody:
+            except finder.NoConsole:
                 _stop({"to": hello["namespace"], **robot})
 
     def set(self, node: str, name: str, value: Any, timeout: float | None = None) -> None:
@@ -229,10 +229,10 @@ class Robot:
             them: `level`, `source`, `text`.
         """
         request = self._request(checked_timeout(timeout), words=["events"], follow=True)
-        request.begin()
-        messages = request.messages()
-        first = next(messages)  # the state: from here on all events come
-        return _events(request, first, messages)
+        request.send()
+        replies = request.replies()
+        first = next(replies)  # The state: from here on all events come.
+        return _events(request, first, replies)
 
     def messages(
         self, topic: str, *fields: str, timeout: float | None = None
@@ -258,7 +258,7 @@ class Robot:
         if is_stop({"words": words}):
             raise Misused("misuse", "messages takes a topic: use robot.stop()")
         request = self._request(checked_timeout(timeout), words=words, follow=True)
-        request.begin()
+        request.send()
         return _messages(request)
 
     def do(self, *words: str, wait: bool = False, timeout: float | None = None) -> Any:
@@ -278,13 +278,13 @@ class Robot:
         """
         if is_stop({"words": [*words]}):
             return self.stop()
-        asked = {"words": [*map(_text, words)], "wait": wait}
-        with self._request(checked_timeout(timeout), **asked) as request:
-            request.begin()
+        fields = {"words": [*map(_text, words)], "wait": wait}
+        with self._request(checked_timeout(timeout), **fields) as request:
+            request.send()
             return data_of(request.result())
 
-    def _request(self, timeout: float | None, **asked: Any) -> Request:
-        request = Request(self._path, timeout, asked)
+    def _request(self, timeout: float | None, **fields: Any) -> Request:
+        request = Request(self._path, timeout, fields)
         with self._lock:
             self._requests.add(request)
             is_closed = self._is_closed
@@ -313,50 +313,60 @@ def stop(to: str = "") -> None:
         _stop({"to": to})
 
 
-def _stop(asked: Mapping[str, Any]) -> None:
+def _stop(selection: Mapping[str, Any]) -> None:
     """Send STOP to every console that is meant.
 
     Args:
-        asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
 
     Raises:
         NotDone: A console did not confirm it.
-        finder.Nobody: None could be meant.
+        finder.NoConsole: None could be meant.
     """
-    for ended in finder.stop(asked, _ignore):
+    for ended in finder.stop(selection, _ignore):
         data_of({"code": ended.code, "text": ended.text})
 
 
 def _events(
-    request: Request, first: dict[str, Any], messages: Iterator[dict[str, Any]]
+    request: Request, first: dict[str, Any], replies: Iterator[dict[str, Any]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the events among the messages of a request, and close it at the end."""
-    said = first
+    """Yield the events among the replies to a request, and close it at the end.
+
+    Args:
+        request: The request.
+        first: Its first reply.
+        replies: The replies that follow.
+    """
+    reply = first
     with contextlib.closing(request):
-        while "code" not in said:
-            if "event" in said:
-                yield said["event"]
-            said = next(messages)
-        if said["code"] != "ran_out":
-            data_of(said)
+        while "code" not in reply:
+            if "event" in reply:
+                yield reply["event"]
+            reply = next(replies)
+        if reply["code"] != "ran_out":
+            data_of(reply)
 
 
 def _messages(request: Request) -> Iterator[dict[str, Any]]:
     """Yield the messages of a topic that is followed, and close the request at the end."""
     with contextlib.closing(request):
-        for said in request.messages():
-            if "message" in said:
-                yield said["message"]
-        if said["code"] != "ran_out":
-            data_of(said)
+        for reply in request.replies():
+            if "message" in reply:
+                yield reply["message"]
+        if reply["code"] != "ran_out":
+            data_of(reply)
 
 
 def _ignore(_text: str) -> None:
-    """Leave a notice aside: the error or the end says it, too."""
+    """Drop a notice: the error or the end tells the same."""
 
 
 def _text(value: Any) -> str:
-    """Return a value as it is typed. Raises Misused when JSON has no such values."""
+    """Return a value as it is typed.
+
+    Raises:
+        Misused: JSON has no such value.
+    """
     try:
         return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError) as error:

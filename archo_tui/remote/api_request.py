@@ -12,26 +12,28 @@ from archo_tui.remote import client, finder
 from archo_tui.remote.api_errors import Unreached, unreached
 from archo_tui.remote.protocol import LONGEST_WAIT
 
-_SILENCE = 10.0  # s without a message after which the console is asked whether it still answers
-_ANSWERED = 5.0  # s after `timeout`: a console calls off for 3 s, and says then that it is over
+# Seconds without a message after which the console is asked whether it still answers.
+_SILENCE = 10.0
+# Seconds behind `timeout` for the result: a console calls off for 3 s, and reports it then.
+_CALL_OFF_TIMEOUT = 5.0
 
 
 class Request:
     """A request on a connection of its own, which is closed at the end or by any exception."""
 
-    def __init__(self, path: str, timeout: float | None, asked: Mapping[str, Any]) -> None:
-        """Connect; `begin` sends the request.
+    def __init__(self, path: str, timeout: float | None, fields: Mapping[str, Any]) -> None:
+        """Connect; `send` sends the request.
 
         Args:
             path: The socket of the console.
             timeout: Seconds after which the console ends it; None: never.
-            asked: The names and values of the request, as docs/protocol.md lists them.
+            fields: The names and values of the request, as docs/protocol.md lists them.
 
         Raises:
             Unreached: The console has gone, or does not say hello.
         """
-        self._path, self._timeout, self._asked = path, timeout, asked
-        self._end: float | None = None  # monotonic time, in s
+        self._path, self._timeout, self._fields = path, timeout, fields
+        self._end: float | None = None  # Monotonic time in seconds.
         with unreached():
             self._console = finder.reach(path)
 
@@ -44,28 +46,32 @@ class Request:
         self.close()
 
     def __del__(self) -> None:
-        if hasattr(self, "_console"):  # an iterator over events that was never begun
+        if hasattr(self, "_console"):  # An iterator over events was never begun.
             self.close()
 
-    def begin(self) -> None:
-        """Send the request. Raises Unreached."""
-        if self._timeout is not None:
-            self._end = time.monotonic() + self._timeout + _ANSWERED
-        with unreached():
-            self._say({"id": 1, "timeout": self._timeout, **self._asked})
+    def send(self) -> None:
+        """Send the request.
 
-    def messages(self) -> Iterator[dict[str, Any]]:
-        """Yield all that the console says, the result last.
+        Raises:
+            Unreached: The console has gone.
+        """
+        if self._timeout is not None:
+            self._end = time.monotonic() + self._timeout + _CALL_OFF_TIMEOUT
+        with unreached():
+            self._send_message({"id": 1, "timeout": self._timeout, **self._fields})
+
+    def replies(self) -> Iterator[dict[str, Any]]:
+        """Yield all replies of the console, the result last.
 
         Raises:
             Unreached: The console has gone or no longer answers, or `timeout` passed without a
                 result.
         """
-        said: dict[str, Any] = {}
-        while "code" not in said:
+        reply: dict[str, Any] = {}
+        while "code" not in reply:
             left = LONGEST_WAIT if self._end is None else self._end - time.monotonic()
             try:
-                said = next(self._console.remaining_replies(min(max(left, 0.0), _SILENCE)))
+                reply = next(self._console.remaining_replies(min(max(left, 0.0), _SILENCE)))
             except client.Silent as error:
                 if left <= _SILENCE:
                     raise Unreached("unreached", str(error)) from None
@@ -73,36 +79,40 @@ class Request:
                 continue
             except client.Unreached as error:
                 raise Unreached("unreached", str(error)) from None
-            yield said
+            yield reply
 
     def result(self) -> dict[str, Any]:
-        """Return the result. Raises what `messages` raises."""
-        said: dict[str, Any] = {}
-        for said in self.messages():  # noqa: B007  # the last one is wanted
+        """Wait for the result and return it.
+
+        Raises:
+            Unreached: As `replies` raises it.
+        """
+        reply: dict[str, Any] = {}
+        for reply in self.replies():  # noqa: B007  # the last one is wanted
             pass
-        return said
+        return reply
 
     def give_up(self) -> None:
         """Call off what was asked for, without waiting until that is done."""
         with contextlib.suppress(client.Unreached):
-            self._say({"give_up": True})
+            self._send_message({"give_up": True})
 
     def close(self) -> None:
         """Close the connection: the console calls off what is still underway."""
         self._console.close()
 
-    def shut(self) -> None:
+    def shut_down(self) -> None:
         """End the connection under a thread that reads it, which then closes it."""
         if self._console.socket is not None:
-            with contextlib.suppress(OSError):  # it is closed already
+            with contextlib.suppress(OSError):  # It is closed already.
                 self._console.socket.shutdown(socket.SHUT_RDWR)
 
-    def _say(self, said: dict[str, Any]) -> None:
+    def _send_message(self, message: dict[str, Any]) -> None:
         assert self._console.socket is not None
-        if self._console.socket.fileno() >= 0:  # not closed
-            self._console.send(said)
+        if self._console.socket.fileno() >= 0:  # Not closed.
+            self._console.send(message)
 
     def _check_that_it_answers(self) -> None:
-        """Raise Unreached when the console takes no other connection either."""
+        """Raise Unreached if the console accepts no other connection either."""
         with unreached():
             finder.reach(self._path, _SILENCE).close()

@@ -45,7 +45,7 @@ class Assistants:
         """
         self._station, self._verbs, self._until = station, verbs, until
 
-    async def obey(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
+    async def carry_out(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
         """Carry out a request of an assistant, and return the result.
 
         Raises:
@@ -64,8 +64,8 @@ class Assistants:
             outcome = await self._cancel(requester)
             return {"id": number, "code": outcome.code.value, "text": outcome.text}
         if word not in _LOOKS:
-            said = f"an assistant has no {word[:40]}: a person does that at the console"
-            return {"id": number, "code": Code.REFUSED.value, "text": said}
+            text = f"an assistant has no {word[:40]}: a person does that at the console"
+            return {"id": number, "code": Code.REFUSED.value, "text": text}
         verb = self._verbs[word]
         values, _ = parse(verb, self._station, rest)
         values = await verb.prepare(self._station, values)
@@ -81,12 +81,14 @@ class Assistants:
         snapshot, found = self._station.robot.snapshot, []
         for verb in self._verbs.values():
             if isinstance(verb, Go):
-                said = schema(verb, snapshot)
+                json_schema = schema(verb, snapshot)
                 paths = [field.path for field in snapshot.forms.get(verb.kind.id, ())]
-                named = zip(paths, said["properties"].items(), strict=False)
-                said["properties"] = {path: {"title": label, **one} for path, (label, one) in named}
-                said["required"] = paths
-                found.append({"kind": verb.id, "title": verb.title, "schema": said})
+                properties = zip(paths, json_schema["properties"].items(), strict=False)
+                json_schema["properties"] = {
+                    path: {"title": label, **value} for path, (label, value) in properties
+                }
+                json_schema["required"] = paths
+                found.append({"kind": verb.id, "title": verb.title, "schema": json_schema})
         return found
 
     async def _ask(self, requester: Requester, wanted: Any) -> dict[str, Any]:
@@ -116,14 +118,13 @@ class Assistants:
                 f"values: more than {_LONGEST_TEXT} characters, or some that are invisible"
             )
         try:
-            one = self._station.approvals.request(QueuedGoal(verb.kind, values), text)
+            request = self._station.approvals.request(QueuedGoal(verb.kind, values), text)
         except ValueError as error:
             return {"code": Code.REFUSED.value, "text": str(error)}
-        said = f"request {one.number} waits for a person: {text}"
         return {
             "code": ASKED,
-            "text": said,
-            "data": {"request": one.number, "expires_in": LIFETIME},
+            "text": f"request {request.number} waits for a person: {text}",
+            "data": {"request": request.number, "expires_in": LIFETIME},
         }
 
     def _values(self, verb: Go, given: Any) -> dict[str, Any]:
@@ -155,47 +156,46 @@ class Assistants:
         self, requester: Requester, words: list[str], request: Mapping[str, Any]
     ) -> dict[str, Any]:
         """Wait until a person has decided, and an allowed goal has ended."""
-        one = self._own(requester, words)
+        self._request_of(requester, words)
         timeout = timeout_of(request)
         seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
 
-        def over() -> Outcome | None:
-            now = self._own(requester, words)
-            if now.status == ApprovalStatus.WAITING:
+        def outcome_if_over() -> Outcome | None:
+            asked = self._request_of(requester, words)
+            if asked.status == ApprovalStatus.WAITING:
                 return None
-            if now.status == ApprovalStatus.ALLOWED:
-                return (
-                    now.goal_end.result()
-                    if now.goal_end is not None and now.goal_end.done()
-                    else None
-                )
-            return Outcome(Code.CANCELLED, now.reason)
+            if asked.status == ApprovalStatus.ALLOWED:
+                end = asked.goal_end
+                return end.result() if end is not None and end.done() else None
+            return Outcome(Code.CANCELLED, asked.reason)
 
         try:
-            outcome = await wait_for(self._station, self._verbs, [], {"timeout": seconds}, over)
+            outcome = await wait_for(
+                self._station, self._verbs, [], {"timeout": seconds}, outcome_if_over
+            )
         except RanOut:
-            raise RanOut(self._progress_text(self._own(requester, words))) from None
-        one = self._own(requester, words)
-        if one.status != ApprovalStatus.ALLOWED:
-            text = f"request {one.number} is {one.status.value}: {one.reason}".removesuffix(": ")
-            return {"code": one.status.name.lower(), "text": text}
-        goal = one.ended_goal
-        said = {"code": outcome.code.value, "text": outcome.text}
-        return said if goal is None else {**said, "data": as_data.goal(goal, self._now)}
+            raise RanOut(self._progress_text(self._request_of(requester, words))) from None
+        decided = self._request_of(requester, words)
+        if decided.status != ApprovalStatus.ALLOWED:
+            text = f"request {decided.number} is {decided.status.value}: {decided.reason}"
+            return {"code": decided.status.name.lower(), "text": text.removesuffix(": ")}
+        goal = decided.ended_goal
+        result = {"code": outcome.code.value, "text": outcome.text}
+        return result if goal is None else {**result, "data": as_data.goal(goal, self._now)}
 
-    def _progress_text(self, one: ApprovalRequest) -> str:
-        if one.status == ApprovalStatus.WAITING:
-            left = f"{one.seconds_left(self._now):.0f} s left"
-            return f"request {one.number} still waits for a person, {left}"
+    def _progress_text(self, request: ApprovalRequest) -> str:
+        if request.status == ApprovalStatus.WAITING:
+            left = f"{request.seconds_left(self._now):.0f} s left"
+            return f"request {request.number} still waits for a person, {left}"
         goal = self._station.robot.snapshot.running_goal
         left = "" if goal is None or goal.remaining is None else f", {goal.remaining:.1f} left"
-        return f"request {one.number} was allowed; its goal has not ended yet{left}"
+        return f"request {request.number} was allowed; its goal has not ended yet{left}"
 
     @property
     def _now(self) -> float:
         return self._station.clock.monotonic()
 
-    def _own(self, requester: Requester, words: list[str]) -> ApprovalRequest:
+    def _request_of(self, requester: Requester, words: list[str]) -> ApprovalRequest:
         """Return the assistant's approval request whose number is typed.
 
         Raises:
@@ -203,17 +203,17 @@ class Assistants:
         """
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10
-        one = self._station.requests.get(int(number)) if is_number else None
-        if one is None or one.requester is not requester:
+        request = self._station.requests.get(int(number)) if is_number else None
+        if request is None or request.requester is not requester:
             raise ValueError(f"no request {number[:20]!r} of this assistant")
-        return one
+        return request
 
     async def _cancel(self, requester: Requester) -> Outcome:
         withdrawn = self._station.approvals.withdraw(requester)
         if withdrawn:
             return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
         if all(end.done() for end in requester.ends):
-            said = "no goal of this assistant runs; say stop to stop the robot"
-            return Outcome(Code.REFUSED, said)
+            text = "no goal of this assistant runs; say stop to stop the robot"
+            return Outcome(Code.REFUSED, text)
         # While its goal waits or runs, no other goal does.
         return await self._station.goals.cancel()

@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from typing import Any
 
-_MUTE = "the console does not answer"
+_NO_ANSWER = "the console does not answer"
 UNANSWERED = "the console does not answer; the robot may still be moving"
 
 
 class Unreached(Exception):
-    """No console is reached: none runs, several do, or it does not answer."""
+    """The error for a request that reached no console: none runs, several do, or none answers."""
 
 
 class Silent(Unreached):
-    """The console sent nothing within the time that it was waited for."""
+    """The error for a console that sent nothing within the time that it had."""
 
 
 class Connection:
@@ -32,29 +32,40 @@ class Connection:
 
     Attributes:
         path: The socket.
-        card: What the console has left beside the socket; None: nothing.
-        hello: Its first message; empty: it has not come.
-        result: The result of the line that was sent on connecting; None: it has not come.
-        is_dead: True if nobody listens.
-        has_gone: True if it was connected, and is no more.
+        card: The copy of the hello in the file beside the socket; None if there is no such file.
+        hello: The console's first message; empty until it has come.
+        result: The result of the request that was sent on connecting; None until it has come.
+        is_dead: True if no process listens on the socket.
+        has_gone: True if the connection was made, and is broken.
         socket: The connected socket; None before that.
     """
 
     def __init__(self, path: str, card: dict[str, Any] | None = None) -> None:
-        """Make it without connecting."""
+        """Create the connection without connecting.
+
+        Args:
+            path: The socket.
+            card: What `socket_files.read_card` returns for it.
+        """
         self.path, self.card = path, card
         self.hello: dict[str, Any] = {}
         self.result: dict[str, Any] | None = None
         self.is_dead = False
         self.has_gone = False
         self.socket: socket.socket | None = None
-        self._rest = b""
+        self._buffer = b""
         self._number = 0
 
     # Without waiting: see `finder.py`.
 
     def connect(self, first: bytes) -> None:
-        """Try to connect, and send the bytes `first` before the hello has come."""
+        """Try to connect, without waiting, and send `first` before the hello has come.
+
+        If too many connections wait, `socket` stays None and the caller tries again.
+
+        Args:
+            first: The request as bytes; b"" for none.
+        """
         try:
             self.socket = socket_files.connect(self.path)
             if first:
@@ -68,8 +79,8 @@ class Connection:
         except OSError:
             self.has_gone = True
 
-    def read(self) -> None:
-        """Read what has come; the socket must be ready."""
+    def receive(self) -> None:
+        """Read what has come into `hello` and `result`, without waiting."""
         assert self.socket is not None
         try:
             chunk = self.socket.recv(65536)
@@ -77,13 +88,13 @@ class Connection:
             return
         except OSError:
             chunk = b""
-        self._rest += chunk
+        self._buffer += chunk
         try:
-            while not self.result and (said := self._next_message()) is not None:
-                if "code" in said:
-                    self.result = said
+            while not self.result and (reply := self._next_message()) is not None:
+                if "code" in reply:
+                    self.result = reply
                 elif not self.hello:
-                    self.hello = said
+                    self.hello = reply
         except ValueError:
             chunk = b""
         self.has_gone = self.has_gone or not chunk
@@ -92,41 +103,43 @@ class Connection:
     def fault(self) -> str:
         """The reason why no verb can be sent to this console; "" if one can."""
         if not self.hello:
-            return f"{self.called} does not answer: is it suspended?"
-        spoken = self.hello.get("protocol")
-        if spoken != PROTOCOL:
+            return f"{self.short_description} does not answer: is it suspended?"
+        protocol = self.hello.get("protocol")
+        if protocol != PROTOCOL:
             return (
-                f"the console of pid {self.hello.get('pid')} speaks protocol {spoken}, "
+                f"the console of pid {self.hello.get('pid')} speaks protocol {protocol}, "
                 f"this archo-tui {PROTOCOL}: use the same version of both"
             )
-        return "" if _is_whole(self.hello) and not self.has_gone else _MUTE
+        return "" if _names_console(self.hello) and not self.has_gone else _NO_ANSWER
 
     @property
-    def called(self) -> str:
+    def short_description(self) -> str:
         """The console in a few words, also while it is silent."""
-        if self.who:
-            return f"the console of pid {self.who['pid']}, {self.who['namespace']},"
+        if self.identity:
+            return f"the console of pid {self.identity['pid']}, {self.identity['namespace']},"
         pid = os.path.basename(self.path).partition(socket_files.SUFFIX)[0].partition("-")[0]
         return f"the console of pid {pid}"
 
     @property
-    def who(self) -> dict[str, Any]:
+    def identity(self) -> dict[str, Any]:
         """The robot, namespace, engine and pid of the console, among other values.
 
         They are those of its hello or, until a valid one has come, those of its card: the file
         beside the socket with a copy of the hello. Empty if neither names the console.
         """
-        return next((one for one in (self.hello, self.card) if one and _is_whole(one)), {})
+        return next(
+            (hello for hello in (self.hello, self.card) if hello and _names_console(hello)), {}
+        )
 
     @property
-    def described(self) -> str:
+    def description(self) -> str:
         """The console in a line: process, robot, namespace, engine."""
-        who = self.who
-        if not who:
-            return self.called.removeprefix("the console of ")
-        domain = "" if who.get("domain") is None else f" domain {who['domain']}"
-        where = f"{who['robot']} {who['namespace']}, {who['engine']}{domain}"
-        return f"pid {who['pid']}: {where}{', watching' if who.get('watching') else ''}"
+        identity = self.identity
+        if not identity:
+            return self.short_description.removeprefix("the console of ")
+        domain = "" if identity.get("domain") is None else f" domain {identity['domain']}"
+        where = f"{identity['robot']} {identity['namespace']}, {identity['engine']}{domain}"
+        return f"pid {identity['pid']}: {where}{', watching' if identity.get('watching') else ''}"
 
     # Waiting, once the hello has come.
 
@@ -135,23 +148,23 @@ class Connection:
         assert self.socket is not None
         self.socket.settimeout(None)
 
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+    def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
         Args:
-            within: Seconds that all of it may take; None: any time.
-            asked: The request, as docs/protocol.md lists its names and values.
+            within: Seconds for all replies together; None for any time.
+            **fields: The fields of the request, as docs/protocol.md lists them.
 
         Raises:
             Unreached: The console has gone, or did not answer in time.
         """
         self._number += 1
         number = self._number
-        self.send({"id": number, **asked})
-        for said in self.remaining_replies(within):
-            if said.get("id") in (number, None):
-                yield said
-                if "code" in said:
+        self.send({"id": number, **fields})
+        for reply in self.remaining_replies(within):
+            if reply.get("id") in (number, None):
+                yield reply
+                if "code" in reply:
                     return
 
     def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
@@ -168,13 +181,13 @@ class Connection:
         end = None if within is None else time.monotonic() + within
         try:
             while True:
-                while (said := self._next_message()) is not None:
-                    yield said
+                while (reply := self._next_message()) is not None:
+                    yield reply
                 self.socket.settimeout(None if end is None else max(end - time.monotonic(), 0.001))
                 chunk = self.socket.recv(65536)
                 if not chunk:
                     break
-                self._rest += chunk
+                self._buffer += chunk
         except TimeoutError:
             raise Silent(UNANSWERED) from None
         except (OSError, ValueError):  # A broken connection counts as an ended one.
@@ -184,15 +197,15 @@ class Connection:
                 self.socket.settimeout(None)
         raise Unreached(GONE)
 
-    def send(self, said: dict[str, Any]) -> None:
-        """Send a message.
+    def send(self, request: dict[str, Any]) -> None:
+        """Send a request, an answer, or `give_up`, as docs/protocol.md lists them.
 
         Raises:
             Unreached: The console has gone.
         """
         assert self.socket is not None
         try:
-            self.socket.sendall(line(said))
+            self.socket.sendall(line(request))
         except OSError:
             raise Unreached(GONE) from None
 
@@ -201,28 +214,31 @@ class Connection:
         if self.socket is not None:
             self.socket.close()
 
-    def handed_over(self) -> tuple[socket.socket, bytes]:
-        """Return the socket, for a caller that reads it by itself, and the unused bytes of it."""
+    def detach(self) -> tuple[socket.socket, bytes]:
+        """Return the socket, and the bytes that were read and not used.
+
+        The caller reads and closes the socket from now on.
+        """
         assert self.socket is not None
-        return self.socket, self._rest
+        return self.socket, self._buffer
 
     def _next_message(self) -> dict[str, Any] | None:
-        """Take the next message out of what was read.
+        """Remove the next whole line from the buffer and return its message.
 
         Returns:
-            None if there is no whole one.
+            The message; None if no line is whole yet.
 
         Raises:
-            ValueError: It is no JSON object.
+            ValueError: The line is no JSON object.
         """
-        data, found, rest = self._rest.partition(b"\n")
+        data, found, rest = self._buffer.partition(b"\n")
         if not found:
             return None
-        self._rest = rest
+        self._buffer = rest
         return message(data)
 
 
-def _is_whole(hello: dict[str, Any]) -> bool:
-    """Return True if a hello has the values that name a console."""
+def _names_console(hello: dict[str, Any]) -> bool:
+    """Return whether a hello has the robot, namespace, engine and process of its console."""
     texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
     return texts and type(hello.get("pid")) is int

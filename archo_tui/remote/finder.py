@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 CHOSEN = "ARCHO_TUI_CONSOLE"  # The variable that stands for `--to`.
-NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
+NO_CONSOLE = "no console runs here: start archo-tui, or archo-tui --plain"
 HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
 WAKE_TIMEOUT = 5.0  # Seconds that a STOP waits for the hello of a console.
 STOP_TIMEOUT = 15.0  # Seconds: longer than any STOP takes in a console that runs.
@@ -31,8 +31,8 @@ _POLL_PERIOD = 0.1  # Seconds between two looks at the time.
 UNCONFIRMED = "not confirmed: the robot may be moving"
 
 
-class Nobody(Unreached):
-    """No console runs here that could be meant."""
+class NoConsole(Unreached):
+    """The error for a search that found no console that could be meant."""
 
 
 class Stopped:
@@ -45,7 +45,7 @@ class Stopped:
     """
 
     def __init__(self, console: str, code: str, text: str) -> None:
-        """Make it of its three parts."""
+        """Create the end of its three parts."""
         self.console, self.code, self.text = console, code, text
 
 
@@ -66,8 +66,8 @@ def find(
     for console in found:
         if not _could_be(selection, console):
             console.close()
-    found = [one for one in found if not one.is_dead and _could_be(selection, one)]
-    return sorted(found, key=lambda console: int(console.who.get("pid", 0)))
+    found = [console for console in found if not console.is_dead and _could_be(selection, console)]
+    return sorted(found, key=lambda console: int(console.identity.get("pid", 0)))
 
 
 def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Connection:
@@ -84,7 +84,7 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
             a verb could reach another robot.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
-    found = _able_to_act(find(selection, faults, within))
+    found = _without_needless_watchers(find(selection, faults, within))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
         found[0].wait()
@@ -94,14 +94,14 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
     if silent:
         raise Unreached(_silent_error(selection, silent, found))
     if not found:
-        raise Nobody(no_console_error(selection, faults))
+        raise NoConsole(no_console_error(selection, faults))
     raise Unreached(_several_error(selection, found))
 
 
-def _able_to_act(found: list[Connection]) -> list[Connection]:
-    """Return the consoles without those that watch a robot on which another one can act.
+def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
+    """Return the consoles but those that watch a robot on which another one can act.
 
-    The others are closed.
+    Those that only watch are closed.
     """
     watching = _only_watching(found)
     for console in watching:
@@ -116,10 +116,10 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
     """
 
     def robot(console: Connection) -> tuple[Any, ...]:
-        return tuple(console.who.get(name) for name in ("engine", "domain", "namespace"))
+        return tuple(console.identity.get(name) for name in ("engine", "domain", "namespace"))
 
-    acting = {robot(one) for one in found if one.who and not one.who.get("watching")}
-    return [one for one in found if one.who.get("watching") and robot(one) in acting]
+    acting = {robot(one) for one in found if one.identity and not one.identity.get("watching")}
+    return [one for one in found if one.identity.get("watching") and robot(one) in acting]
 
 
 def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
@@ -133,7 +133,7 @@ def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
         Unreached: It has gone, or says nothing.
     """
     console = Connection(path, socket_files.read_card(path))
-    _exchange([console], b"", lambda one: bool(one.hello), within)
+    _exchange([console], b"", lambda console: bool(console.hello), within)
     if console.is_dead or console.fault:
         console.close()
         raise Unreached(GONE if console.is_dead or console.has_gone else console.fault)
@@ -169,7 +169,7 @@ def stop(
         if ended:
             notice(f"no console {meant['to']} runs here, which {CHOSEN} names: STOP went to all")
     if not ended:
-        raise Nobody(no_console_error(meant, faults))
+        raise NoConsole(no_console_error(meant, faults))
     for fault in faults:
         notice(fault)
     return ended
@@ -196,14 +196,14 @@ def _stop_each(
     _exchange(found, first, is_over, HELLO_TIMEOUT)
     for console in found:
         if not (console.hello or console.result or console.is_dead or console.has_gone):
-            notice(f"{console.called} does not answer yet: STOP waits for it")
+            notice(f"{console.short_description} does not answer yet: STOP waits for it")
     _exchange(found, first, is_over, STOP_TIMEOUT - HELLO_TIMEOUT)
     there = [console for console in found if not console.is_dead]
     watching = _only_watching(there)  # Their refusal tells nothing about the robot.
     ended = [_stop_result(console) for console in there if console not in watching]
     for console in found:
         console.close()
-    return [one for one in ended if one.code != NOT_MEANT]
+    return [result for result in ended if result.code != NOT_MEANT]
 
 
 def _stop_result(console: Connection) -> Stopped:
@@ -211,13 +211,13 @@ def _stop_result(console: Connection) -> Stopped:
     if result is not None:
         code, text = result["code"], result.get("text")
         is_text = isinstance(code, str) and isinstance(text, str)
-        return Stopped(console.described, *((code, text) if is_text else (LOST, UNCONFIRMED)))
+        return Stopped(console.description, *((code, text) if is_text else (LOST, UNCONFIRMED)))
     why = "the console does not answer, and stops it when it does"
     if console.socket is None:
         why = "STOP could not be written to the console"
     elif console.has_gone:
         why = "the console is gone"
-    return Stopped(console.described, LOST, f"{UNCONFIRMED}; {why}")
+    return Stopped(console.description, LOST, f"{UNCONFIRMED}; {why}")
 
 
 def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
@@ -234,32 +234,40 @@ def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connect
     """
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
-    made = [Connection(path, socket_files.read_card(path)) for path in socket_files.sockets(faults)]
-    return [one for one in made if _could_be(selection, one)]
+    paths = socket_files.socket_paths(faults)
+    consoles = [Connection(path, socket_files.read_card(path)) for path in paths]
+    return [console for console in consoles if _could_be(selection, console)]
 
 
 def _could_be(selection: Mapping[str, Any], console: Connection) -> bool:
     """Return False if the console's hello, or its card, tells that it is not meant."""
-    return not console.who or is_meant(selection, console.who)
+    return not console.identity or is_meant(selection, console.identity)
 
 
 def _exchange(
-    consoles: Sequence[Connection], first: bytes, is_over: Callable[[Connection], bool], s: float
+    consoles: Sequence[Connection],
+    first: bytes,
+    is_over: Callable[[Connection], bool],
+    timeout: float,
 ) -> None:
     """Connect to all consoles at once, and read what they send.
 
     Args:
-        consoles: Those that are connected already are only read.
+        consoles: The consoles; one that is connected already is only read.
         first: Sent to each as it is connected.
         is_over: Returns True if a console needs no more time.
-        s: Seconds that all of it may take.
+        timeout: Seconds for all consoles together.
     """
-    end = time.monotonic() + s
+    end = time.monotonic() + timeout
     while True:
         for console in consoles:
             if console.socket is None and not (console.is_dead or console.has_gone):
                 console.connect(first)
-        waiting = [one for one in consoles if not (one.is_dead or one.has_gone or is_over(one))]
+        waiting = [
+            console
+            for console in consoles
+            if not (console.is_dead or console.has_gone or is_over(console))
+        ]
         left = end - time.monotonic()
         if not waiting or left <= 0:
             return
@@ -273,26 +281,30 @@ def _exchange(
             if not selector.get_map():
                 time.sleep(left)
             for key, _ in selector.select(left) if selector.get_map() else ():
-                key.data.read()
+                key.data.receive()
 
 
 def _silent_error(
-    selection: Mapping[str, Any], silent: Sequence[Connection], all_: Sequence[Any]
+    selection: Mapping[str, Any], silent: Sequence[Connection], found: Sequence[Connection]
 ) -> str:
     """Return the error for consoles that could be meant and do not answer."""
-    said = "; ".join(console.fault for console in silent)
+    faults = "; ".join(console.fault for console in silent)
     if selection.get("to"):
-        return f"no console {selection['to']} answers here; {said}"
-    if len(all_) == 1:
-        return said
-    return f"{said}; nothing is chosen while it could be meant: --to PID or --to NAMESPACE chooses"
+        return f"no console {selection['to']} answers here; {faults}"
+    if len(found) == 1:
+        return faults
+    return (
+        f"{faults}; nothing is chosen while it could be meant: --to PID or --to NAMESPACE chooses"
+    )
 
 
 def _several_error(selection: Mapping[str, Any], found: Sequence[Connection]) -> str:
-    lines = "".join(f"\n  {console.described}" for console in found)
+    lines = "".join(f"\n  {console.description}" for console in found)
     if not selection.get("to"):
         return f"several consoles run here, --to PID or --to NAMESPACE chooses:{lines}"
-    names = "".join(f"\n  --to {one.who.get('name', '')}  {one.described}" for one in found)
+    names = "".join(
+        f"\n  --to {console.identity.get('name', '')}  {console.description}" for console in found
+    )
     return (
         f"--to {selection['to']} fits several consoles, the names of their sockets choose:{names}"
     )
@@ -306,19 +318,19 @@ def no_console_error(selection: Mapping[str, Any], faults: Sequence[str]) -> str
         faults: The reasons why folders of sockets were not looked into.
     """
     to, by_name = selection.get("to", ""), os.environ.get(CHOSEN, "")
-    said = NOBODY
+    text = NO_CONSOLE
     if to:
         named = f", which {CHOSEN} names" if to == by_name else ""
-        said = f"no console {to} runs here{named} (archo-tui consoles lists them)"
+        text = f"no console {to} runs here{named} (archo-tui consoles lists them)"
     elif selection.get("engine"):
         domain = selection.get("domain")
         where = (
             selection["engine"] if domain is None else f"{selection['engine']}, domain {domain},"
         )
-        said = f"no console of {where} runs here (archo-tui consoles lists them)"
+        text = f"no console of {where} runs here (archo-tui consoles lists them)"
     others = socket_files.other_users()
     hints = [*faults, *(f"a console of {one} runs here: run this as {one}" for one in others)]
     if os.environ.get(socket_files.FOLDER_VARIABLE):
-        folder = socket_files.folder()
+        folder = socket_files.listening_folder()
         hints.append(f"{socket_files.FOLDER_VARIABLE} is set: only {folder} is looked into")
-    return "; ".join((said, *hints))
+    return "; ".join((text, *hints))

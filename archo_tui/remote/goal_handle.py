@@ -32,7 +32,7 @@ class GoalHandle:
         self._is_accepted, self._has_ended = threading.Event(), threading.Event()
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
         self._state: Goal | None = None
-        threading.Thread(target=self._read, name="goal", daemon=True).start()
+        threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
 
     def wait(self, timeout: float | None = None) -> Goal:
         """Wait until the goal has ended.
@@ -102,17 +102,17 @@ class GoalHandle:
         if self._has_ended.is_set():
             data_of(self._result)
 
-    def _read(self) -> None:
+    def _read_replies(self) -> None:
         """Read what the console says, on a thread of its own."""
         try:
-            for said in self._request.messages():
-                if "goal" in said:
-                    self._state = from_reply(Goal, said["goal"])
-                elif "code" in said:
-                    self._result = said
-                    if said.get("data"):
-                        self._state = from_reply(Goal, said["data"])
-                elif "said" in said:
+            for reply in self._request.replies():
+                if "goal" in reply:
+                    self._state = from_reply(Goal, reply["goal"])
+                elif "code" in reply:
+                    self._result = reply
+                    if reply.get("data"):
+                        self._state = from_reply(Goal, reply["data"])
+                elif "said" in reply:
                     self._is_accepted.set()
         except NotDone as error:
             self._result = {"code": error.code, "text": str(error)}

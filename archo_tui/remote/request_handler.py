@@ -15,7 +15,7 @@ from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import ClientSession
-from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
+from archo_tui.remote.waits import POLL_PERIOD, RanOut, timeout_of, wait_for
 from archo_tui.robot import messages
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
@@ -46,7 +46,7 @@ class RequestHandler:
         self._station, self._robot = station, station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
-        self._clients: dict[ClientSession, _ClientWork] = {}
+        self._clients: dict[ClientSession, _Session] = {}
         self._late_cancels: set[asyncio.Future[None]] = set()  # Of work that ran out of time.
         # Clients whose STOP has not left yet, each with its request's id and whether it is an
         # assistant; and whether a task will send one for all of them.
@@ -73,13 +73,13 @@ class RequestHandler:
         else:
             self._station.post(partial(self._serve, client, request, stops))
 
-    def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
+    def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
         """Pass on the answer to a question, or a `give_up`, of a client whose request runs."""
-        self._station.post(partial(self._on_answer, client, answer))
+        self._station.post(partial(self._pass_answer, client, answer))
 
-    def gone(self, client: ClientSession) -> None:
+    def on_client_left(self, client: ClientSession) -> None:
         """Call off the work that a client waits for, after its connection has closed."""
-        self._station.post(partial(self._on_client_gone, client))
+        self._station.post(partial(self._end_session, client))
 
     # Called on the console's loop.
 
@@ -90,7 +90,7 @@ class RequestHandler:
         try:
             due = clock.monotonic() + self._rate_limit.delay(clock.monotonic())
             while clock.monotonic() < due and not self._robot.stops.superseded:
-                await clock.sleep(LOOK)
+                await clock.sleep(POLL_PERIOD)
             self._stop_is_due = False
             now = [self._stops.popleft() for _ in range(len(self._stops))]
             if not now:  # Another task has sent one for them.
@@ -105,7 +105,7 @@ class RequestHandler:
             self._station.post(self._stop)
             raise
         for client, number, _ in now:
-            client.tell(_result(number, outcome))
+            client.reply(_result(number, outcome))
 
     def _requester(self, client: ClientSession, is_assistant: bool) -> Requester:
         session = self._clients.get(client)
@@ -117,37 +117,37 @@ class RequestHandler:
         except Exception as error:  # Whatever failed, the client gets a reply.
             return Outcome(Code.REFUSED, in_one_line(error))
 
-    def _get_or_begin_work(self, client: ClientSession) -> _ClientWork:
+    def _get_or_begin_work(self, client: ClientSession) -> _Session:
         if client not in self._clients:
-            self._clients[client] = _ClientWork(client)
-            self._list_clients()
+            self._clients[client] = _Session(client)
+            self._publish_clients()
         return self._clients[client]
 
-    def _list_clients(self) -> None:
+    def _publish_clients(self) -> None:
         self._station.clients = tuple(
             session.requester.source for session in self._clients.values()
         )
         self._station.refresh()
 
-    async def _on_client_gone(self, client: ClientSession) -> None:
+    async def _end_session(self, client: ClientSession) -> None:
         session = self._clients.pop(client, None)
         if session is None:  # It requested nothing.
             return
         session.has_gone = True
-        self._list_clients()
+        self._publish_clients()
         await self._call_off(session)
 
-    async def _call_off(self, session: _ClientWork) -> None:
+    async def _call_off(self, session: _Session) -> None:
         """Take a client's goals out of the queue, and cancel the running one.
 
         That ends what the client waits for. A client that does not wait keeps its goals, unless
         it is an assistant that has left.
         """
-        if session.asked is not None and not session.asked.done():
-            session.asked.set_result(False)
+        if session.pending_answer is not None and not session.pending_answer.done():
+            session.pending_answer.set_result(False)
         ends_with_it = session.is_assistant and session.has_gone
-        if session.task is not None and session.only_looks:
-            session.is_off = True
+        if session.task is not None and session.is_read_only:
+            session.is_called_off = True
             session.task.cancel()
         elif session.is_waiting and not session.leaves:
             ends_with_it = True
@@ -155,32 +155,32 @@ class RequestHandler:
             session.requester.has_left = True
             await self._station.goals.call_off(session.requester)
 
-    async def _on_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
+    async def _pass_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`."""
         session = self._get_or_begin_work(client)
         if answer.get("give_up") and session.task is None:
-            client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
+            client.reply(_result(None, Outcome(Code.DONE, "it had ended")))
         elif answer.get("give_up"):
             requester = session.requester
             if not (requester.ends or session.is_assistant):  # Nothing was sent; nothing will be.
                 requester.has_left = True
             await self._call_off(session)
             # Nothing takes back a request that a service has: only the waiting ends.
-            if session.calls and session.task is not None:
-                session.is_off = True
+            if session.calls_service and session.task is not None:
+                session.is_called_off = True
                 session.task.cancel()
-        elif session.asked is not None and not session.asked.done():
-            session.asked.set_result(answer.get("answer") is True)
+        elif session.pending_answer is not None and not session.pending_answer.done():
+            session.pending_answer.set_result(answer.get("answer") is True)
 
     async def _serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
         session, number = self._get_or_begin_work(client), request.get("id")
-        session.begin(request)
+        session.start_request(request)
         if session.is_assistant:
-            self._list_clients()
+            self._publish_clients()
         session.task = asyncio.current_task()
         try:
             with self._robot.stops.typed_at(stops), on_behalf_of(session.requester):
-                result = await self._obey_in_time(session, request)
+                result = await self._carry_out_in_time(session, request)
         except Void:
             result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
         except _Declined as error:
@@ -190,20 +190,23 @@ class RequestHandler:
         except (ArchoError, ValueError) as error:
             result = _result(number, Outcome(Code.MISUSE, str(error)))
         except Exception as error:  # Whatever failed, the console goes on.
-            said = in_one_line(error)
-            self._robot.note("ERROR", "console", f"{session.requester.source}: {said}")
-            result = _result(number, Outcome(Code.REFUSED, said))
+            text = in_one_line(error)
+            self._robot.note("ERROR", "console", f"{session.requester.source}: {text}")
+            result = _result(number, Outcome(Code.REFUSED, text))
         except asyncio.CancelledError:
-            said = NOT_TAKEN_BACK if session.calls else CALLED_OFF
-            result = _result(number, Outcome(Code.CANCELLED, said))
-            if not session.is_off:  # The screen ends or restarts: the console keeps the goal.
+            text = NOT_TAKEN_BACK if session.calls_service else CALLED_OFF
+            result = _result(number, Outcome(Code.CANCELLED, text))
+            # Else the screen ends or restarts, and the console keeps the goal.
+            if not session.is_called_off:
                 result = {"id": number, "code": LOST, "text": GONE}
         finally:
             session.task, session.is_waiting = None, False
-            client.tell(result)
-            client.done()
+            client.reply(result)
+            client.on_request_ended()
 
-    async def _obey_in_time(self, session: _ClientWork, request: dict[str, Any]) -> dict[str, Any]:
+    async def _carry_out_in_time(
+        self, session: _Session, request: dict[str, Any]
+    ) -> dict[str, Any]:
         """Carry out a request within its timeout, and return the result.
 
         Raises:
@@ -212,18 +215,18 @@ class RequestHandler:
         words, timeout = request.get("words"), timeout_of(request)
         waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
         if timeout is None or waits or session.is_assistant:
-            return await self._obey(session, request)
-        work, clock = asyncio.ensure_future(self._obey(session, request)), self._station.clock
+            return await self._carry_out(session, request)
+        work, clock = asyncio.ensure_future(self._carry_out(session, request)), self._station.clock
         over = f"not within {timeout:g} s"
         try:
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
-            if session.only_looks:
+            if session.is_read_only:
                 raise RanOut(f"{timeout:g} s are over")
             if session.leaves:
                 work.add_done_callback(_retrieve_exception)
                 raise RanOut(f"{over}; what was sent goes on")
-            if session.calls:  # Nothing takes back a request that a service has.
+            if session.calls_service:  # Nothing takes back a request that a service has.
                 raise RanOut(f"{over}: the robot may still do it")
             return await self._call_off_late(session, work, over)
         finally:
@@ -231,7 +234,7 @@ class RequestHandler:
                 work.cancel()
 
     async def _call_off_late(
-        self, session: _ClientWork, work: asyncio.Future[dict[str, Any]], over: str
+        self, session: _Session, work: asyncio.Future[dict[str, Any]], over: str
     ) -> dict[str, Any]:
         """Call off work whose time is over, and return its result if that is good after all.
 
@@ -255,11 +258,11 @@ class RequestHandler:
             raise RanOut(f"{over}: nobody has answered") from None
         raise RanOut(f"{over}; what was sent may still be done")
 
-    async def _obey(self, session: _ClientWork, request: dict[str, Any]) -> dict[str, Any]:
+    async def _carry_out(self, session: _Session, request: dict[str, Any]) -> dict[str, Any]:
         """Carry out a request, however long it takes, and return the result."""
         number = request.get("id")
         if session.is_assistant:
-            return await self._assistants.obey(session.requester, request)
+            return await self._assistants.carry_out(session.requester, request)
         if "complete" in request:
             words = words_of({"words": request["complete"]})
             found = candidates(self.verbs, self._station, words)
@@ -269,7 +272,7 @@ class RequestHandler:
                 await self._follow_topic(session, request)
             if words_of(request) != ["events"]:
                 raise ValueError("only events can be followed, without further words")
-            await follow(self._station, session.client.tell, number)
+            await follow(self._station, session.client.reply, number)
         word, *rest = words_of(request)
         if word == "wait":
             if request.get("wait"):
@@ -284,8 +287,8 @@ class RequestHandler:
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, self._station, rest)
-        session.calls = isinstance(verb, Call)
-        if session.calls:
+        session.calls_service = isinstance(verb, Call)
+        if session.calls_service:
             values = {**values, TIMEOUT: timeout_of(request)}
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, session, number, person)
@@ -295,24 +298,24 @@ class RequestHandler:
         if requester.ends:
             session.sent = requester.ends
         if session.is_waiting and outcome.ok and requester.ends:
-            session.client.tell({"id": number, "said": outcome.text})
+            session.client.reply({"id": number, "said": outcome.text})
             feedback = request.get("feedback") is True
             outcome = await self._wait_for_ends(session, number, feedback=feedback)
         result = {**_result(number, outcome), "tells": verb.tells}
-        told = data_of(outcome)
-        if told is None and outcome.ok:
-            told = verb.data(self._station, values)
+        data = data_of(outcome)
+        if data is None and outcome.ok:
+            data = verb.data(self._station, values)
         answer = answer_of(outcome)
         if answer is not None and word == "call":
-            told = await in_daemon(messages.as_data, answer)  # A map has a million values.
+            data = await in_daemon(messages.as_data, answer)  # A map has a million values.
         if session.is_waiting and requester.goal is not None:
-            told = as_data.goal(requester.goal, self._station.clock.monotonic())
+            data = as_data.goal(requester.goal, self._station.clock.monotonic())
             if isinstance(verb, SendGoal) and requester.goal.result is not None:
-                told["result"] = await in_daemon(messages.as_data, requester.goal.result)
+                data["result"] = await in_daemon(messages.as_data, requester.goal.result)
                 result["tells"] = True
-        return result if told is None else {**result, "data": told}
+        return result if data is None else {**result, "data": data}
 
-    async def _follow_topic(self, session: _ClientWork, request: dict[str, Any]) -> NoReturn:
+    async def _follow_topic(self, session: _Session, request: dict[str, Any]) -> NoReturn:
         """Send each message of a topic, until the task is cancelled: see `Echo.follow`."""
         station, client, number = self._station, session.client, request.get("id")
         verb = self.verbs["echo"]
@@ -323,37 +326,35 @@ class RequestHandler:
         for_program = request.get("as_text") is not True
 
         def show(shown: Shown) -> None:
-            told = {"message": shown.data} if for_program else {"text": shown.text}
-            client.tell({"id": number, **told, "left_out": shown.left_out})
+            message = {"message": shown.data} if for_program else {"text": shown.text}
+            client.reply({"id": number, **message, "left_out": shown.left_out})
 
         await verb.follow(
             station,
             values,
             show,
-            lambda why: client.tell({"id": number, "said": why}),
+            lambda why: client.reply({"id": number, "said": why}),
             for_program=for_program,
             has_room=lambda: not client.is_behind,
         )
 
-    async def _wait_for_ends(self, session: _ClientWork, number: Any, *, feedback: bool) -> Outcome:
+    async def _wait_for_ends(self, session: _Session, number: Any, *, feedback: bool) -> Outcome:
         """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
         if not feedback:
-            return await _ended(session.requester.ends)
-        work = follow_goal(self._station, session.requester, session.client.tell, number)
+            return await _wait_for_all(session.requester.ends)
+        work = follow_goal(self._station, session.requester, session.client.reply, number)
         following = asyncio.ensure_future(work)
         try:
-            return await _ended(session.requester.ends)
+            return await _wait_for_all(session.requester.ends)
         finally:
             following.cancel()
 
     @staticmethod
     def _all_arrived(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
         """Return a function that returns the outcome of all goals; None while one runs."""
-        return lambda: _outcome(ends) if all(end.done() for end in ends) else None
+        return lambda: _combined_outcome(ends) if all(end.done() for end in ends) else None
 
-    async def _ask(
-        self, session: _ClientWork, number: Any, person: bool, question: Question
-    ) -> None:
+    async def _ask(self, session: _Session, number: Any, person: bool, question: Question) -> None:
         """Ask the person at the shell.
 
         Args:
@@ -369,14 +370,14 @@ class RequestHandler:
         text = " ".join(question.text.split())
         if not person:
             raise ArchoError(f"{text} (add {YES} to do it)")
-        session.asked = asyncio.get_running_loop().create_future()
-        session.client.tell({"id": number, "ask": text, "safe": question.safe, "go": question.go})
+        session.pending_answer = asyncio.get_running_loop().create_future()
+        session.client.reply({"id": number, "ask": text, "safe": question.safe, "go": question.go})
         try:
-            answer = await self._station.clock.wait_for(session.asked, _ANSWER_TIMEOUT)
+            answer = await self._station.clock.wait_for(session.pending_answer, _ANSWER_TIMEOUT)
         except TimeoutError:
             answer = False
         finally:
-            session.asked = None
+            session.pending_answer = None
         if not answer:
             raise _Declined(question.safe.lower())
 
@@ -387,39 +388,39 @@ class RequestHandler:
         clock = self._station.clock
         end = clock.monotonic() + seconds
         while not (holds() or requester.has_left) and clock.monotonic() < end:
-            await clock.sleep(LOOK)
+            await clock.sleep(POLL_PERIOD)
 
 
 class _Declined(ArchoError):
     """The person who was asked did not say yes."""
 
 
-class _ClientWork:
-    """The work that is carried out for one client.
+class _Session:
+    """The state of one client: its request, its goals, and its name in events.
 
     Attributes:
         sent: The futures of the outcomes of the goals that it sent last.
-        asked: The future of the person's answer to a question; None while none is asked.
+        pending_answer: The future of the person's answer to a question; None while none is asked.
         task: The task that carries out its request; None between requests.
         requester: The client as events and goals name it.
         is_assistant: True from the first request on that says so.
-        has_gone: True once it has left.
+        has_gone: True once its connection is closed.
         is_waiting: True while it waits for the end of its goals.
-        leaves: True if its goals go on when it leaves.
-        calls: True while it waits for the answer of a service.
-        only_looks: True for a request that commands nothing.
-        is_off: True once its request was called off.
+        leaves: True if its goals are to go on when it leaves.
+        calls_service: True while it waits for the answer of a service.
+        is_read_only: True for a request that commands nothing.
+        is_called_off: True once its request was called off.
     """
 
     def __init__(self, client: ClientSession) -> None:
         self.client = client
         self.sent: list[asyncio.Future[Outcome]] = []
-        self.asked: asyncio.Future[bool] | None = None
+        self.pending_answer: asyncio.Future[bool] | None = None
         self.task: asyncio.Task[None] | None = None
         self.is_assistant = self.has_gone = False
-        self.begin({})
+        self.start_request({})
 
-    def begin(self, request: Mapping[str, Any]) -> None:
+    def start_request(self, request: Mapping[str, Any]) -> None:
         """Set the attributes for the next request of the client."""
         words = request.get("words")
         if not self.is_assistant:
@@ -430,9 +431,9 @@ class _ClientWork:
         self.leaves = request.get("leave") is True
         self.requester.waits = self.is_assistant or (self.is_waiting and not self.leaves)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"], ["echo"], ["hz"])
-        self.calls = False
-        self.only_looks = waits or bool(request.get("follow"))
-        self.is_off = False
+        self.calls_service = False
+        self.is_read_only = waits or bool(request.get("follow"))
+        self.is_called_off = False
 
 
 def _retrieve_exception(work: asyncio.Future[Any]) -> None:
@@ -450,14 +451,14 @@ def _requester(client: ClientSession, *, assistant: bool = False) -> Requester:
     )
 
 
-async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
     """Wait for all goals, and return their outcome. A held goal that goes on has another end."""
     while waited := [end for end in ends if not end.done()]:
         await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
-    return _outcome(ends)
+    return _combined_outcome(ends)
 
 
-def _outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+def _combined_outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
     """Return the outcome of the first goal that did not arrive, else of the last."""
     outcomes = [end.result() for end in ends]
     bad = [outcome for outcome in outcomes if outcome.code != Code.ARRIVED]

@@ -47,27 +47,27 @@ class ClientSession(Protocol):
     """A connected client, as the request handler sees it.
 
     Attributes:
-        pid: Its process; 0: not known.
+        pid: The client's process; 0 if it is not known.
     """
 
     pid: int
 
-    def tell(self, said: dict[str, Any]) -> None:
-        """Send a reply. Any thread."""
+    def reply(self, reply: dict[str, Any]) -> None:
+        """Send a reply to the client. May be called on any thread."""
 
-    def done(self) -> None:
-        """Report that its request has ended. Any thread."""
+    def on_request_ended(self) -> None:
+        """Let the next request of the client be carried out. May be called on any thread."""
 
     @property
     def is_behind(self) -> bool:
-        """True while it has not read all that was sent. Any thread."""
+        """True while the client has not read all replies. May be read on any thread."""
 
 
 class RequestHandler(Protocol):
-    """Carries out requests; its methods are called on the server's thread."""
+    """The part that carries out requests; its methods are called on the server's thread."""
 
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        """Begin to carry out a request, and call `client.done()` when it has ended.
+        """Begin to carry out a request, and call `client.on_request_ended()` when it has ended.
 
         Args:
             client: Gets the replies.
@@ -75,7 +75,7 @@ class RequestHandler(Protocol):
             stops: STOPs that had been read when it was read.
         """
 
-    def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
+    def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
         """Pass on the answer to a question, or a `give_up`, of a client whose request runs.
 
         Args:
@@ -84,7 +84,7 @@ class RequestHandler(Protocol):
             stops: STOPs that had been read when it was read.
         """
 
-    def gone(self, client: ClientSession) -> None:
+    def on_client_left(self, client: ClientSession) -> None:
         """Call off the work that a client waits for, after its connection has closed."""
 
 
@@ -97,22 +97,22 @@ class Client:
         self._loop = asyncio.get_running_loop()
         self._unread = bytearray()  # Still to be written.
         self._writing: asyncio.Task[None] | None = None
-        self._is_deaf = False  # It has left, or was dropped: only a STOP of it counts.
+        self._is_cut_off = False  # It has left, or was dropped: only a STOP of it counts.
         self._waiting: deque[tuple[bytes, int]] = deque()
-        self._size = 0  # Bytes of the waiting requests.
-        self._is_busy = self._rests = self._overflows = False
+        self._waiting_bytes = 0  # Bytes of the waiting requests.
+        self._is_busy = self._is_pausing = self._is_overflowing = False
 
     # Called on any thread.
 
-    def tell(self, said: dict[str, Any]) -> None:
-        """Send a message; a client that does not read is dropped."""
+    def reply(self, reply: dict[str, Any]) -> None:
+        """Send a reply; a client that leaves MAX_UNREAD bytes unread is dropped."""
         with contextlib.suppress(RuntimeError):  # The loop is closed.
-            self._loop.call_soon_threadsafe(self._write, line(said))
+            self._loop.call_soon_threadsafe(self._write, line(reply))
 
-    def done(self) -> None:
-        """Take up its next request: the one before has ended."""
+    def on_request_ended(self) -> None:
+        """Carry out the next request, after REQUEST_INTERVAL."""
         with contextlib.suppress(RuntimeError):
-            self._loop.call_soon_threadsafe(self._rest)
+            self._loop.call_soon_threadsafe(self._pause)
 
     @property
     def is_behind(self) -> bool:
@@ -122,7 +122,7 @@ class Client:
     # Called on the server's thread.
 
     def _write(self, data: bytes) -> None:
-        if self._is_deaf:
+        if self._is_cut_off:
             return
         if len(self._unread) > MAX_UNREAD:
             self.drop()
@@ -133,17 +133,17 @@ class Client:
 
     async def _write_all(self) -> None:
         try:
-            while self._unread and not self._is_deaf:
+            while self._unread and not self._is_cut_off:
                 data = bytes(self._unread[:_CHUNK])
                 await self._loop.sock_sendall(self._socket, data)
                 del self._unread[: len(data)]
         except OSError:  # It has left; what it has sent before is read to its end.
-            self._is_deaf = True
+            self._is_cut_off = True
         finally:
             self._writing = None
 
-    def take(self, data: bytes) -> None:
-        """Take one line that the client sent: at once a STOP or an answer, else in its turn."""
+    def on_line(self, data: bytes) -> None:
+        """Carry out one line that the client sent: a STOP or an answer at once, others in turn."""
         stops = self._server.stops
         if data == lines.TOO_LONG:
             self.refuse(None, "misuse", "a line of more than 64 kB")
@@ -153,54 +153,54 @@ class Client:
             self.refuse(data, NOT_MEANT, "this STOP is meant for another console")
         elif request is not None:
             self._server.handler.serve(self, request, stops.register())
-        elif self._is_deaf:
+        elif self._is_cut_off:
             pass
-        elif not self._server.takes_all_of(self):
+        elif not self._server.takes_all_requests_of(self):
             self.refuse(data, "refused", f"{MAX_CLIENTS} clients are connected: only stop is taken")
-        elif self._is_busy and _is_answer(data) and not (self._rests and self._waiting):
-            self._server.handler.answer(self, _read(data) or {}, stops.count)
-        elif self._size + len(data) > MAX_WAITING:
-            if not self._overflows:
+        elif self._is_busy and _is_answer(data) and not (self._is_pausing and self._waiting):
+            self._server.handler.on_answer(self, _parse_request(data) or {}, stops.count)
+        elif self._waiting_bytes + len(data) > MAX_WAITING:
+            if not self._is_overflowing:
                 self.refuse(data, "refused", "too many requests wait")
-            self._overflows = True
+            self._is_overflowing = True
         else:
             self._waiting.append((data, stops.count))
-            self._size += len(data)
+            self._waiting_bytes += len(data)
             if not self._is_busy:
                 self._serve_next_line()
 
-    def _rest(self) -> None:
-        self._rests = True
+    def _pause(self) -> None:
+        self._is_pausing = True
         self._loop.call_later(REQUEST_INTERVAL, self._serve_next_line)
 
     def _serve_next_line(self) -> None:
         """Hand the oldest waiting line to the handler, with the answers that follow it."""
-        self._rests = False
+        self._is_pausing = False
         self._is_busy = bool(self._waiting)
         if not self._waiting:
-            self._overflows = False
+            self._is_overflowing = False
             return
         data, stops = self._waiting.popleft()
-        self._size -= len(data)
-        request = _read(data)
+        self._waiting_bytes -= len(data)
+        request = _parse_request(data)
         if request is None:
             self.refuse(data, "misuse", "expected a JSON object in a line, its id a number or text")
-            self.done()
+            self.on_request_ended()
         else:
             self._server.handler.serve(self, request, stops)
         while self._waiting and _is_answer(self._waiting[0][0]):  # To this request.
             data, stops = self._waiting.popleft()
-            self._size -= len(data)
-            self._server.handler.answer(self, _read(data) or {}, stops)
+            self._waiting_bytes -= len(data)
+            self._server.handler.on_answer(self, _parse_request(data) or {}, stops)
 
-    def leave(self) -> None:
-        """Drop its waiting requests: it has left."""
+    def on_left(self) -> None:
+        """Drop the waiting requests of the client, which has left."""
         self._waiting.clear()
-        self._server.handler.gone(self)
+        self._server.handler.on_client_left(self)
 
     def drop(self) -> None:
         """End the connection, once what the client has sent is read."""
-        self._is_deaf = True
+        self._is_cut_off = True
         with contextlib.suppress(OSError):  # It has left already.
             self._socket.shutdown(socket.SHUT_RDWR)
 
@@ -215,16 +215,20 @@ class Client:
         """Reply to a line that is not carried out.
 
         Args:
-            data: The line, whose id the reply has; None: it was too long to be read.
+            data: The line, whose id the reply repeats; None if it was too long to be read.
             code: A word of docs/protocol.md.
             text: The reason.
         """
-        request = _read(data) if data else None
+        request = _parse_request(data) if data else None
         self._write(line({"id": (request or {}).get("id"), "code": code, "text": text}))
 
 
-def _read(data: bytes) -> dict[str, Any] | None:
-    """Return the request in a line; None if there is none, or its id cannot be repeated."""
+def _parse_request(data: bytes) -> dict[str, Any] | None:
+    """Return the request in a line.
+
+    Returns:
+        None if the line has none, or its id cannot be repeated in the reply.
+    """
     try:
         request = message(data)
     except ValueError:
@@ -244,7 +248,7 @@ def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
     text = data.replace(b"\0", b"").lower()
     if not any(word in text for word in (b"stop", b"call", b"\\u")):  # Nearly no line has one.
         return None
-    request = _read(data)
+    request = _parse_request(data)
     if request is None:
         return {"words": ["stop"]} if lines.is_stop(data) else None
     if stops.is_stop_call(_words_if_valid(request)):
@@ -260,7 +264,9 @@ def _words_if_valid(request: dict[str, Any]) -> list[str]:
 
 
 def _is_answer(data: bytes) -> bool:
-    return (b'"answer"' in data or b'"give_up"' in data) and "words" not in (_read(data) or {})
+    return (b'"answer"' in data or b'"give_up"' in data) and "words" not in (
+        _parse_request(data) or {}
+    )
 
 
 class Server:
@@ -271,30 +277,30 @@ class Server:
         make_handler: Callable[[], RequestHandler],
         hello: dict[str, Any],
         stops: Stops,
-        say: Callable[[str], None],
+        notify: Callable[[str], None],
     ) -> None:
-        """Open nothing yet.
+        """Create a server that does not listen yet.
 
         Args:
             make_handler: Makes the request handler; called for the first client.
             hello: The first message to every client, without the name of the socket.
             stops: Counts each STOP as it is read.
-            say: Called with a line if no socket can be opened.
+            notify: Called with a line if no socket can be opened.
         """
-        self._make_desk, self.stops, self._say = make_handler, stops, say
+        self._make_handler, self.stops, self._notify = make_handler, stops, notify
         self.hello = hello
         self._listening: socket.socket | None = None
         self._path = ""
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._open: dict[Client, None] = {}  # In the order in which they came.
+        self._clients: dict[Client, None] = {}  # In the order in which they came.
         self._serving: set[asyncio.Task[None]] = set()
-        self._taking: asyncio.Task[None] | None = None
+        self._accepting: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=self._run, name="socket", daemon=True)
 
     @cached_property
     def handler(self) -> RequestHandler:
         """The request handler, made when it is needed first."""
-        return self._make_desk()
+        return self._make_handler()
 
     def start(self) -> None:
         """Begin to listen."""
@@ -302,46 +308,46 @@ class Server:
         name = f"{os.getpid()}-{secrets.token_hex(4)}"
         self.hello = {**self.hello, "name": name}
         try:
-            self._listening, self._path = _listening(self.hello)
+            self._listening, self._path = _open_socket(self.hello)
         except OSError as error:
-            self._say(f"no socket for other programs: {error.strerror or error}")
+            self._notify(f"no socket for other programs: {error.strerror or error}")
             return
-        _link(self._path)
+        _link_from_home(self._path)
         self._loop = asyncio.new_event_loop()
-        self._taking = self._loop.create_task(self._take_clients(self._listening))
+        self._accepting = self._loop.create_task(self._accept_clients(self._listening))
         self._thread.start()
 
     def close(self) -> None:
         """End listening, and remove the socket."""
-        if self._loop is None or self._taking is None:  # It never listened.
+        if self._loop is None or self._accepting is None:  # It never listened.
             return
         socket_files.remove(self._path)
         with contextlib.suppress(RuntimeError):
-            self._loop.call_soon_threadsafe(self._taking.cancel)
+            self._loop.call_soon_threadsafe(self._accepting.cancel)
         self._thread.join(1.0)
 
     def _run(self) -> None:
         loop = self._loop
         assert loop is not None
-        assert self._taking is not None
+        assert self._accepting is not None
         assert self._listening is not None
         try:
             with contextlib.suppress(asyncio.CancelledError):
-                loop.run_until_complete(self._taking)
+                loop.run_until_complete(self._accepting)
         finally:
             self._listening.close()
-            for client in list(self._open):  # What each has sent is still read.
+            for client in list(self._clients):  # What each has sent is still read.
                 client.drop()
             if self._serving:
                 # A copy: the set may become empty before the wait begins, which is an error.
                 loop.run_until_complete(asyncio.wait([*self._serving], timeout=1.0))
             loop.close()
 
-    def takes_all_of(self, client: Client) -> bool:
+    def takes_all_requests_of(self, client: Client) -> bool:
         """Return False for a client beyond MAX_CLIENTS, of whom only a STOP is taken."""
-        return client in islice(self._open, MAX_CLIENTS)
+        return client in islice(self._clients, MAX_CLIENTS)
 
-    async def _take_clients(self, listening: socket.socket) -> None:
+    async def _accept_clients(self, listening: socket.socket) -> None:
         loop = asyncio.get_running_loop()
         while True:
             try:
@@ -355,39 +361,39 @@ class Server:
             await asyncio.sleep(0)  # A flood of connections delays no STOP.
 
     async def _serve(self, connected: socket.socket) -> None:
-        pid, uid = _peer(connected)
+        pid, uid = _pid_and_uid(connected)
         if uid is not None and hasattr(os, "getuid") and uid != os.getuid():
             connected.close()
             return
         client, splitter = Client(self, connected, pid), lines.LineSplitter()
-        self._open[client] = None
-        if len(self._open) > MAX_CONNECTIONS:
-            surplus = next(islice(self._open, MAX_CLIENTS, None))
-            del self._open[surplus]
+        self._clients[client] = None
+        if len(self._clients) > MAX_CONNECTIONS:
+            surplus = next(islice(self._clients, MAX_CLIENTS, None))
+            del self._clients[surplus]
             surplus.drop()
         read, last = _read_at_once(connected), -_FLOOD_PAUSE
-        self._take(client, splitter, read)  # Before the hello: it may have sent STOP and left.
+        self._feed(client, splitter, read)  # Before the hello: it may have sent STOP and left.
         try:
-            client.tell(self.hello)
+            client.reply(self.hello)
             while chunk := await asyncio.get_running_loop().sock_recv(connected, _CHUNK):
-                self._take(client, splitter, chunk)
+                self._feed(client, splitter, chunk)
                 if time.monotonic() - last < _FLOOD_PAUSE:  # A flood.
-                    await asyncio.sleep(_FLOOD_PAUSE * min(len(self._open), MAX_CLIENTS))
+                    await asyncio.sleep(_FLOOD_PAUSE * min(len(self._clients), MAX_CLIENTS))
                 last = time.monotonic()
         except OSError:
             pass  # It was dropped, or has left.
         finally:
             for data in splitter.feed(b"\n"):  # An unfinished line is no request, but may be STOP.
                 if _stop_in(data, self.stops) is not None:
-                    client.take(data)
-            self._open.pop(client, None)
-            client.leave()
+                    client.on_line(data)
+            self._clients.pop(client, None)
+            client.on_left()
             await client.close()
 
-    def _take(self, client: Client, splitter: lines.LineSplitter, chunk: bytes) -> None:
+    def _feed(self, client: Client, splitter: lines.LineSplitter, chunk: bytes) -> None:
         for data in splitter.feed(chunk):
             if data.strip() or data == lines.TOO_LONG:
-                client.take(data)
+                client.on_line(data)
 
 
 def _read_at_once(connected: socket.socket) -> bytes:
@@ -400,7 +406,7 @@ def _read_at_once(connected: socket.socket) -> bytes:
     return bytes(read)
 
 
-def _listening(hello: dict[str, Any]) -> tuple[socket.socket, str]:
+def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     """Open a socket that only this user can connect to, from its first moment.
 
     Returns:
@@ -411,7 +417,7 @@ def _listening(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     """
     if sys.platform == "win32" or not hasattr(os, "fchmod"):
         raise OSError("Windows has none that Python knows")
-    folder = socket_files.folder()
+    folder = socket_files.listening_folder()
     if not folder:
         raise OSError("this user has no home, and XDG_RUNTIME_DIR is not set")
     socket_files.make_folder(folder)
@@ -442,8 +448,8 @@ def _listening(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     return made, path
 
 
-def _link(path: str) -> None:
-    """Link to a socket and its card from the user's home."""
+def _link_from_home(path: str) -> None:
+    """Make links to a socket and its card in the user's home, where other clients look."""
     folder = socket_files.link_folder()
     name = os.path.basename(path).removesuffix(socket_files.SUFFIX)
     with contextlib.suppress(OSError):  # The home cannot be written to.
@@ -454,8 +460,8 @@ def _link(path: str) -> None:
                 os.symlink(target, os.path.join(folder, name + suffix))
 
 
-def _peer(connected: Any) -> tuple[int, int | None]:
-    """Return process and user at the other end; 0 and None where the system does not say."""
+def _pid_and_uid(connected: Any) -> tuple[int, int | None]:
+    """Return process id and user id of a client; 0 and None where the system does not say."""
     if sys.platform == "linux":
         raw = connected.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
         pid, uid, _ = struct.unpack("3i", raw)

@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from types import FrameType
     from typing import Any, Protocol
 
-    class Speaks(Protocol):
+    class VerbConnection(Protocol):
         """A connection to a console, or what stands for one."""
 
-        def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
             """Send a request, and yield all replies to it, the result last."""
 
         def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 # The verbs that have an option.
-_VERBS_OF = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
+_VERBS_WITH_OPTION = {"--line": ("status",), "--follow": ("events", "echo"), "--once": ("echo",)}
 _CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
 _ANSWER_TIMEOUT = 2.0  # Further seconds in which a console that runs reports that.
 
@@ -73,8 +73,8 @@ class _CommandLine:
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []
-        given = iter(words)
-        for word in given:
+        remaining = iter(words)
+        for word in remaining:
             if has_lone_surrogate(word):
                 if self.stops:
                     continue
@@ -83,7 +83,7 @@ class _CommandLine:
             if word in VERB_FLAGS:
                 self.flags.add(word)
             elif name in VERB_VALUES:
-                self.values[name] = value if equals else next(given, "")
+                self.values[name] = value if equals else next(remaining, "")
                 if not (self.values[name] or self.stops):
                     raise ValueError(f"{name} needs a value")
             else:
@@ -98,10 +98,10 @@ class _CommandLine:
             ValueError: An option belongs to another verb.
         """
         verb = self.rest[0] if self.rest else ""
-        for flag, its in _VERBS_OF.items():
-            if flag in self.flags and verb not in its:
-                has = "has" if len(its) == 1 else "have"
-                raise ValueError(f"{verb} has no {flag}: {' and '.join(its)} {has} it")
+        for flag, verbs in _VERBS_WITH_OPTION.items():
+            if flag in self.flags and verb not in verbs:
+                has = "has" if len(verbs) == 1 else "have"
+                raise ValueError(f"{verb} has no {flag}: {' and '.join(verbs)} {has} it")
         if "--leave" in self.flags and "--wait" not in self.flags:
             raise ValueError("--leave goes with --wait")
 
@@ -137,7 +137,7 @@ class _Interrupted(Exception):
 def run(
     words: Sequence[str],
     others: Iterable[str],
-    attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
+    attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
     meant: Mapping[str, Any] | None = None,
     robot_file: Path | None = None,
 ) -> int:
@@ -152,41 +152,41 @@ def run(
     """
     # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
     if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
-        from archo_tui.remote.verb_help import own
+        from archo_tui.remote.verb_help import client_verb_help
 
-        known = own(words[0])
+        known = client_verb_help(words[0])
         if known:
             if "--json" in words:
                 _print_json({"code": "done", "text": known})
             else:
                 _print(known)
             return 0
-    helps = "--help" in words[1:]
+    wants_help = "--help" in words[1:]
     try:
-        given = _CommandLine(words)
-        timeout = given.timeout
-        to = given.values.get("--to") or (meant or {}).get("to")
+        command_line = _CommandLine(words)
+        timeout = command_line.timeout
+        to = command_line.values.get("--to") or (meant or {}).get("to")
         selection = {**(meant or {}), **({"to": to} if to else {})}
-        if given.stops:
-            return _stop(selection, given, attach)
+        if command_line.stops:
+            return _stop(selection, command_line, attach)
         # If a console is named, no other one and no other robot is meant.
-        if helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
+        if wants_help or "--to" in command_line.values or os.environ.get(finder.CHOSEN):
             attach = None
         try:
             console = finder.choose(selection)
-        except finder.Nobody:
+        except finder.NoConsole:
             if attach is None:
                 raise
             with attach() as robot:
-                return _send(robot, given, timeout, others)
+                return _send(robot, command_line, timeout, others)
         with contextlib.closing(console):
-            return _send(console, given, timeout, others, attach)
+            return _send(console, command_line, timeout, others, attach)
     except (ValueError, ArchoError) as error:
         return _fail("misuse", str(error), words)
     except Unreached as error:
-        if given.stops:
+        if command_line.stops:
             return _fail(NOT_REACHED, str(error), words)
-        return _unreached(words, others, str(error), robot_file)
+        return _print_without_console(words, others, str(error), robot_file)
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
@@ -194,23 +194,23 @@ def _fail(code: str, text: str, words: Sequence[str]) -> int:
     if "--json" in words:
         _print_json({"code": code, "text": text})
     else:
-        _complain(text)
+        _print_to_stderr(text)
     return EXITS[code]
 
 
-def _unreached(
+def _print_without_console(
     words: Sequence[str], others: Iterable[str], why: str, robot_file: Path | None = None
 ) -> int:
     """Print what is known without a console, and return the exit code.
 
     A robot file may have verbs that are not known here: only a misspelled one is misuse.
     """
-    word, helps = words[0], "--help" in words[1:]
-    if helps or word not in (*VERBS, "wait"):
+    word, wants_help = words[0], "--help" in words[1:]
+    if wants_help or word not in (*VERBS, "wait"):
         from archo_tui.remote.verb_help import help_of, verbs_of_file
 
         known = verbs_of_file(robot_file)
-        if helps and word in known:
+        if wants_help and word in known:
             _print(help_of(word, robot_file))
             return 0
         near = "" if word in known else _nearest(word, (*known, "wait", *others))
@@ -231,12 +231,12 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
 
     The console knows verbs only, this program other commands, too.
     """
-    said, found, verb = text.removesuffix(")").partition(" (nearest: ")
-    said = said.removesuffix(" (help lists them")
-    if said != f"no command {word!r}":
+    reason, found, verb = text.removesuffix(")").partition(" (nearest: ")
+    reason = reason.removesuffix(" (help lists them")
+    if reason != f"no command {word!r}":
         return text
     near = _nearest(word, (*others, verb) if found else others)
-    return f"{said} (nearest: {near})" if near else f"{said} (archo-tui --help lists them)"
+    return f"{reason} (nearest: {near})" if near else f"{reason} (archo-tui --help lists them)"
 
 
 def consoles(words: Sequence[str]) -> int:
@@ -253,31 +253,31 @@ def consoles(words: Sequence[str]) -> int:
     try:
         found = finder.find({}, faults)
     except Unreached as error:
-        _complain(str(error))
+        _print_to_stderr(str(error))
         return UNREACHED
     for console in found:
         if "--json" in words:
-            _print(json.dumps({**console.who, "answers": not console.fault}))
+            _print(json.dumps({**console.identity, "answers": not console.fault}))
         elif console.hello:
-            _print(f"{console.described}{': ' if console.fault else ''}{console.fault}")
+            _print(f"{console.description}{': ' if console.fault else ''}{console.fault}")
         else:
-            _print(f"{console.described}: does not answer")
+            _print(f"{console.description}: does not answer")
         console.close()
     if not found:
-        _complain(finder.no_console_error({}, faults))
+        _print_to_stderr(finder.no_console_error({}, faults))
     return UNREACHED if not found or any(console.fault for console in found) else 0
 
 
 def _stop(
     selection: Mapping[str, Any],
-    given: _CommandLine,
-    attach: Callable[[], AbstractContextManager[Speaks]] | None,
+    command_line: _CommandLine,
+    attach: Callable[[], AbstractContextManager[VerbConnection]] | None,
 ) -> int:
     """Send STOP to every console that could be meant, or else to the robot itself.
 
     Args:
         selection: Which consoles are meant, as for `finder.find`.
-        given: The words of the STOP; those after the first are ignored, with a warning.
+        command_line: The words of the STOP; those after the first are ignored, with a warning.
         attach: Connects to the robot itself, which is done if no console confirms the STOP and
             no `--to` is given; None: nothing can.
 
@@ -288,44 +288,46 @@ def _stop(
         Unreached: Neither a console nor the robot could be reached.
         ArchoError: No console is there, and the session for the robot itself cannot begin.
     """
-    if len(given.rest) > 1:
-        _complain(f"{given.rest[0]}: ignored: {' '.join(given.rest[1:])}")
+    if len(command_line.rest) > 1:
+        _print_to_stderr(f"{command_line.rest[0]}: ignored: {' '.join(command_line.rest[1:])}")
     codes, unreached = [], ""
     try:
-        ended = finder.stop(selection, _complain)
+        ended = finder.stop(selection, _print_to_stderr)
     except Unreached as error:
         ended, unreached = [], str(error)
-    if attach is not None and "--to" not in given.values:  # It acts where a console only watches.
-        ended = [one for one in ended if one.code != WATCHING]
-    for one in ended:
-        text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
-        codes.append(_print_result({"code": one.code, "text": text}, given))
-    is_confirmed = any(one.code == "done" for one in ended)
-    if attach is not None and not is_confirmed and "--to" not in given.values:
+    # A robot that is attached to acts where a console only watches.
+    if attach is not None and "--to" not in command_line.values:
+        ended = [stopped for stopped in ended if stopped.code != WATCHING]
+    for stopped in ended:
+        is_only = len(ended) == 1 and stopped.code == "done"
+        text = stopped.text if is_only else f"{stopped.console}: {stopped.text}"
+        codes.append(_print_result({"code": stopped.code, "text": text}, command_line))
+    is_confirmed = any(stopped.code == "done" for stopped in ended)
+    if attach is not None and not is_confirmed and "--to" not in command_line.values:
         try:
             with attach() as robot:
-                codes.append(_send(robot, given, None, ()))
+                codes.append(_send(robot, command_line, None, ()))
         except (Unreached, ArchoError) as error:
             if not ended:
                 raise
-            _complain(str(error))
+            _print_to_stderr(str(error))
     elif unreached:
         raise Unreached(unreached)
     return max(codes)
 
 
 def _send(
-    console: Speaks,
-    given: _CommandLine,
+    console: VerbConnection,
+    command_line: _CommandLine,
     timeout: float | None,
     others: Iterable[str],
-    attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
+    attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
 ) -> int:
     """Send a verb to a console; if that one only watches and must act, to the robot itself.
 
     Args:
         console: The console that is meant.
-        given: The words of the verb.
+        command_line: The words of the verb.
         timeout: Seconds that the user gave; None: none.
         others: As for `run`.
         attach: Connects to the robot itself; None: nothing can.
@@ -333,13 +335,18 @@ def _send(
     Returns:
         The exit code.
     """
-    words = given.rest[:1] if given.stops else given.rest
-    asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
-    if given.follows:
-        as_text = "--json" not in given.flags
-        asked = {"words": given.rest, "follow": True, "as_text": as_text, "timeout": timeout}
-    if "--wait" in given.flags:
-        asked |= {"wait": True, "leave": "--leave" in given.flags}
+    words = command_line.rest[:1] if command_line.stops else command_line.rest
+    request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
+    if command_line.follows:
+        as_text = "--json" not in command_line.flags
+        request = {
+            "words": command_line.rest,
+            "follow": True,
+            "as_text": as_text,
+            "timeout": timeout,
+        }
+    if "--wait" in command_line.flags:
+        request |= {"wait": True, "leave": "--leave" in command_line.flags}
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, _interrupt)
@@ -347,78 +354,83 @@ def _send(
         pass
     try:
         within = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
-        result = _result(console, asked, given, within)
+        result = _request_result(console, request, command_line, within)
         if result["code"] == WATCHING and attach is not None:
             with attach() as robot:
-                return _send(robot, given, timeout, others)
-        return _print_result(result, given, others)
+                return _send(robot, command_line, timeout, others)
+        return _print_result(result, command_line, others)
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)
-        return INTERRUPTED if asked.get("leave") else _give_up(console, given)
+        return INTERRUPTED if request.get("leave") else _give_up(console, command_line)
 
 
-def _result(
-    console: Speaks, asked: dict[str, Any], given: _CommandLine, within: float | None
+def _request_result(
+    console: VerbConnection,
+    request: dict[str, Any],
+    command_line: _CommandLine,
+    within: float | None,
 ) -> dict[str, Any]:
     """Send a request, print or answer the replies, and return the result.
 
     Raises:
         Unreached: The console has gone, or did not answer within so many seconds.
     """
-    for said in console.request(within, **asked):
-        if "code" in said:
-            return said
-        if "ask" in said:
-            console.send({"answer": _answer(f"{said['ask']} [y/N] ")})
-        elif "--json" in given.flags:
-            _print_json(said)
-        elif "event" in said:
-            event = said["event"]
+    for reply in console.request(within, **request):
+        if "code" in reply:
+            return reply
+        if "ask" in reply:
+            console.send({"answer": _ask_person(f"{reply['ask']} [y/N] ")})
+        elif "--json" in command_line.flags:
+            _print_json(reply)
+        elif "event" in reply:
+            event = reply["event"]
             _print(f"{event['level']} {event['source']}: {event['text']}")
-        elif "text" in said:
-            _print_followed(said)
-        elif "said" in said:
-            _complain(said["said"], prefix="")
+        elif "text" in reply:
+            _print_topic_message(reply)
+        elif "said" in reply:
+            _print_to_stderr(reply["said"], prefix="")
     raise Unreached(GONE)
 
 
-def _print_followed(said: dict[str, Any]) -> None:
+def _print_topic_message(reply: dict[str, Any]) -> None:
     """Print a message of a topic, with YAML's separator behind one of several lines."""
-    text = said["text"]
+    text = reply["text"]
     _print(f"{text}\n---" if "\n" in text else text)
-    if said["left_out"]:
-        _complain(f"{said['left_out']} left out", prefix="")
+    if reply["left_out"]:
+        _print_to_stderr(f"{reply['left_out']} left out", prefix="")
 
 
-def _print_result(result: dict[str, Any], given: _CommandLine, others: Iterable[str] = ()) -> int:
+def _print_result(
+    result: dict[str, Any], command_line: _CommandLine, others: Iterable[str] = ()
+) -> int:
     """Print a result, or why the command failed, and return its exit code.
 
     Args:
         result: The console's result.
-        given: The words and the options that were typed.
+        command_line: The words and the options that were typed.
         others: The commands of this program besides verbs, for the nearest one to a misspelled.
     """
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
-    if "--json" in given.flags:
+    if "--json" in command_line.flags:
         _print_json(result)
     elif code:
-        _complain(_why_not(result, given.rest, others))
-    elif "--help" in given.rest[1:] and not given.stops:
+        _print_to_stderr(_failure_text(result, command_line.rest, others))
+    elif "--help" in command_line.rest[1:] and not command_line.stops:
         from archo_tui.remote.verb_help import with_options
 
-        _print(with_options(given.rest[0], result["text"], tuple(data or ())))
-    elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
+        _print(with_options(command_line.rest[0], result["text"], tuple(data or ())))
+    elif "--line" in command_line.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):
         _print(result["text"])
     elif result["text"]:
-        _complain(result["text"], prefix="")
+        _print_to_stderr(result["text"], prefix="")
     return code
 
 
-def _why_not(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
+def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
     """Return why a command failed, with its verb in front unless the text names the verb.
 
     A console knows nothing of a client's options, so the option nearest to a misspelled one is
@@ -426,31 +438,31 @@ def _why_not(result: dict[str, Any], words: Sequence[str], others: Iterable[str]
     """
     if not words:
         return str(result["text"])
-    verb, said = words[0], str(result["text"])
-    if said.startswith(f"no command {verb!r}"):
-        return _with_nearest(said, verb, others)
+    verb, text = words[0], str(result["text"])
+    if text.startswith(f"no command {verb!r}"):
+        return _with_nearest(text, verb, others)
     option = next((word for word in words[1:] if word.startswith("--")), "")
     if result["code"] == "misuse" and option:
         from archo_tui.remote.verb_help import every_option
 
         near = _nearest(option, every_option())
-        said += f" (nearest to {option}: {near})" if near else ""
-    return f"{verb}: {said}"
+        text += f" (nearest to {option}: {near})" if near else ""
+    return f"{verb}: {text}"
 
 
-def _give_up(console: Speaks, given: _CommandLine) -> int:
+def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
     """Call off the request, wait until that is confirmed, and return the exit code."""
     try:
         console.send({"give_up": True})
-        for said in console.remaining_replies(_CALL_OFF_TIMEOUT):
-            if "code" in said and "--json" in given.flags:
-                _print_json(said)
+        for reply in console.remaining_replies(_CALL_OFF_TIMEOUT):
+            if "code" in reply and "--json" in command_line.flags:
+                _print_json(reply)
                 break
-            if "code" in said:
-                _complain(said["text"], prefix="")
+            if "code" in reply:
+                _print_to_stderr(reply["text"], prefix="")
                 break
     except Unreached as error:
-        _complain(str(error))
+        _print_to_stderr(str(error))
     return INTERRUPTED
 
 
@@ -459,10 +471,10 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
 
 
 def _has_person() -> bool:
-    return all(one is not None and one.isatty() for one in (sys.stdin, sys.stderr))
+    return all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stderr))
 
 
-def _answer(question: str) -> bool:
+def _ask_person(question: str) -> bool:
     print(question, end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
@@ -471,12 +483,12 @@ def _print(text: str) -> None:
     print(safe_lines(text), flush=True)
 
 
-def _print_json(said: dict[str, Any]) -> None:
+def _print_json(message: dict[str, Any]) -> None:
     """Print a message without the request's id, which this program has made up."""
-    _print(json.dumps({name: value for name, value in said.items() if name != "id"}))
+    _print(json.dumps({name: value for name, value in message.items() if name != "id"}))
 
 
-def _complain(text: str, prefix: str = "archo-tui: ") -> None:
+def _print_to_stderr(text: str, prefix: str = "archo-tui: ") -> None:
     with contextlib.suppress(OSError):  # Nobody reads it; the result is the same.
         if sys.stderr is not None:
             print(f"{prefix}{safe_lines(text)}", file=sys.stderr)

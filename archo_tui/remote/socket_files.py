@@ -21,11 +21,11 @@ MAX_PATH = 107  # Bytes of a socket's path that Linux takes: unix(7), sun_path.
 _RUNTIME = "/run/user"  # systemd makes a folder there for each user who is logged in.
 
 
-def folder() -> str:
+def listening_folder() -> str:
     """Return the folder in which a console of this process listens.
 
     It is `archo-tui` in XDG_RUNTIME_DIR where that is a folder of this user, else `archo-tui/run`
-    in the state folder: never one that others can write to. Empty: this user has no home either.
+    in the state folder: never one that others can write to. "" if this user has no home either.
     """
     only, runtime = os.environ.get(FOLDER_VARIABLE, ""), os.environ.get("XDG_RUNTIME_DIR", "")
     if only:
@@ -35,15 +35,15 @@ def folder() -> str:
     return next(iter(_folders_in_homes()), "")
 
 
-def folders() -> list[str]:
+def all_folders() -> list[str]:
     """Return every folder in which a console of this user can listen, whatever it was started by.
 
     The variables of whoever looks and of the console may differ: cron, `su -` and systemd set
     neither XDG_RUNTIME_DIR nor XDG_STATE_HOME.
     """
     if os.environ.get(FOLDER_VARIABLE, ""):
-        return [folder()]
-    found = [folder()]
+        return [listening_folder()]
+    found = [listening_folder()]
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     if os.path.isabs(runtime):
         found.append(os.path.join(runtime, "archo-tui"))
@@ -55,9 +55,9 @@ def folders() -> list[str]:
 def link_folder() -> str:
     """Return where a console leaves links to its socket: no variable decides on this folder.
 
-    So a console is found by clients that have another XDG_RUNTIME_DIR. Empty: nowhere.
+    So a console is found by clients that have another XDG_RUNTIME_DIR. "" if none is needed.
     """
-    own, last = folder(), (_folders_in_homes() or [""])[-1]
+    own, last = listening_folder(), (_folders_in_homes() or [""])[-1]
     return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
 
 
@@ -77,7 +77,7 @@ def _folders_in_homes() -> list[str]:
         return [f"{home}/Library/Application Support/archo-tui/run" for home in homes]
     states = [state] if os.path.isabs(state) else []
     states += [os.path.join(home, ".local/state") for home in homes]
-    return [os.path.join(one, "archo-tui", "run") for one in states]
+    return [os.path.join(folder, "archo-tui", "run") for folder in states]
 
 
 def _user() -> int | None:
@@ -89,7 +89,7 @@ def _owner(path: str) -> int | None:
 
 
 def folder_fault(path: str) -> str:
-    """Return why a folder is not one for sockets; an empty string when it is."""
+    """Return the reason why no socket may be in a folder; "" if one may."""
     try:
         found = os.lstat(path)
     except OSError as error:
@@ -108,9 +108,9 @@ def other_users() -> list[str]:
     """Return the names of other users of whom consoles are to be seen; mostly root sees any."""
     found = []
     if not os.environ.get(FOLDER_VARIABLE, ""):
-        for user in _listed(_RUNTIME):
+        for user in _names_in(_RUNTIME):
             path = os.path.join(_RUNTIME, user, "archo-tui")
-            if user.isdecimal() and int(user) != _user() and any(map(_is_socket, _listed(path))):
+            if user.isdecimal() and int(user) != _user() and any(map(_is_socket, _names_in(path))):
                 found.append(_name(int(user)))
     return found
 
@@ -128,35 +128,40 @@ def _is_socket(name: str) -> bool:
     return name.endswith(SUFFIX) and name[0] != "."
 
 
-def _listed(path: str) -> list[str]:
+def _names_in(path: str) -> list[str]:
     try:
         return sorted(os.listdir(path))
     except OSError:
         return []
 
 
-def sockets(faults: list[str] | None = None) -> list[str]:
+def socket_paths(faults: list[str] | None = None) -> list[str]:
     """Return the paths of all sockets in all folders, of consoles that live or do not.
 
     Args:
-        faults: Is told why folders that are there are not looked into: others could listen there.
+        faults: Gets the reason for each folder that is there and not searched, because others
+            could listen there; None if nobody wants to know.
     """
     found: dict[str, str] = {}  # by name: two paths may be one folder
-    for path in folders():
+    for path in all_folders():
         if not os.path.lexists(path):
             continue
-        wrong = folder_fault(path)
-        if wrong:
+        fault = folder_fault(path)
+        if fault:
             if faults is not None:
-                faults.append(wrong)
+                faults.append(fault)
             continue
-        for name in filter(_is_socket, _listed(path)):
+        for name in filter(_is_socket, _names_in(path)):
             found.setdefault(name, os.path.join(path, name))
     return [*found.values()]
 
 
 def read_card(path: str) -> dict[str, Any] | None:
-    """Return what the console of a socket says of itself; None where it left no such file."""
+    """Return the card of a socket: the copy of its console's hello in the file beside it.
+
+    Returns:
+        The hello; None if there is no such file.
+    """
     try:
         with open(path.removesuffix(SUFFIX) + CARD_SUFFIX, "rb") as file:
             found = json.loads(file.read())
@@ -166,58 +171,67 @@ def read_card(path: str) -> dict[str, Any] | None:
 
 
 def make_folder(path: str) -> None:
-    """Make a folder for sockets. Raises OSError when that fails, or others could listen there."""
+    """Make a folder for sockets.
+
+    Raises:
+        OSError: The folder cannot be made, or others could listen there.
+    """
     parent = os.path.dirname(path)
     os.makedirs(os.path.dirname(parent), exist_ok=True)
-    for one in (parent, path):  # the state folder holds a journal, too
+    for folder in (parent, path):  # The state folder holds a journal, too.
         with contextlib.suppress(FileExistsError):
-            os.mkdir(one, 0o700)
-    wrong = folder_fault(path)
-    if wrong:
-        raise OSError(wrong)
+            os.mkdir(folder, 0o700)
+    fault = folder_fault(path)
+    if fault:
+        raise OSError(fault)
 
 
 def remove(path: str) -> None:
     """Remove the socket of a console that has gone, its card, and the links to both."""
     name = os.path.basename(path).removesuffix(SUFFIX)
-    for each in {os.path.dirname(path), *folders()}:
+    for folder in {os.path.dirname(path), *all_folders()}:
         for suffix in (SUFFIX, CARD_SUFFIX):
             with contextlib.suppress(OSError):  # there is none, or another one did it
-                os.unlink(os.path.join(each, name + suffix))
+                os.unlink(os.path.join(folder, name + suffix))
 
 
 def connect(path: str) -> socket.socket:
-    """Return a connection that does not block.
+    """Return a connected socket that does not block.
 
     Raises:
-        BlockingIOError: Too many wait to be taken.
-        ConnectionRefusedError: Nobody listens; sockets get their names when they listen.
-        OSError: There is no such way.
+        BlockingIOError: Too many connections wait to be accepted.
+        ConnectionRefusedError: The console is dead: a socket has its name only while it listens.
+        OSError: There is no such socket, or the system has none.
     """
     if sys.platform == "win32":
         raise OSError("Windows has no such sockets")
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    held = -1
+    descriptor = -1
     try:
         made.setblocking(False)
-        held = os.open(os.path.dirname(path), os.O_RDONLY)
-        made.connect(short_path(held, path))
+        descriptor = os.open(os.path.dirname(path), os.O_RDONLY)
+        made.connect(short_path(descriptor, path))
     except BaseException:
         made.close()
         raise
     finally:
-        if held >= 0:
-            os.close(held)
+        if descriptor >= 0:
+            os.close(descriptor)
     return made
 
 
-def short_path(held: int, path: str) -> str:
+def short_path(descriptor: int, path: str) -> str:
     """Return the socket's path, through its folder's open descriptor where it would be too long.
 
-    Raises OSError where there is no such way.
+    Args:
+        descriptor: The open descriptor of the folder.
+        path: The socket.
+
+    Raises:
+        OSError: The path is too long, and the system has no /proc.
     """
     if len(os.fsencode(path)) <= MAX_PATH:
         return path
     if not os.path.isdir("/proc/self/fd"):
         raise OSError(f"{path} is too long for a socket's name")
-    return f"/proc/self/fd/{held}/{os.path.basename(path)}"
+    return f"/proc/self/fd/{descriptor}/{os.path.basename(path)}"

@@ -17,26 +17,30 @@ _LINES = {
 _JSON = "--json", "print one JSON object per line; the last one is the result"
 _TO = "--to CONSOLE", "process number or namespace of the console, where several run"
 _TIMEOUT = "--timeout S", "give up after S seconds with exit code 4; what was sent is cancelled"
-_WAITED = "--timeout S", "give up after S seconds with exit code 4"
-_OF_ONE = {
+_WAIT_TIMEOUT = "--timeout S", "give up after S seconds with exit code 4"
+_OPTIONS_OF_VERB = {
     "status": (("--line", "print one line, for a prompt"),),
     "events": (("--follow", "also print new events as they come"),),
     "echo": (("--once", "print one message; without it each, until ctrl+c"),),
 }
-_OF_GOALS = (
+_GOAL_OPTIONS = (
     ("--wait", "wait until all goals have ended"),
     ("--leave", "with --wait: let goals run on when this is interrupted or times out"),
 )
-_ASKS = (("--yes", "answer yes to the question"),)
+_QUESTION_OPTIONS = (("--yes", "answer yes to the question"),)
 
 
-def own(verb: str) -> str:
-    """Return the help of a verb that only clients have; an empty string of any other."""
+def client_verb_help(verb: str) -> str:
+    """Return the help of a verb that this program explains itself; "" for any other verb."""
     return with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
-    """Return the verbs of a console of that robot file by what is typed; None: ARCHO's file."""
+    """Return the verbs of a robot by their ids.
+
+    Args:
+        path: The robot file; None for ARCHO's.
+    """
     from archo_tui.robot.state import TypedField
     from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
@@ -49,21 +53,32 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
 
 
 def help_of(verb: str, path: Path | None = None) -> str:
-    """Return the help of a verb; an empty string when a robot file (`path`) has none so named."""
+    """Return the help of a verb; "" if the robot has no such verb.
+
+    Args:
+        verb: The verb's id.
+        path: The robot file; None for ARCHO's.
+    """
     found = verbs_of_file(path).get(verb)
     return "" if found is None else with_options(verb, found.explained, found.options)
 
 
 def with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
-    """Return a verb's own line, and below it its options; `takes` is as `Verb.options`."""
+    """Return the help of a verb: its line, and below it its options.
+
+    Args:
+        verb: The verb's id.
+        line: What it does, in a line.
+        takes: Its options, as in `Verb.options`.
+    """
     options = "\n".join(f"  {name:<14}{what}" for name, what in options_of(verb, takes))
     return f"{line}\n\noptions:\n{options}"
 
 
 def every_option() -> list[str]:
     """Return the options of all verbs."""
-    own = (option for options in _OF_ONE.values() for option in options)
-    all_of_them = (_JSON, _TO, _TIMEOUT, *_ASKS, *_OF_GOALS, *own)
+    options = (option for options in _OPTIONS_OF_VERB.values() for option in options)
+    all_of_them = (_JSON, _TO, _TIMEOUT, *_QUESTION_OPTIONS, *_GOAL_OPTIONS, *options)
     return [name.partition(" ")[0] for name, _ in all_of_them]
 
 
@@ -71,7 +86,7 @@ def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str],
     """Return the options of a verb, each with what it does."""
     if verb == "stop":
         return _JSON, _TO
-    own = (*_ASKS, *_OF_GOALS, *_OF_ONE.get(verb, ()))
-    flags = {*takes, *(name for name, _ in _OF_ONE.get(verb, ()))}
-    found = (option for option in own if option[0] in flags)
-    return *found, _WAITED if verb == "wait" else _TIMEOUT, _JSON, _TO
+    possible = (*_QUESTION_OPTIONS, *_GOAL_OPTIONS, *_OPTIONS_OF_VERB.get(verb, ()))
+    flags = {*takes, *(name for name, _ in _OPTIONS_OF_VERB.get(verb, ()))}
+    found = (option for option in possible if option[0] in flags)
+    return *found, _WAIT_TIMEOUT if verb == "wait" else _TIMEOUT, _JSON, _TO

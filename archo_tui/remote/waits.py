@@ -15,7 +15,7 @@ from archo_tui.verbs.base import THERE, Verb
 from archo_tui.words.state import no_data_text
 
 WAITS = "idle, arrived, ready, stopped or battery N"
-LOOK = 0.05  # Seconds between two looks.
+POLL_PERIOD = 0.05  # Seconds between two checks.
 _Check = Callable[[], Outcome | None]  # Returns None while the condition does not hold yet.
 
 
@@ -24,7 +24,7 @@ async def wait_for(
     verbs: Mapping[str, Verb],
     words: Sequence[str],
     request: Mapping[str, Any],
-    waited: Callable[[], Outcome | None] | None = None,
+    goals_outcome: Callable[[], Outcome | None] | None = None,
 ) -> Outcome:
     """Wait until a condition holds, or can no longer become true.
 
@@ -33,26 +33,26 @@ async def wait_for(
         verbs: All verbs, by id.
         words: The condition, as typed behind `wait`.
         request: Its `timeout` is kept.
-        waited: Returns the outcome of the client's own goals, None while they run; it is used in
-            place of `words`.
+        goals_outcome: Returns the outcome of the client's own goals, None while they run; it is
+            used in place of `words`.
 
     Raises:
         RanOut: The timeout is over.
         ValueError: There is no such condition.
     """
-    look = waited or _check_of(station, verbs, words)
+    check = goals_outcome or _check_of(station, verbs, words)
     timeout, clock = timeout_of(request), station.clock
     end = None if timeout is None else clock.monotonic() + timeout
-    while (outcome := look()) is None:
+    while (outcome := check()) is None:
         if end is not None and clock.monotonic() >= end:
             drives = station.running_goal is not None
             raise RanOut("the robot still drives" if drives else "not yet")
-        await clock.sleep(LOOK)
+        await clock.sleep(POLL_PERIOD)
     return outcome
 
 
 def timeout_of(request: Mapping[str, Any]) -> float | None:
-    """Return the timeout of a request in seconds; None: none.
+    """Return the timeout of a request in seconds; None if it has none.
 
     Raises:
         ValueError: It is no time.
@@ -64,7 +64,7 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
 
 
 class RanOut(ValueError):
-    """The timeout of a request is over."""
+    """The error for a request whose timeout is over."""
 
 
 def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
@@ -78,7 +78,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
     def idle() -> Outcome | None:
         """Succeed when no goal runs or is about to, and the robot does not move."""
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
-        # of one that does not say how it moves a goal may not be found yet
+        # A goal of a robot that does not report its motion may not be found yet.
         is_new = robot.file.motion is None and station.age < THERE
         if is_new or no_data_text(robot.snapshot):
             return None
@@ -88,7 +88,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         """Succeed when a goal could be sent and would not be in vain; fail where none ever can."""
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
-            return None if _goes_nowhere(station) else Outcome(Code.DONE, "ready")
+            return None if _is_goal_pointless(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
     def stopped() -> Outcome | None:
@@ -102,17 +102,17 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         """Succeed or fail as the goal ends that ran when the wait began."""
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
-        goal = _same(station, running)
+        goal = _newest_state_of(station, running)
         if goal is None:
             return Outcome(Code.REFUSED, "the goal is not known")
         return goal.outcome_at(station.clock.monotonic())
 
-    looks = {"idle": idle, "ready": ready, "arrived": arrived, "stopped": stopped}
-    if len(words) == 1 and words[0] in looks:
-        return looks[words[0]]
+    checks = {"idle": idle, "ready": ready, "arrived": arrived, "stopped": stopped}
+    if len(words) == 1 and words[0] in checks:
+        return checks[words[0]]
     if len(words) == 2 and words[0] == "battery":
         try:
-            wanted = parse_number(words[1])
+            percent = parse_number(words[1])
         except ValueError:
             raise ValueError(f"battery: not a number of percent: {words[1]}") from None
         if robot.file.battery is None:
@@ -122,7 +122,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             """Succeed when the battery reports so many percent or more."""
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
-            if charge is None or charge < wanted or old:  # An old charge says nothing about now.
+            if charge is None or charge < percent or old:  # An old charge says nothing about now.
                 return None
             return Outcome(Code.DONE, f"{charge:.1f} %")
 
@@ -150,7 +150,7 @@ def _is_held(station: Station) -> bool:
     return snapshot.latch is Latch.HELD and snapshot.open_stop is None
 
 
-def _goes_nowhere(station: Station) -> bool:
+def _is_goal_pointless(station: Station) -> bool:
     """Return True while a goal makes no sense: the robot is stopped, empty or not heard."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
     is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
@@ -159,7 +159,7 @@ def _goes_nowhere(station: Station) -> bool:
     return is_bad or _is_silent(station)
 
 
-def _same(station: Station, wanted: Goal) -> Goal | None:
+def _newest_state_of(station: Station, wanted: Goal) -> Goal | None:
     """Return the newest state of a goal; None if it is not known any more."""
     snapshot = station.robot.snapshot
     known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)

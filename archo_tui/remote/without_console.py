@@ -22,33 +22,33 @@ from archo_tui.words.state import elsewhere_text
 
 
 class HasStation(Protocol):
-    """A session."""
+    """A session, as far as a verb without a console needs it."""
 
     station: Station
 
 
 @contextmanager
 def attached(
-    begin: Callable[[], AbstractContextManager[HasStation]],
+    make_session: Callable[[], AbstractContextManager[HasStation]],
 ) -> Iterator[InProcessConnection]:
     """Run a session for one verb, and connect to it.
 
     Args:
-        begin: Begins the session, which runs inside its context.
+        make_session: Returns the session, which runs inside its context.
 
     Raises:
         Unreached: No robot is on the graph.
     """
-    with begin() as session:
-        found = InProcessConnection(session.station)
+    with make_session() as session:
+        connection = InProcessConnection(session.station)
         try:
-            yield found
+            yield connection
         finally:
-            found.close()
+            connection.close()
 
 
 _TICK = 1.0  # Seconds between two ticks of the station.
-_FIND_PERIOD = 0.05  # Seconds between two looks for the robot.
+_FIND_PERIOD = 0.05  # Seconds between two polls of the graph for the robot.
 _END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 
 
@@ -70,13 +70,13 @@ class InProcessConnection:
         """
         self.pid = os.getpid()
         self._station, self._handler = station, RequestHandler(station)
-        self._said: queue.Queue[dict[str, Any]] = queue.Queue()
+        self._replies: queue.Queue[dict[str, Any]] = queue.Queue()
         self._number = 0
         self._loop = asyncio.new_event_loop()
         self._tasks: set[asyncio.Task[None]] = set()
         self._thread = threading.Thread(target=self._run_loop, name="once", daemon=True)
         found = threading.Event()
-        self._begin(self._keep_station_going(found))
+        self._start_task(self._keep_station_going(found))
         self._thread.start()
         if not found.wait(PATIENCE):
             self.close()
@@ -84,37 +84,37 @@ class InProcessConnection:
             seen = f"in namespace {station.robot.snapshot.namespace}: {others}" if others else ""
             raise Unreached(f"no console runs here, and no robot is {seen or station.unseen}")
 
-    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+    def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
         Args:
-            within: Seconds that each reply may take; None: any time.
-            asked: The request, as docs/protocol.md lists its names and values.
+            within: Seconds for each reply; None for any time.
+            **fields: The fields of the request, as docs/protocol.md lists them.
 
         Raises:
             Unreached: No reply came in time.
         """
         self._number += 1
         stops = self._station.robot.stops
-        if stops.is_stop_call(asked["words"]):
-            asked["words"] = ["stop"]
-        request = {"id": self._number, **asked}
-        self._handler.serve(self, request, stops.register() if is_stop(asked) else stops.count)
+        if stops.is_stop_call(fields["words"]):
+            fields["words"] = ["stop"]
+        request = {"id": self._number, **fields}
+        self._handler.serve(self, request, stops.register() if is_stop(fields) else stops.count)
         yield from self.remaining_replies(within)
 
     def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield the replies that are still to come, the result last, as `request` does."""
-        said: dict[str, Any] = {}
-        while "code" not in said:
+        reply: dict[str, Any] = {}
+        while "code" not in reply:
             try:
-                said = self._said.get(timeout=within)
+                reply = self._replies.get(timeout=within)
             except queue.Empty:
                 raise Unreached(UNANSWERED) from None
-            yield said
+            yield reply
 
-    def send(self, said: dict[str, Any]) -> None:
+    def send(self, request: dict[str, Any]) -> None:
         """Send an answer, or `give_up`, to the request that is being carried out."""
-        self._handler.answer(self, said, self._station.robot.stops.count)
+        self._handler.on_answer(self, request, self._station.robot.stops.count)
 
     def close(self) -> None:
         """End the loop, and what is still being carried out with it."""
@@ -123,29 +123,29 @@ class InProcessConnection:
 
     # The client of the request handler, on the loop.
 
-    def tell(self, said: dict[str, Any]) -> None:
-        """Take a reply."""
-        self._said.put(said)
+    def reply(self, reply: dict[str, Any]) -> None:
+        """Keep a reply for `remaining_replies`."""
+        self._replies.put(reply)
 
-    def done(self) -> None:
+    def on_request_ended(self) -> None:
         """Do nothing: the result tells that the request has ended."""
 
     @property
     def is_behind(self) -> bool:
         """True while replies have not been taken."""
-        return not self._said.empty()
+        return not self._replies.empty()
 
     # The station's front end.
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         """Begin work that the operator wants."""
-        self._begin(work())
+        self._start_task(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         """Begin work that nobody waits for."""
-        self._begin(work())
+        self._start_task(work())
 
-    def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
+    def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
         """Do nothing: whoever waits for the goal is told."""
 
     @property
@@ -159,7 +159,7 @@ class InProcessConnection:
     def restart(self, why: str) -> None:
         """Do nothing: no node of the user's own runs here."""
 
-    def _begin(self, work: Coroutine[Any, Any, None]) -> None:
+    def _start_task(self, work: Coroutine[Any, Any, None]) -> None:
         task = self._loop.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -172,14 +172,14 @@ class InProcessConnection:
         self._loop.run_until_complete(asyncio.gather(*self._tasks, return_exceptions=True))
         self._loop.close()
 
-    def _take(self, snapshot: Snapshot) -> None:
+    def _on_snapshot(self, snapshot: Snapshot) -> None:
         self._station.on_snapshot(snapshot)
 
     async def _keep_station_going(self, found: threading.Event) -> None:
         """Let the station tick until the loop ends; set `found` once a node is on the graph."""
         station = self._station
         station.attach(self)
-        station.robot.subscribe(self._take)
+        station.robot.subscribe(self._on_snapshot)
         while not station.robot.snapshot.nodes:
             await asyncio.sleep(_FIND_PERIOD)
         found.set()

@@ -149,7 +149,7 @@ class FakeConsole:
 @asynccontextmanager
 async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
     """One that listens where consoles do."""
-    folder = Path(socket_files.folder())
+    folder = Path(socket_files.listening_folder())
     folder.mkdir(mode=0o700, exist_ok=True)
     console = FakeConsole(pid)
     server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")

@@ -32,7 +32,7 @@ async def beside(terminal: Terminal) -> AsyncIterator[Assistant]:
             terminal.read(0.0)
             await asyncio.sleep(0.01)
 
-    terminal.until(lambda: socket_files.sockets())
+    terminal.until(lambda: socket_files.socket_paths())
     reading = asyncio.ensure_future(read_on())
     try:
         async with assistant("--allow", "goals") as model:

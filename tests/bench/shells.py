@@ -99,9 +99,9 @@ async def _measure(app: ArchoApp, path: str) -> tuple[list[float], list[float]]:
 async def _floods(session: Session) -> None:
     app = ArchoApp(session.station)
     async with app.run_test(size=(120, 36)):
-        while len(app.view.snapshot.offered) < 4 or not socket_files.sockets():
+        while len(app.view.snapshot.offered) < 4 or not socket_files.socket_paths():
             await asyncio.sleep(0.1)
-        (path,) = socket_files.sockets()
+        (path,) = socket_files.socket_paths()
         for programs in (0, 1, 4):
             command = [sys.executable, "-c", _FLOOD, path, str(_RATE)]
             floods = [subprocess.Popen(command) for _ in range(programs)]
@@ -142,7 +142,7 @@ def main() -> None:
             asyncio.run(_floods(session))
         plain = [sys.executable, "-m", "archo_tui", "--plain"]
         with subprocess.Popen(plain, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL) as console:
-            while not socket_files.sockets():
+            while not socket_files.socket_paths():
                 time.sleep(0.1)
             script = str(Path(sys.executable).with_name("archo-tui"))
             nothing = _cpu(sys.executable, "-c", "pass")

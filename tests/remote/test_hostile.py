@@ -356,7 +356,7 @@ async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
 async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into(
     fault: str,
 ) -> None:
-    folder = Path(socket_files.folder())
+    folder = Path(socket_files.listening_folder())
     folder.parent.mkdir(parents=True, exist_ok=True)
     if fault == "mode":
         folder.mkdir()
@@ -365,7 +365,7 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
         folder.write_text("")
     async with operated(ros_args=FAST, remote=True) as person:
         await heard(person, "no socket for other programs: ")
-        assert not socket_files.sockets()
+        assert not socket_files.socket_paths()
     said = await typed("status")
     assert said.code == 3
     assert str(folder) in said.err
@@ -374,7 +374,7 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
 async def test_another_users_program_is_not_even_greeted(monkeypatch: pytest.MonkeyPatch) -> None:
     async with served(ros_args=FAST) as person:
         with monkeypatch.context() as patch:
-            patch.setattr("archo_tui.remote.server._peer", lambda _: (4711, os.getuid() + 1))
+            patch.setattr("archo_tui.remote.server._pid_and_uid", lambda _: (4711, os.getuid() + 1))
             one = await raw()
             one.send({"id": 1, "words": ["stop"]})
             assert await one.line() == {}
@@ -395,7 +395,7 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
 
     def watched(made: socket.socket, *given: int) -> None:
         # whoever looks now would take it for one of a killed console
-        seen.append(socket_files.sockets())
+        seen.append(socket_files.socket_paths())
         listen(made, *given)
 
     monkeypatch.setattr(socket.socket, "listen", watched)
@@ -406,7 +406,7 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
 
 async def test_sockets_that_nobody_listens_on_go_when_somebody_looks() -> None:
     async with served(ros_args=FAST):
-        folder = socket_files.folder()
+        folder = socket_files.listening_folder()
         made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         held = os.open(folder, os.O_RDONLY)
         made.bind(socket_files.short_path(held, f"{folder}/1.sock"))
@@ -414,12 +414,12 @@ async def test_sockets_that_nobody_listens_on_go_when_somebody_looks() -> None:
         made.close()
         listed = await typed("status", "--line")
         assert listed.code == 0
-        assert socket_files.sockets() == [own_socket()]
+        assert socket_files.socket_paths() == [own_socket()]
 
 
 def _listens(name: str) -> socket.socket:
     """A console that takes connections, and no more."""
-    folder = socket_files.folder()
+    folder = socket_files.listening_folder()
     os.makedirs(folder, 0o700, exist_ok=True)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
@@ -504,7 +504,7 @@ def test_another_protocol_is_said(hello: Any) -> None:
     theirs.sendall(json.dumps(hello).encode() + b"\n")
     console = client.Connection("7.sock")
     console.socket = ours
-    console.read()
+    console.receive()
     assert re.search(r"protocol|does not answer", console.fault)
     for one in (ours, theirs):
         one.close()

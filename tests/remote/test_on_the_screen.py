@@ -90,7 +90,7 @@ async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_qui
 
 def listening(terminal: Terminal) -> None:
     """Until programs can reach the console in it."""
-    terminal.until(lambda: socket_files.sockets())
+    terminal.until(lambda: socket_files.socket_paths())
     terminal.until("wheel_radius")
 
 
@@ -123,7 +123,7 @@ def test_a_console_that_gets_a_signal_cancels_and_says_so_to_the_shell(
     assert terminal.exit_code() == 128 + signal.SIGTERM
     shell.join(5.0)
     assert told[0].code in (3, 5), told
-    assert not socket_files.sockets()
+    assert not socket_files.socket_paths()
 
 
 def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
@@ -131,4 +131,4 @@ def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
     terminals.append(terminal)
     terminal.until("wheel_radius")
     assert said("status").code == 3
-    assert not socket_files.sockets()
+    assert not socket_files.socket_paths()

@@ -90,7 +90,7 @@ async def test_the_client_in_six_lines_of_shell_sends_the_robot(
     lines = _block("bash")
     assert len(lines.splitlines()) == 6
     async with served(ros_args=FAST) as person:
-        assert Path(socket_files.folder()).is_relative_to(tmp_path)
+        assert Path(socket_files.listening_folder()).is_relative_to(tmp_path)
         done = await asyncio.to_thread(
             subprocess.run, ["bash", "-c", lines], capture_output=True, text=True, timeout=DEADLINE
         )

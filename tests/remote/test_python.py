@@ -388,13 +388,13 @@ def _until(script: Script, holds: Callable[[], bool]) -> None:
 async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    has_left, gone = threading.Event(), RequestHandler.gone
+    has_left, gone = threading.Event(), RequestHandler.on_client_left
 
     def left(desk: RequestHandler, client: Any) -> None:
         gone(desk, client)
         has_left.set()
 
-    monkeypatch.setattr(RequestHandler, "gone", left)
+    monkeypatch.setattr(RequestHandler, "on_client_left", left)
     async with served(ros_args=LONG) as person:
         await typed("wait", "ready")
         await until(has_left.is_set)

@@ -114,13 +114,13 @@ class Rounds:
         asyncio.run(call())
 
     def _by_socket(self, *words: str) -> None:
-        (path,) = socket_files.sockets()[:1]
+        (path,) = socket_files.socket_paths()[:1]
         with contextlib.suppress(OSError), socket_files.connect(path) as console:
             console.send(json.dumps({"id": 1, "words": words}).encode() + b"\n")
 
     def _by_text(self, *words: str) -> None:
         assert words == ("stop",)
-        with socket_files.connect(socket_files.sockets()[0]) as console:
+        with socket_files.connect(socket_files.socket_paths()[0]) as console:
             console.send(b"STOP!")
 
     def _by_console(self, *words: str) -> None:
@@ -167,7 +167,7 @@ class Rounds:
 
     def ready(self) -> None:
         """Wait until a goal can be sent."""
-        self._until(socket_files.sockets)
+        self._until(socket_files.socket_paths)
         assert shell.run(["wait", "ready", "--timeout", str(DEADLINE)], ()) == 0
         self._robot = archo_tui.connect()
 

@@ -60,8 +60,8 @@ def listening(
     """Listen where a console does, and take nobody: as one that is suspended."""
     name = f"{pid}-{os.urandom(4).hex()}"
     hello = {**HELLO, "namespace": namespace, "pid": pid, "watching": False, "name": name, **more}
-    made, path = server._listening(hello)
-    server._link(path)
+    made, path = server._open_socket(hello)
+    server._link_from_home(path)
     try:
         yield made, hello
     finally:
@@ -192,7 +192,7 @@ async def test_a_console_is_found_in_every_environment_by_every_mouth(
         assert await asyncio.to_thread(mouth) == 0, (where, mouth.__name__)
     assert console.words() == [["status"], ["status"], ["stop"], ["stop"]]
     await entered.__aexit__(None, None, None)
-    assert socket_files.sockets() == []
+    assert socket_files.socket_paths() == []
 
 
 class State(NamedTuple):
@@ -228,8 +228,8 @@ async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
     answers = [answering(name, 7 + n) for n, name in enumerate(awake)]
     running = [await one.__aenter__() for one in answers]
     killed = socket.socket(socket.AF_UNIX)  # of a console that is gone
-    Path(socket_files.folder()).mkdir(mode=0o700, exist_ok=True)
-    held = os.open(socket_files.folder(), os.O_RDONLY)
+    Path(socket_files.listening_folder()).mkdir(mode=0o700, exist_ok=True)
+    held = os.open(socket_files.listening_folder(), os.O_RDONLY)
     killed.bind(f"/proc/self/fd/{held}/5-gone.sock")
     os.close(held)
     killed.close()
@@ -356,10 +356,10 @@ async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None
 
 async def test_a_name_that_another_console_has_is_not_taken() -> None:
     with listening("/") as (made, hello):
-        (path,) = socket_files.sockets()
+        (path,) = socket_files.socket_paths()
         assert socket_files.read_card(path) == hello
         with pytest.raises(FileExistsError):
-            server._listening(hello)
+            server._open_socket(hello)
         connected = socket_files.connect(path)
         made.setblocking(True)
         made.accept()[0].close()
@@ -501,14 +501,14 @@ async def test_what_a_client_has_sent_is_read_before_it_is_greeted(
     servers: list[server.Server], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stops: list[int] = []
-    tell = server.Client.tell
+    tell = server.Client.reply
 
     def told(one: server.Client, said: dict[str, Any]) -> None:
         if "protocol" in said:
             stops.append(servers[0].stops.count)
         tell(one, said)
 
-    monkeypatch.setattr(server.Client, "tell", told)
+    monkeypatch.setattr(server.Client, "reply", told)
     async with served() as person:
         with held(servers[0]):
             for _ in range(20):

@@ -58,8 +58,8 @@ async def heard(person: Typed, text: str) -> None:
 
 def own_socket() -> str:
     """Return the path of the socket of the console in this process; empty: there is none yet."""
-    own = f"{socket_files.folder()}/{os.getpid()}-"
-    return next((path for path in socket_files.sockets() if path.startswith(own)), "")
+    own = f"{socket_files.listening_folder()}/{os.getpid()}-"
+    return next((path for path in socket_files.socket_paths() if path.startswith(own)), "")
 
 
 def reached() -> socket.socket:
@@ -76,7 +76,7 @@ def reached() -> socket.socket:
 async def served(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
     """A `--plain` that programs reach."""
     async with operated(*makers, robot=robot, remote=True, **options) as person:
-        await until(own_socket, socket_files.folder)
+        await until(own_socket, socket_files.listening_folder)
         yield person
 
 

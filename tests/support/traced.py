@@ -65,7 +65,7 @@ def install(path: str, engine: str) -> None:
     traced(Drive, "begin", BEGUN)  # a goal was accepted
     traced(Drive, "advance", MOVED)
 
-    take, keep = Client.take, Input._keep
+    take, keep = Client.on_line, Input._keep
 
     def take_line(client: Client, data: bytes) -> None:
         with reading:
@@ -79,7 +79,7 @@ def install(path: str, engine: str) -> None:
                 keep(typed, [line])
 
     patched: tuple[Any, Any] = Client, Input
-    patched[0].take, patched[1]._keep = take_line, keep_lines
+    patched[0].on_line, patched[1]._keep = take_line, keep_lines
 
 
 def _write_release(line: bytes, write: Callable[[str], None]) -> None:
