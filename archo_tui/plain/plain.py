@@ -17,22 +17,18 @@ import sys
 from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING
 
-from archo_tui.clock import time_of_day
 from archo_tui.errors import ArchoError
 from archo_tui.plain.conditions import Conditions
 from archo_tui.plain.input import Input, TypedLine
-from archo_tui.plain.news import is_event_news, is_goal_news
 from archo_tui.plain.output import Output
+from archo_tui.plain.printer import Printer
 from archo_tui.plain.stop_sender import StopSender
 from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Void
-from archo_tui.safe_text import safe
 from archo_tui.shutdown import Shutdown
-from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.station.approval_requests import LIFETIME, READING_TIME
+from archo_tui.station.approval_requests import READING_TIME
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import PATIENCE, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
@@ -41,7 +37,6 @@ from archo_tui.verbs.parse import YES, UnknownVerbError, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words import line_by_line
-from archo_tui.words.event import event_text
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
@@ -79,25 +74,22 @@ class Plain:
         self._conditions = Conditions(self._clock)
         self._input = Input(read, self._robot.stops, self._on_input, self._clock)
         self._output = Output(write, self._on_output)
-        self._ascii = ascii_only()
         snapshot = self._robot.snapshot
         self._verbs = verbs(snapshot.file, snapshot.forms)
         status = self._verbs["status"]
         assert isinstance(status, Status)
-        self._status = status  # It knows what to type for a goal, or about an alarm.
+        self._printer = Printer(
+            station, self._output, status, is_ending=lambda: self._shutdown.has_begun
+        )
         self._stop_sender = StopSender(
             station,
             self._verbs["stop"],
             self._input,
             self._conditions,
             self._start,
-            self._print_failure,
+            self._printer.print_failure,
         )
         self._put_back: TypedLine | None = None  # Read as an answer, but it is a command.
-        self._printed_events: set[int] = set()  # Numbers of events in the last snapshot.
-        self._requests_shown_at: dict[int, float] = {}  # Of assistants; in monotonic seconds.
-        self._goal: Goal | None = None  # The goal in the last snapshot.
-        self._has_failed = False  # A line or a goal has: the exit code will be 1.
         self._is_asking = False  # The next line is an answer.
         self._following: asyncio.Task[None] | None = None  # Prints the messages of a topic.
         self._running_beside = 0  # Slow lines that still run while later lines are carried out.
@@ -159,7 +151,7 @@ class Plain:
     def _on_input(self) -> None:
         if self._input.overflows > self._reported_overflows:
             self._reported_overflows = self._input.overflows
-            self._print_failure(
+            self._printer.print_failure(
                 "more than 1 MB of lines wait: further ones are refused, stop is not"
             )
         self._conditions.check_again()
@@ -173,8 +165,8 @@ class Plain:
         """Bring alarms and the requests of assistants up to date each second, for ever."""
         while True:
             await self._clock.sleep(1.0)
-            self._print_alarms(self._station.tick())
-            self._print_requests()
+            self._printer.print_alarms(self._station.tick())
+            self._printer.print_requests()
             self._conditions.check_again()
 
     # The lines, one after the other.
@@ -189,7 +181,7 @@ class Plain:
         self._end_following()
         await self._wait_for_the_end()
         if not self._shutdown.has_begun:  # Otherwise the shutdown decides about the exit code.
-            is_well = not self._has_failed and not self._station.queue.waiting
+            is_well = not self._printer.has_failed and not self._station.queue.waiting
             self._finish(0 if is_well and not self._output.is_broken else 1)
 
     async def _next_line(self) -> TypedLine | None:
@@ -215,12 +207,14 @@ class Plain:
         await wait(lambda: not self._running_beside)
         await wait(lambda: self._goals_have_ended() or self._is_goal_silent)
         if self._goal is not None and not self._goals_have_ended():
-            self._print_timed(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
+            self._printer.print_timed(
+                f"waiting for the end of {self._goal.name}; ctrl+c cancels it"
+            )
         await wait(self._goals_have_ended)
         lost = self._lost_goal_outcome
         if lost is not None:
-            self._has_failed = True
-            self._print_timed(lost.text)
+            self._printer.has_failed = True
+            self._printer.print_timed(lost.text)
         last_stop = self._robot.stops.count
         await wait(lambda: self._stop_sender.are_answered(last_stop))
         await self._robot.wait_for_events()
@@ -228,7 +222,7 @@ class Plain:
         reason = self._station.queue.hold_reason
         if reason:
             waiting = ", ".join(goal.text for goal in self._station.queue.waiting)
-            self._print_timed(f"not driven: {waiting} ({reason})")
+            self._printer.print_timed(f"not driven: {waiting} ({reason})")
         await wait(lambda: self._output.is_done)
 
     def _goals_have_ended(self) -> bool:
@@ -236,6 +230,11 @@ class Plain:
         is_running = self._goal is not None and self._goal.is_running and self._goal.mine
         is_due = is_running or self._station.queue.is_going
         return self._lost_goal_outcome is not None or not is_due
+
+    @property
+    def _goal(self) -> Goal | None:
+        """The goal in the last snapshot; None if there was none."""
+        return self._printer.goal
 
     @property
     def _lost_goal_outcome(self) -> Outcome | None:
@@ -305,25 +304,26 @@ class Plain:
     async def _execute(self, line: TypedLine) -> None:
         """Do what a line says, and print why if that fails; raise nothing that was foreseen."""
         if line.fault:
-            self._print_failure(line.fault)
+            self._printer.print_failure(line.fault)
             return
         try:
             word, *rest = shlex.split(line.text)
         except ValueError:
             word, *rest = line.text.split()
-            self._print_failure(f"{word}: a quote is not closed, or nothing follows the last \\")
+            fault = "a quote is not closed, or nothing follows the last \\"
+            self._printer.print_failure(f"{word}: {fault}")
             return
         try:
             outcome = await self._dispatch(word, rest)
         except Void:
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
         except UnknownVerbError as error:  # Its text names the word.
-            self._print_failure(str(error))
+            self._printer.print_failure(str(error))
             return
         except (ArchoError, ValueError) as error:
             outcome = Outcome(Code.MISUSE, str(error))
         if not outcome.ok:
-            self._print_failure(f"{word}: {outcome.text}")
+            self._printer.print_failure(f"{word}: {outcome.text}")
 
     async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
         """Run the verb that a line names, and print what it tells.
@@ -340,7 +340,7 @@ class Plain:
         if word in ("help", "quit") and rest:
             raise ValueError("takes no values")
         if word == "help":
-            self._print(help_text(self._verbs))
+            self._printer.print_text(help_text(self._verbs))
             return Outcome(Code.DONE, "")
         if word in ("allow", "deny"):
             return await self._answer_request(word, rest)
@@ -349,11 +349,11 @@ class Plain:
         values, yes = parse(verb, station, rest)
         if isinstance(verb, Echo) and values.get(FOLLOW):
             self._end_following()
-            self._print(f"following {values['topic']}; an empty line ends it")
+            self._printer.print_text(f"following {values['topic']}; an empty line ends it")
             self._following = self._start_task(self._follow(verb, values))
             return Outcome(Code.DONE, "")
         if verb.begun:
-            self._print(verb.begun)
+            self._printer.print_text(verb.begun)
             self._running_beside += 1
             self._start(self._run_slow_verb(verb, values))
             return Outcome(Code.DONE, "")
@@ -362,14 +362,14 @@ class Plain:
         # The snapshot may not have been delivered yet, and `_goals_have_ended` needs its goal.
         self._on_snapshot(self._robot.snapshot)
         if verb.tells_with(values) and outcome.ok:
-            self._print(outcome.text)
+            self._printer.print_text(outcome.text)
         waiting = [goal.text for goal in station.queue.waiting]
         if verb.moves and outcome.code == Code.ACCEPTED and waiting:
-            self._print_timed(
+            self._printer.print_timed(
                 f"queue: {line_by_line.queue_text(waiting, station.queue.hold_reason)}"
             )
         # A skipped goal will not arrive, so not all that was requested has succeeded.
-        self._has_failed = self._has_failed or verb.id == "skip"
+        self._printer.has_failed = self._printer.has_failed or verb.id == "skip"
         return outcome
 
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
@@ -381,9 +381,9 @@ class Plain:
         finally:
             self._running_beside -= 1
         if outcome.ok:
-            self._print(outcome.text)
+            self._printer.print_text(outcome.text)
         else:
-            self._print_failure(f"{verb.id}: {outcome.text}")
+            self._printer.print_failure(f"{verb.id}: {outcome.text}")
         self._conditions.check_again()
 
     async def _follow(self, verb: Echo, values: Values) -> None:
@@ -396,22 +396,29 @@ class Plain:
                 self._station,
                 values,
                 self._print_followed,
-                self._print_timed,
+                self._printer.print_timed,
                 for_program=False,
                 has_room=lambda: self._output.is_done,
             )
         except (ArchoError, ValueError) as error:
-            self._print_failure(f"{verb.id}: {error}")
+            self._printer.print_failure(f"{verb.id}: {error}")
 
     def _print_followed(self, shown: Shown) -> None:
-        self._print(f"{shown.text}\n---" if "\n" in shown.text else shown.text)
+        self._printer.print_text(f"{shown.text}\n---" if "\n" in shown.text else shown.text)
         if shown.left_out_text:
-            self._print(shown.left_out_text)
+            self._printer.print_text(shown.left_out_text)
 
     def _end_following(self) -> None:
         if self._following is not None:
             self._following.cancel()
             self._following = None
+
+    def _on_snapshot(self, snapshot: Snapshot) -> None:
+        """Take in a snapshot, and print what is new in it."""
+        self._printer.print_news(snapshot)
+        self._printer.print_alarms(self._station.on_snapshot(snapshot))
+        self._printer.print_requests()
+        self._conditions.check_again()
 
     # Questions and requests, which a person answers.
 
@@ -427,12 +434,12 @@ class Plain:
         """
         first, *more = (" ".join(line.split()) for line in question.text.splitlines() if line)
         if more:
-            self._print("\n".join((first, *more)))
+            self._printer.print_text("\n".join((first, *more)))
         text = f"{question.go}?" if more else first
         if not self._input.is_terminal:
             raise ArchoError(f"{text} (add {YES} to do it)")
         gate = self._robot.stops.gate()
-        self._print_timed(f"{text} [y/N]")
+        self._printer.print_timed(f"{text} [y/N]")
         self._is_asking = True
         try:
             await self._conditions.wait(lambda: gate.is_shut or self._input.has_news)
@@ -465,7 +472,7 @@ class Plain:
         # The rest of a paste, or a STOP, may be right behind this line.
         await self._conditions.wait(lambda: self._input.is_quiet)
         number, (read_at, pause) = int(rest[0]), self._input.last
-        shown_at = self._requests_shown_at.get(number)
+        shown_at = self._printer.requests_shown_at.get(number)
         if shown_at is None and self._station.requests.get(number) is None:
             return Outcome(Code.REFUSED, f"there is no request {number}")
         # An answer that was typed ahead, or pasted with other lines, is by nobody who has read.
@@ -492,7 +499,7 @@ class Plain:
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Print why a goal of the queue was refused, which no line waits to hear."""
         if not outcome.ok:
-            self._print_failure(f"{wanted.text}: {outcome.text}")
+            self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()
         self._conditions.check_again()
 
@@ -507,71 +514,6 @@ class Plain:
     def restart(self, why: str) -> None:
         """Only print why a restart is due, since it would lose the lines that were read already."""
         self._robot.note("WARN", "console", f"{why}: they count from the next start on")
-
-    # What is printed.
-
-    def _on_snapshot(self, snapshot: Snapshot) -> None:
-        """Print what is new in a snapshot."""
-        for event in snapshot.events:
-            if event.number not in self._printed_events and is_event_news(
-                event, snapshot.goal, self._station.view.hosted, is_ending=self._shutdown.has_begun
-            ):
-                self._print_timed(event_text(event), event.time)
-        self._printed_events = {event.number for event in snapshot.events}
-        self._print_goal(snapshot)
-        self._print_alarms(self._station.on_snapshot(snapshot))
-        self._print_requests()
-        self._conditions.check_again()
-
-    def _print_goal(self, snapshot: Snapshot) -> None:
-        """Print the state of the goal if it is news, and note each goal that did not arrive."""
-        goal, before = snapshot.goal, self._goal
-        self._goal = goal
-        if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):
-            self._has_failed = True
-        if goal is None:
-            return
-        if before is not None and before.number != goal.number:
-            before = None
-        if is_goal_news(before, goal):
-            now = self._clock.monotonic()
-            self._print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
-
-    def _print_alarms(self, changed: list[Alarm]) -> None:
-        """Print each alarm that changed, a new one with what can be done about it."""
-        for alarm in changed:
-            is_new = alarm.state == AlarmState.UNACKNOWLEDGED
-            text = self._status.advice(alarm, self._robot.snapshot) if is_new else alarm.name
-            self._print_timed(f"alarm {alarm.state.value}: {text}")
-
-    def _print_requests(self) -> None:
-        """Print each new request of an assistant, and what to type to answer it."""
-        for request in self._station.view.requests:
-            if request.number not in self._requests_shown_at:
-                self._requests_shown_at[request.number] = self._clock.monotonic()
-                ways = f"allow {request.number} or deny {request.number}, within {LIFETIME:g} s"
-                self._print_timed(f"{request.requester.source} wants: {request.text} ({ways})")
-
-    def _print_failure(self, text: str) -> None:
-        """Print that something failed, and have the exit code be 1."""
-        self._print_timed(f"failed: {text}")
-        self._has_failed = True
-
-    def _print_timed(self, text: str, at: float | None = None) -> None:
-        """Print a text behind a time of day.
-
-        Args:
-            text: The text.
-            at: Unix time in seconds; None for now.
-        """
-        self._print(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
-
-    def _print(self, text: str) -> None:
-        """Print a text of one or more lines, without control characters."""
-        lines = [safe(line) for line in text.splitlines()]
-        self._output.put(
-            "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
-        )
 
 
 def run(station: Station, read: int | None) -> int:
