@@ -226,7 +226,7 @@ class ArchoApp(KeyedApp):
             self.update_screen()
             self.report_failure(outcome)
 
-        question = verb.asks(self.station, values)
+        question = verb.question(self.station, values)
         if question is None:
             return now()
         answers: Answers = {question.go: now} if question.go else {}

@@ -71,7 +71,7 @@ class LookAtDomains(VerbCommand):
         return self._look(console)
 
     async def _look(self, console: Console) -> None:
-        console.show_message(self.verb.begun, "Domains")
+        console.show_message(self.verb.started_text, "Domains")
         outcome = await self.verb.run(console.station, {})
         console.show_message(outcome.text, "Domains")
 

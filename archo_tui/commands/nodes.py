@@ -28,7 +28,7 @@ class _InNodes(Command):
             return f"{row.name} does not run in this process"
         return console.verbs[self.verbs[0]].refusal(console.station)
 
-    def speak(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
+    def run_verb(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
         """Run a verb on a node."""
         return console.run_verb(console.verbs[verb], {"node": hosted.name})
 
@@ -46,7 +46,7 @@ class StartStop(_InNodes):
 
     def run(self, console: Console) -> Work | None:
         hosted = self._selected(console)
-        return self.speak(console, "halt" if hosted.life.is_running else "start", hosted)
+        return self.run_verb(console, "halt" if hosted.life.is_running else "start", hosted)
 
 
 class CopyNode(_InNodes):
@@ -54,7 +54,7 @@ class CopyNode(_InNodes):
     help = "Start another copy of the selected node"
 
     def run(self, console: Console) -> Work | None:
-        return self.speak(console, "copy", self._selected(console))
+        return self.run_verb(console, "copy", self._selected(console))
 
 
 class ShowNode(Command):

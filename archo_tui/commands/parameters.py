@@ -137,7 +137,7 @@ class SaveKey(VerbCommand):
         async def save(path: Path) -> str:
             station = console.station
             values = await self.verb.prepare(station, {"file": str(path)})
-            if path not in warned and self.verb.asks(station, values) is not None:
+            if path not in warned and self.verb.question(station, values) is not None:
                 warned.add(path)
                 return f"{path} already exists: press enter again to overwrite"
             outcome = await self.verb.run(station, values)

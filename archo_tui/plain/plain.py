@@ -32,10 +32,10 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import PATIENCE, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
-from archo_tui.verbs.inspect import FOLLOW, Echo, Shown
+from archo_tui.verbs.inspect import FOLLOW, Echo, FollowedMessage
 from archo_tui.verbs.parse import YES, UnknownVerbError, parse
-from archo_tui.verbs.speak import speak
-from archo_tui.verbs.tell import Status
+from archo_tui.verbs.run_when_ready import run_when_ready
+from archo_tui.verbs.status import Status
 from archo_tui.words import line_by_line
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ _YES, _NO = ("y", "yes"), ("n", "no")
 
 def help_text(all_verbs: Mapping[str, Verb]) -> str:
     """Return what `help` prints: each verb with its values and what it does, one a line."""
-    lines = [verb.explained for verb in all_verbs.values()]
+    lines = [verb.help_line for verb in all_verbs.values()]
     return "\n".join((*lines, "help: List these", "quit: End, once the last goal has ended"))
 
 
@@ -352,13 +352,13 @@ class Plain:
             self._printer.print_text(f"following {values['topic']}; an empty line ends it")
             self._following = self._start_task(self._follow(verb, values))
             return Outcome(Code.DONE, "")
-        if verb.begun:
-            self._printer.print_text(verb.begun)
+        if verb.started_text:
+            self._printer.print_text(verb.started_text)
             self._running_beside += 1
             self._start(self._run_slow_verb(verb, values))
             return Outcome(Code.DONE, "")
         wait, ask = self._conditions.wait_at_most, None if yes else self._ask
-        outcome = await speak(station, verb, values, wait, ask)
+        outcome = await run_when_ready(station, verb, values, wait, ask)
         # The snapshot may not have been delivered yet, and `_goals_have_ended` needs its goal.
         self._on_snapshot(self._robot.snapshot)
         if verb.tells_with(values) and outcome.ok:
@@ -375,7 +375,9 @@ class Plain:
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
         """Run a verb whose outcome takes seconds, and print it; later lines do not wait."""
         try:
-            outcome = await speak(self._station, verb, values, self._conditions.wait_at_most, None)
+            outcome = await run_when_ready(
+                self._station, verb, values, self._conditions.wait_at_most, None
+            )
         except (ArchoError, ValueError) as error:
             outcome = Outcome(Code.MISUSE, str(error))
         finally:
@@ -403,7 +405,7 @@ class Plain:
         except (ArchoError, ValueError) as error:
             self._printer.print_failure(f"{verb.id}: {error}")
 
-    def _print_followed(self, shown: Shown) -> None:
+    def _print_followed(self, shown: FollowedMessage) -> None:
         self._printer.print_text(f"{shown.text}\n---" if "\n" in shown.text else shown.text)
         if shown.left_out_text:
             self._printer.print_text(shown.left_out_text)

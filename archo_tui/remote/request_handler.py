@@ -27,10 +27,10 @@ from archo_tui.verbs.base import PATIENCE, Question, Verb
 from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.candidates import candidates
 from archo_tui.verbs.goals import SendGoal
-from archo_tui.verbs.inspect import Echo, Shown
+from archo_tui.verbs.inspect import Echo, FollowedMessage
 from archo_tui.verbs.parse import YES, named, parse
+from archo_tui.verbs.run_when_ready import run_when_ready
 from archo_tui.verbs.services import TIMEOUT, Call
-from archo_tui.verbs.speak import speak
 
 _MAX_STOPS = 1000  # STOPs that are answered: of a flood the last ones.
 _ANSWER_TIMEOUT = 60.0  # Seconds for a person at a shell to answer a question.
@@ -282,7 +282,7 @@ class RequestHandler:
             return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
         if "--help" in rest:
             verb = named(self.verbs, word)
-            return {**_result(number, Outcome(Code.DONE, verb.explained)), "data": verb.options}
+            return {**_result(number, Outcome(Code.DONE, verb.help_line)), "data": verb.options}
         verb, rest = choose_verb(self.verbs, self._station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
@@ -293,7 +293,9 @@ class RequestHandler:
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, session, number, person)
         requester = session.requester
-        outcome = await speak(self._station, verb, values, partial(self._until, requester), ask)
+        outcome = await run_when_ready(
+            self._station, verb, values, partial(self._until, requester), ask
+        )
         self._station.refresh()
         if requester.ends:
             session.sent = requester.ends
@@ -325,7 +327,7 @@ class RequestHandler:
         await self._until(session.requester, lambda: verb.is_ready(station, values), left)
         for_program = request.get("as_text") is not True
 
-        def show(shown: Shown) -> None:
+        def show(shown: FollowedMessage) -> None:
             message = {"message": shown.data} if for_program else {"text": shown.text}
             client.reply({"id": number, **message, "left_out": shown.left_out})
 

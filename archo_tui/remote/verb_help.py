@@ -60,7 +60,7 @@ def help_of(verb: str, path: Path | None = None) -> str:
         path: The robot file; None for ARCHO's.
     """
     found = verbs_of_file(path).get(verb)
-    return "" if found is None else with_options(verb, found.explained, found.options)
+    return "" if found is None else with_options(verb, found.help_line, found.options)
 
 
 def with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:

@@ -18,8 +18,8 @@ from archo_tui.verbs.look import Look
 from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
+from archo_tui.verbs.status import Events, Past, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
-from archo_tui.verbs.tell import Events, Past, Status
 from archo_tui.verbs.topics import Topics
 
 

@@ -38,7 +38,7 @@ class Alarms(Verb):
         return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
 
-class _OfAlarm(Verb):
+class _AlarmVerb(Verb):
     """A verb for one alarm, named by its name or the beginning of it."""
 
     def found(self, station: Station, name: str) -> Alarm:
@@ -69,7 +69,7 @@ def _typed(name: str) -> str:
     return " ".join(name.replace('"', "").lower().split())
 
 
-class Acknowledge(_OfAlarm):
+class Acknowledge(_AlarmVerb):
     """The verb `ack`: without a name it means the first alarm of the list, not all."""
 
     id, title, tells = "ack", "Acknowledge", True
@@ -90,7 +90,7 @@ class Acknowledge(_OfAlarm):
         return Outcome(Code.DONE, f"acknowledged: {', '.join(alarm.name for alarm in alarms)}")
 
 
-class Shelve(_OfAlarm):
+class Shelve(_AlarmVerb):
     """The verb `shelve`: a second time for the same alarm, it takes it off the shelf."""
 
     id, title, tells = "shelve", "Shelve", True

@@ -16,12 +16,23 @@ ANSWERS = 5.0  # Seconds to wait for answers to earlier requests, which have dea
 
 
 class Argument(NamedTuple):
-    """A value that a verb takes."""
+    """A value that a verb takes.
 
-    name: str  # As typed; `--all` is a flag.
-    type: str = "string"  # As rclpy names it: int32, double, string, sequence<int32>.
-    many: bool = False  # Takes all further words, each as a value.
-    rest: bool = False  # Takes all further words as one text.
+    Attributes:
+        name: The name; with a leading `--`, as in `--all`, the argument is a flag.
+        type: The type as ROS names it: int32, double, string, sequence<int32>.
+        many: True if it takes all further words, each as a value.
+        rest: True if it takes all further words as one text.
+        optional: True if the words may end before it.
+        low: The least value, or the parameter that has it; None for no limit.
+        high: The greatest value, or the parameter that has it; None for no limit.
+        unit: The unit for people, as `m/s`; "" for none.
+    """
+
+    name: str
+    type: str = "string"
+    many: bool = False
+    rest: bool = False
     optional: bool = False
     low: Limit = None
     high: Limit = None
@@ -29,38 +40,61 @@ class Argument(NamedTuple):
 
     @property
     def is_flag(self) -> bool:
-        """Return True for an option without a value."""
+        """True for an option without a value."""
         return self.name.startswith("--")
 
 
 class Question(NamedTuple):
-    """A question that a person answers before something is done."""
+    """A question that a person answers before something is done.
+
+    Attributes:
+        title: The title of its dialog.
+        text: The question; the lines after the first one are details.
+        safe: The answer that changes nothing, as `Stay stopped`.
+        go: The answer that runs the verb, as `Release`; "" if the verb cannot run.
+    """
 
     title: str
     text: str
-    safe: str  # The answer that changes nothing.
-    go: str  # The answer that runs the verb; "" if there is none.
+    safe: str
+    go: str
 
 
 class Verb:
-    """The base of all verbs; frontends run them, and decide nothing themselves."""
+    """The base of all verbs; frontends run them, and decide nothing themselves.
 
-    id: str  # The word that is typed.
+    Attributes:
+        id: The word that is typed.
+        title: The name on the screen.
+        help: What the verb does, in one sentence.
+        arguments: The values that it takes, in the order in which they are typed.
+        acts: True if it changes something: it does not run while the console only watches.
+        moves: True if it may set the robot in motion.
+        urgent: True if it runs before verbs that wait.
+        survives_stop: True if it runs also if a STOP was read after it.
+        tells: True if the text of its outcome is what the person asked for, in lines.
+        may_ask: True if `question` may return one.
+        started_text: What is shown at once, by a verb whose outcome takes seconds; "" for others.
+        has_goals: True if it sends goals, whose ends can be waited for.
+        service: The service that a node must offer, as the robot file names it; "" for none.
+    """
+
+    id: str
     title: str
-    help: str  # One sentence.
+    help: str
     arguments: tuple[Argument, ...] = ()
-    acts = False  # Changes something, so does not run while watching.
-    moves = False  # May set the robot in motion.
-    urgent = False  # Runs before verbs that wait.
-    survives_stop = False  # Runs also if a STOP was read after it.
-    tells = False  # Its outcome is what was asked for, in lines.
+    acts = False
+    moves = False
+    urgent = False
+    survives_stop = False
+    tells = False
     may_ask = False
-    begun = ""  # Said at once by a verb whose outcome takes seconds; "" for others.
-    has_goals = False  # Sends goals, whose ends can be waited for.
-    service = ""  # The service that a node must offer, as in the robot file.
+    started_text = ""
+    has_goals = False
+    service = ""
 
     def values(self, words: Sequence[str]) -> Values:
-        """Return the values that the words after a verb mean.
+        """Return the values that the words after the verb mean, by the names of the arguments.
 
         Raises:
             ValueError: The words do not fit; the message is one line.
@@ -85,23 +119,23 @@ class Verb:
         return given
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return what was meant, perhaps, by words that do not fit, or ""."""
+        """Return what a person may have meant by words that do not fit, or ""."""
         return ""
 
     @property
     def usage(self) -> str:
-        """Return what is typed after the verb: `NODE NAME VALUE`, `[--all]`."""
+        """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`."""
         return " ".join(map(_usage, self.arguments))
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Return the options that a shell may put after the verb: `--yes`, `--wait`, `--leave`."""
+        """The options that a shell may put after the verb: `--yes`, `--wait`, `--leave`."""
         goals = ("--wait", "--leave") if self.has_goals else ()
         return (*goals, "--yes") if self.may_ask else goals
 
     @property
-    def explained(self) -> str:
-        """Return usage and help: `get NODE NAME: Show a parameter`."""
+    def help_line(self) -> str:
+        """The line of help: `get NODE NAME: Show a parameter`."""
         return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
 
     def acts_with(self, values: Values) -> bool:
@@ -113,7 +147,7 @@ class Verb:
         return self.tells
 
     def refusal(self, station: Station) -> str:
-        """Return why the verb cannot run now, or "".
+        """Return the reason why the verb cannot run now, or "".
 
         A console that only watches refuses every verb that acts; else `disabled_reason` decides.
         """
@@ -122,31 +156,40 @@ class Verb:
         return self.disabled_reason(station)
 
     def disabled_reason(self, station: Station) -> str:
-        """Return why the verb cannot run for an operator who may act, or ""."""
+        """Return the reason why the verb cannot run, or "", for a console that may act."""
         return station.robot.snapshot.unavailable(self.service) if self.service else ""
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return False while the verb may become possible by itself, with a robot just found."""
+        """Return False while the verb may still become possible, as the robot is being found.
+
+        Frontends wait for it, until PATIENCE after the start at most.
+        """
         return not self.service or self.service in station.robot.snapshot.offered
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while an answer to something sent before decides about this verb."""
+        """Return False while an earlier request has no answer that decides about this verb.
+
+        Frontends wait for it, for ANSWERS seconds at most.
+        """
         return True
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Read what must be read before a question can be asked, and return the values to run with.
+        """Complete and check the values, before a question is asked.
+
+        Returns:
+            The values for `question`, `run` and `data`: full names, the text of a file.
 
         Raises:
             ArchoError: A name means nothing, or a file is not valid.
         """
         return values
 
-    def asks(self, station: Station, values: Values) -> Question | None:
-        """Return the question that must be answered first, or None."""
+    def question(self, station: Station, values: Values) -> Question | None:
+        """Return the question that must be answered before `run`; None if there is none."""
         return None
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return what the verb tells, as JSON has it, or None."""
+        """Return what the verb tells, for `--json`, after `run`; None if it tells nothing."""
         return None
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:

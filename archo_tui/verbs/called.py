@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.typed_request import as_typed, typed_request
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go, kind_of
+from archo_tui.verbs.graph_names import full_name
 from archo_tui.verbs.parse import YES, named
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.stop import ReleaseStop, StopNow

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from archo_tui.robot.state import LEVELS, TOPIC, Parameter, Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go
+from archo_tui.verbs.graph_names import full_name
 
 TRANSITIONS = "configure", "activate", "deactivate", "cleanup", "shutdown"
 _MOST_NUMBERS = 1000  # Numbers of a range, such as shelves, that are listed.

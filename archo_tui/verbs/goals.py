@@ -13,8 +13,8 @@ from archo_tui.ros_names import base_name
 from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
+from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.parameters import is_reported
 
 # The keys of these verbs' values: the kind; a mapping of values by dotted path for each goal; and
@@ -50,7 +50,7 @@ class Go(Verb):
 
     @property
     def how(self) -> str:
-        """Return how the verb is typed, to be read aloud: `Type go and the shelf number`."""
+        """The way to type the verb, to be read aloud: `Type go and the shelf number`."""
         names = [argument.name.lower() for argument in self.arguments]
         if not names:
             return f"Type {self.id}."
@@ -156,7 +156,7 @@ class Cancel(Verb):
     async def prepare(self, station: Station, values: Values) -> Values:
         return {**values, RUNNING: station.running_goal}
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         goal = station.running_goal
         if "--all" in values:
             text = "Cancel every goal of the robot's actions, other clients' too?"

@@ -14,8 +14,8 @@ from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state import TOPIC, Snapshot, TopicInfo
 from archo_tui.robot_file.mismatch import not_installed
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import THERE, Argument, Values, Verb
+from archo_tui.verbs.graph_names import full_name
 from archo_tui.words.inspect import rate_text
 
 if TYPE_CHECKING:
@@ -27,11 +27,11 @@ WAIT = 5.0  # Seconds to wait for a message.
 LISTEN = 5.0  # Seconds in which messages are counted.
 FOLLOW = "--follow"
 PERIOD = 0.2  # Seconds between two messages that are shown: five a second, as on the screen.
-_REFIT = 2.0  # Seconds between two looks at the QoS of the publishers.
-_LOOK = 0.05  # Seconds between two looks for a message.
+_REFIT = 2.0  # Seconds between two polls of the QoS of the publishers.
+_POLL_PERIOD = 0.05  # Seconds between two polls for a message.
 
 
-class Shown(NamedTuple):
+class FollowedMessage(NamedTuple):
     """A message of a topic that is followed.
 
     Attributes:
@@ -50,7 +50,7 @@ class Shown(NamedTuple):
         return f"{self.left_out} left out" if self.left_out else ""
 
 
-class _OfTopic(Verb):
+class _TopicVerb(Verb):
     """The base of the verbs that subscribe to a topic."""
 
     tells = True
@@ -74,7 +74,7 @@ class _OfTopic(Verb):
         """
         snapshot = station.robot.snapshot
         name = full_name(snapshot, topic, _topics(snapshot))
-        info = await _ask(station, name)
+        info = await _topic_info(station, name)
         if not (info.publishers or info.subscriptions):
             near = nearest_hint(name, _topics(snapshot))
             raise ArchoError(f"no topic {name} is on the graph{near}")
@@ -91,7 +91,7 @@ class _OfTopic(Verb):
             raise ArchoError("the console's own node does not answer") from None
 
 
-class Echo(_OfTopic):
+class Echo(_TopicVerb):
     """The verb that shows the last message of a topic."""
 
     id, title = "echo", "Echo"
@@ -102,16 +102,16 @@ class Echo(_OfTopic):
         async with self.inspect(station, values["topic"]) as inspection:
             end = station.clock.monotonic() + WAIT
             while not inspection.count and station.clock.monotonic() < end:
-                await station.clock.sleep(_LOOK)
+                await station.clock.sleep(_POLL_PERIOD)
             if not inspection.count:
-                return await _nothing(station, inspection.topic, WAIT)
+                return await _silence_outcome(station, inspection.topic, WAIT)
             return await in_daemon(_last_message, inspection, values.get("field", ()))
 
     async def follow(
         self,
         station: Station,
         values: Values,
-        show: Callable[[Shown], None],
+        show: Callable[[FollowedMessage], None],
         note: Callable[[str], None],
         *,
         for_program: bool,
@@ -138,13 +138,15 @@ class Echo(_OfTopic):
             while True:
                 number, data = inspection.newest
                 if number != seen and has_room():
-                    text, told = await in_daemon(_shown, inspection, data, fields, for_program)
-                    show(Shown(text, told, number - seen - 1))
+                    text, json_data = await in_daemon(
+                        _text_or_data, inspection, data, fields, for_program
+                    )
+                    show(FollowedMessage(text, json_data, number - seen - 1))
                     seen, is_noted, silent_since = number, False, clock.monotonic()
                 now = clock.monotonic()
                 if not is_noted and number == seen and now - silent_since >= WAIT:
                     is_noted = True
-                    why = await _nothing(station, inspection.topic, WAIT)
+                    why = await _silence_outcome(station, inspection.topic, WAIT)
                     if not seen or why.code == Code.NOT_OFFERED:  # Otherwise it is a rare one.
                         note(why.text)
                 if now >= refit_at:
@@ -153,19 +155,19 @@ class Echo(_OfTopic):
                 await clock.sleep(PERIOD)
 
 
-class Hz(_OfTopic):
+class Hz(_TopicVerb):
     """The verb that counts the messages of a topic for some seconds."""
 
     id, title = "hz", "Rate"
     help = f"Listen to a topic for {LISTEN:g} s: rate, shortest and longest interval, bytes/s"
     arguments = (Argument("topic"),)
-    begun = f"listening for {LISTEN:g} s"
+    started_text = f"listening for {LISTEN:g} s"
 
     async def run(self, station: Station, values: Values) -> Outcome:
         async with self.inspect(station, values["topic"]) as inspection:
             await station.clock.sleep(LISTEN)
             if not inspection.count:
-                return await _nothing(station, inspection.topic, LISTEN)
+                return await _silence_outcome(station, inspection.topic, LISTEN)
             text, data = rate_text(inspection, LISTEN)
             return Report.of(f"{inspection.topic}: {text}", data)
 
@@ -179,7 +181,7 @@ def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
     return Outcome(Code.DONE, text)
 
 
-def _shown(
+def _text_or_data(
     inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
 ) -> tuple[str, Any]:
     """Return a message as text for a person, or as data for a program. It takes long."""
@@ -193,7 +195,7 @@ def _topics(snapshot: Snapshot) -> list[str]:
     return [resource.name for resource in snapshot.resources if resource.kind == TOPIC]
 
 
-async def _ask(station: Station, topic: str) -> TopicInfo:
+async def _topic_info(station: Station, topic: str) -> TopicInfo:
     """Return the ends of a topic; raise ArchoError if the graph does not tell them."""
     info = await station.robot.topic_info(topic)
     if isinstance(info, Outcome):
@@ -201,9 +203,9 @@ async def _ask(station: Station, topic: str) -> TopicInfo:
     return info
 
 
-async def _nothing(station: Station, topic: str, seconds: float) -> Outcome:
+async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outcome:
     """Return the outcome for a topic on which nothing came, which says why."""
-    info = await _ask(station, topic)
+    info = await _topic_info(station, topic)
     nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
     names = ", ".join(sorted(nodes))
     text = f"no message on {topic} in {seconds:g} s"

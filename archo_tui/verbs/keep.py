@@ -18,7 +18,7 @@ class Keep(Verb):
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # A STOP is what it may record.
     help = f"Keep the last minute: record the last {SPAN:g} s and the next {SECONDS_AFTER:g} s"
-    begun = BEGUN
+    started_text = BEGUN
 
     async def run(self, station: Station, values: Values) -> Outcome:
         written: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()

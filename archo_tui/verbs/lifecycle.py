@@ -8,8 +8,8 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import ACTION, SERVICE, NodeState, Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.graph_names import full_name, nearest_node
 from archo_tui.words.goal import activity
 
 _FINAL = "finalized"  # The state from which there is no transition.
@@ -42,7 +42,7 @@ class Lifecycle(Verb):
             given["transition"] = values["transition"].lower()
         return given
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         if "transition" not in values:
             return None
         node, transition = values["node"], values["transition"]

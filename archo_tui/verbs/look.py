@@ -15,7 +15,7 @@ class Look(Verb):
 
     id, title, tells = "look", "Look", True
     help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"
-    begun = f"looking for nodes in the domains {DOMAINS[0]} to {DOMAINS[-1]} ..."
+    started_text = f"looking for nodes in the domains {DOMAINS[0]} to {DOMAINS[-1]} ..."
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.attached else "only a console with --attach has other domains"

@@ -13,8 +13,8 @@ from archo_tui.robot.state import LEVELS, Hosted
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.graph_names import full_name, nearest_node
 from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
 
@@ -49,7 +49,7 @@ class Nodes(Verb):
         ]
 
 
-class _OfNode(Verb):
+class _NodeVerb(Verb):
     """A verb for one node of this process."""
 
     arguments = (Argument("node"),)
@@ -65,7 +65,7 @@ class _OfNode(Verb):
         Raises:
             ArchoError: No node of this process has the name.
         """
-        hosted = {one.name: one for one in station.host.states()}
+        hosted = {node.name: node for node in station.host.states()}
         full = full_name(station.robot.snapshot, name, hosted)
         if full in hosted:
             return hosted[full]
@@ -80,8 +80,8 @@ class _OfNode(Verb):
         if self.starts:
             station.node_started()
         record = AuditRecord(self.id, {"node": name}, outcome.code)
-        said = f"{self.title.lower()} {name}: {outcome.text}"
-        station.robot.note("YOU", "console", said, audit_record=record)
+        text = f"{self.title.lower()} {name}: {outcome.text}"
+        station.robot.note("YOU", "console", text, audit_record=record)
         station.refresh()
         return outcome
 
@@ -90,7 +90,7 @@ class _OfNode(Verb):
         raise NotImplementedError
 
 
-class StartNode(_OfNode):
+class StartNode(_NodeVerb):
     id, title = "start", "Start"
     help = "Restart a node that was started here and has stopped or crashed"
     starts = True
@@ -99,7 +99,7 @@ class StartNode(_OfNode):
         return station.host.start_node
 
 
-class StopNode(_OfNode):
+class StopNode(_NodeVerb):
     id, title = "halt", "Stop"
     help = "Stop a node that was started here; asks first if the robot needs it now"
     may_ask = True
@@ -107,7 +107,7 @@ class StopNode(_OfNode):
     def work(self, station: Station) -> Callable[[str], Outcome]:
         return station.host.stop_node
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         goal, hosted = station.running_goal, self.found(station, values["node"])
         if goal is None or not hosted.life.is_running:
             return None
@@ -119,7 +119,7 @@ class StopNode(_OfNode):
         return Question("Stop a node", text, "Leave it", "Stop it")
 
 
-class DuplicateNode(_OfNode):
+class DuplicateNode(_NodeVerb):
     id, title = "copy", "Copy"
     help = "Start another copy of a node that was started here"
     may_ask = starts = True
@@ -127,7 +127,7 @@ class DuplicateNode(_OfNode):
     def work(self, station: Station) -> Callable[[str], Outcome]:
         return station.host.copy_node
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         hosted = self.found(station, values["node"])
         if not hosted.serves:
             return None

@@ -22,8 +22,8 @@ from archo_tui.robot.values import text_of
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.graph_names import full_name, nearest_node
 
 _NODE, _NAME = Argument("node"), Argument("name")
 _FILE = Argument("file")
@@ -50,7 +50,7 @@ def is_reported(station: Station, node: str) -> bool:
     return node in reported or station.age >= PATIENCE
 
 
-class _OfParameter(Verb):
+class _ParameterVerb(Verb):
     """A verb for one parameter."""
 
     def is_ready(self, station: Station, values: Values) -> bool:
@@ -78,7 +78,7 @@ class _OfParameter(Verb):
         return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")
 
 
-class Get(_OfParameter):
+class Get(_ParameterVerb):
     id, title, tells = "get", "Get a parameter", True
     help = "Show a parameter"
     arguments = (_NODE, _NAME)
@@ -94,7 +94,7 @@ class Get(_OfParameter):
         return None if parameter is None else as_data.parameter(_for_requester(parameter))
 
 
-class Set(_OfParameter):
+class Set(_ParameterVerb):
     id, title, acts = "set", "Set a parameter", True
     help = "Set a parameter; quotes work as in a shell, and empty text is ''"
     arguments = (_NODE, _NAME, Argument("value", rest=True))
@@ -134,7 +134,7 @@ class Undo(Verb):
     def is_answered(self, station: Station) -> bool:
         return not station.edits.is_changing
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         edits = station.edits
         others = edits.changed_since(station.robot.snapshot)
         if edits.last is None or not others:
@@ -195,7 +195,7 @@ def line(parameter: Parameter) -> str:
     return safe(", ".join(parts))  # A name may be any text, too.
 
 
-class _File(Verb):
+class _FileVerb(Verb):
     """A verb with a file that is checked before a question is asked."""
 
     arguments = (_FILE,)
@@ -212,7 +212,7 @@ class _File(Verb):
         return typed_path(values["file"])
 
 
-class Save(_File):
+class Save(_FileVerb):
     id, title = "save", "Save parameters"
     help = "Save all parameters to a ROS parameter file"
 
@@ -220,7 +220,7 @@ class Save(_File):
         path = self.path(values)
         return {"file": path, "exists": await in_daemon(os.path.exists, path)}
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         if not values["exists"]:
             return None
         text = f"{values['file']} already exists. Overwrite it?"
@@ -244,7 +244,7 @@ class Save(_File):
         return Outcome(Code.DONE, said)
 
 
-class Load(_File):
+class Load(_FileVerb):
     id, title = "load", "Load parameters"
     help = "Load a ROS parameter file; shows the changes first"
     acts = tells = True
@@ -254,7 +254,7 @@ class Load(_File):
         plan = await in_daemon(save_load.plan_load, path, parameters)
         return {"file": path, "plan": plan}
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         """Return the question, also if nothing can be changed: then its text says why."""
         plan = values["plan"]
         count = len(plan.changes)

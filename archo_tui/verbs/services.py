@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot_file.model import CommandService, Scalar
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
+from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.words.goal import activity
 
 _CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"
@@ -38,7 +38,7 @@ class Give(Verb):
         self.request: Mapping[str, Scalar] = dict.fromkeys(given.toggle, on)
         self.may_ask = given.ask != "never"
 
-    def asks(self, station: Station, values: Values) -> Question | None:
+    def question(self, station: Station, values: Values) -> Question | None:
         goal, given = station.running_goal, self.given
         if given.ask == "never" or (given.ask == "moving" and goal is None):
             return None

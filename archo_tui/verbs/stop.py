@@ -55,7 +55,7 @@ class ReleaseStop(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.release()
 
-    def asks(self, station: Station, values: Values) -> Question:
+    def question(self, station: Station, values: Values) -> Question:
         text = "Release the stop? Moves are allowed again; nothing resumes by itself."
         return Question("Release", text, "Stay stopped", "Release")
 
@@ -72,6 +72,6 @@ class GiveUpStop(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.robot.give_up_stop()
 
-    def asks(self, station: Station, values: Values) -> Question:
+    def question(self, station: Station, values: Values) -> Question:
         text = "The robot has not confirmed the STOP and may be driving. Send it no more?"
         return Question("Give up STOP", text, "Keep sending", "Give up")

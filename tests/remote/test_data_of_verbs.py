@@ -11,7 +11,7 @@ import pytest
 from archo_tui.paths import state_file
 from archo_tui.recording import box, store
 from archo_tui.robot.state import Latch
-from archo_tui.verbs.tell import Past
+from archo_tui.verbs.status import Past
 from tests.remote.test_waits import waited
 from tests.support import clock
 from tests.support.console import FAST

@@ -126,7 +126,7 @@ def test_without_a_console_every_verb_has_its_help() -> None:
     for verb in verbs_of_file().values():
         told = said(verb.id, "--help")
         assert (told.code, told.err) == (0, "")
-        assert told.out.startswith(f"{verb.explained}\n\noptions:\n")
+        assert told.out.startswith(f"{verb.help_line}\n\noptions:\n")
         assert ("--wait" in told.out, "--yes" in told.out) == (
             verb.has_goals,
             verb.may_ask,

@@ -167,7 +167,7 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
             assert (told.code, told.err) == (0, "")
             line, *rest = told.out.splitlines()
             if verb in spoken:
-                assert line == spoken[verb].explained
+                assert line == spoken[verb].help_line
             assert {word for row in rest for word in row.split()[:1] if word[0] == "-"} == options
         assert "STOP: confirmed" not in person.said
         for words in (["stop", "--help", "now"], ["STOP", "--help"]):

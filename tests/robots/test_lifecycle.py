@@ -101,7 +101,9 @@ async def test_a_transition_under_a_running_goal_asks() -> None:
         await op.press("g", "3", "enter")
         await op.until("12.0 m left")
         verb = op.app.verbs["lifecycle"]
-        question = verb.asks(op.session.station, {"node": "/navigator", "transition": "deactivate"})
+        question = verb.question(
+            op.session.station, {"node": "/navigator", "transition": "deactivate"}
+        )
         assert question is not None
         assert "and /navigator serves move_to_shelf" in question.text
         node.arrive()

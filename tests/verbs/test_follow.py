@@ -12,7 +12,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, Header
 
 import archo_tui
-from archo_tui.verbs.inspect import Echo, Shown
+from archo_tui.verbs.inspect import Echo, FollowedMessage
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
 from tests.support.shells import heard, raw, served, typed
@@ -180,7 +180,7 @@ async def test_the_subscription_ends_with_its_shell() -> None:
 
 
 async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
-    shown: list[Shown] = []
+    shown: list[FollowedMessage] = []
     may_show = False
     async with operated(Talker) as person:
         station = person._plain._station

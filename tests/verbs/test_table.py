@@ -161,8 +161,8 @@ async def test_a_node_is_asked_for_alike_by_key_and_line() -> None:
 def test_each_way_of_a_toggle_says_what_it_does() -> None:
     unnamed = replace(ARCHO.commands[0], id="light", title="Light", off="")
     made = verbs(replace(ARCHO, commands=(*ARCHO.commands, unnamed)), FORMS)
-    assert made["discharge"].explained == "discharge: Stop charging"
-    assert made["light_off"].explained == "light_off: Switch light off"
+    assert made["discharge"].help_line == "discharge: Stop charging"
+    assert made["light_off"].help_line == "light_off: Switch light off"
 
 
 def test_a_command_of_the_file_that_does_not_move_the_robot_says_so() -> None:

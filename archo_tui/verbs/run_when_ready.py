@@ -1,4 +1,4 @@
-"""The run of a verb from values to outcome, for every frontend."""
+"""The run of a verb, from its values to its outcome: the same for every frontend."""
 
 from __future__ import annotations
 
@@ -15,19 +15,22 @@ Until = Callable[[Callable[[], object], float], Awaitable[None]]
 Ask = Callable[[Question], Awaitable[None]]
 
 
-async def speak(
+async def run_when_ready(
     station: Station, verb: Verb, values: Values, until: Until, ask: Ask | None
 ) -> Outcome:
-    """Run a verb if it can run: wait for a robot that was only just found, and ask its question.
+    """Run a verb, once the robot is found and earlier requests are answered.
 
-    It also waits for the answers that decide about the verb (`Verb.is_answered`).
+    Its question is asked first. If the verb cannot run, nothing is sent.
 
     Args:
         station: The station.
         verb: The verb.
         values: Its values.
-        until: Waits for a condition with a deadline.
-        ask: Asks a question; None means that it is answered already.
+        until: Waits for a condition, with a deadline.
+        ask: Asks a question; None if the person has answered it already, as with `--yes`.
+
+    Returns:
+        The outcome; WATCHING or REFUSED with the reason if the verb cannot run.
 
     Raises:
         ArchoError: A name means nothing, or a file is not valid.
@@ -54,7 +57,7 @@ async def speak(
     if refusal:
         return Outcome(Code.WATCHING if station.robot.watching else Code.REFUSED, refusal)
     values = await verb.prepare(station, values)
-    question = verb.asks(station, values)
+    question = verb.question(station, values)
     if question is not None and question.go and ask is not None:
         await ask(question)
         if is_void and gate.is_shut:
