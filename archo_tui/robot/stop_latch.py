@@ -9,13 +9,15 @@ The rules, each of which is checked in one method:
    so does another console that releases it (`released_elsewhere`).
 4. A robot that reports it decides by its reports: `on_motion`.
 5. A robot that moves on behind a confirmed STOP does not obey: `is_not_obeyed`.
+6. If every node that confirmed it was run by this process, and all of them have left, nothing
+   holds it any more: `check_holders`. A release then forgets it, since no node could confirm one.
 
 Nothing is sent from here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from archo_tui.clock import Clock
 from archo_tui.robot.graph import Graph
@@ -39,10 +41,16 @@ class StopLatch:
         other_turn: The turn in which another console reported its last STOP; 0: none did.
         asked: The nodes that the last STOP of this console was sent to.
         is_not_obeyed: True if the robot reports that it moves although it has confirmed a STOP.
+        holders_have_ended: True if nothing holds the STOP any more (rule 6).
     """
 
     def __init__(
-        self, service: str, clock: Clock, graph: Graph, on_change: Callable[[], None]
+        self,
+        service: str,
+        clock: Clock,
+        graph: Graph,
+        own_nodes: Callable[[], Collection[str]],
+        on_change: Callable[[], None],
     ) -> None:
         """Remember nothing yet.
 
@@ -50,10 +58,11 @@ class StopLatch:
             service: The STOP's service as in the robot file; empty: the robot has none.
             clock: The console's clock.
             graph: Tells which nodes serve the STOP.
-            on_change: Called when `state` or `doubt` has changed.
+            own_nodes: Returns the full names of the nodes that this process runs.
+            on_change: Called when `state`, `doubt` or `holders_have_ended` has changed.
         """
         self._service, self._clock, self._graph = service, clock, graph
-        self._on_change = on_change
+        self._own_nodes, self._on_change = own_nodes, on_change
         self.state = Latch.NONE
         self.doubt = ""
         self.time = 0.0
@@ -61,9 +70,11 @@ class StopLatch:
         self.other_turn = 0
         self.asked: Ids = {}
         self.is_not_obeyed = False
+        self.holders_have_ended = False
         self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
         self._other_console = ""  # The console that sent the STOP; empty: this one.
         self._holders: Ids = {}  # The nodes that confirmed it.
+        self._is_held_here = False  # All of them were run by this process.
         self._stopped_early: set[str] = set()  # Nodes that carried it out before they spun.
         self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
         self._reports_stop = False  # The robot reports whether it is stopped.
@@ -83,11 +94,14 @@ class StopLatch:
         # They may have left by now: any node that comes later would pass for them.
         self._holders = self._graph.holders(self._service) or self.asked
         self._stopped_early.clear()
+        self._is_held_here = bool(self._holders) and self._holders.keys() <= {*self._own_nodes()}
+        self.holders_have_ended = False
 
     def release(self) -> None:
         """Forget the STOP: something was accepted behind it."""
         self.state, self._lasting_doubt = Latch.NONE, ""
         self.released, self._sent = self._clock.monotonic(), None
+        self.holders_have_ended = False
 
     def expect_standstill(self, sent: float) -> None:
         """Expect the robot to stop, at least once, within OBEYED (rule 5).
@@ -137,10 +151,23 @@ class StopLatch:
             self._on_change()
 
     def check_holders(self) -> None:
-        """Compare the nodes that serve the STOP now with those that confirmed it (rule 2)."""
-        if self.state is Latch.NONE or not self._service or self._lasting_doubt:
+        """Compare the nodes that serve the STOP now with those that confirmed it (rules 2, 6)."""
+        if self.state is Latch.NONE or not self._service:
             return
-        now, before = self._graph.holders(self._service), (self.state, self.doubt)
+        before = (self.state, self.doubt, self.holders_have_ended)
+        now = self._graph.holders(self._service)
+        self.holders_have_ended = self._is_held_here and not now
+        if not self._lasting_doubt:
+            self._compare_holders(now)
+        if before != (self.state, self.doubt, self.holders_have_ended):
+            self._on_change()
+
+    def _compare_holders(self, now: Ids) -> None:
+        """Make the STOP certain or uncertain (rule 2).
+
+        Args:
+            now: The nodes that serve it.
+        """
         stopped_early = {node: ids for node, ids in now.items() if node in self._stopped_early}
         expected = {**self._holders, **stopped_early}
         if not self._holders or now == expected:
@@ -153,8 +180,6 @@ class StopLatch:
             self.doubt = f"{new[0]} was started since" if new else f"{gone[0]} has left"
             if new:
                 self._nodes_changed = self._clock.monotonic()
-        if before != (self.state, self.doubt):
-            self._on_change()
 
     def on_motion(self, motion: Motion) -> None:
         """Record a message about the motion; call it only if a single node publishes it."""

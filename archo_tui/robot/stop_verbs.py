@@ -18,6 +18,9 @@ from archo_tui.robot.stops import Gate, Stops
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file.model import NO_STOP, RobotFile
 
+# The outcome of a release for which there is no server, and no need.
+HELD_BY_NOBODY = "every node that held the STOP has ended here; nothing was sent"
+
 
 class StopVerbs:
     """The verbs about STOP. All but `early_stop_request` are called on the event loop."""
@@ -93,6 +96,10 @@ class StopVerbs:
 
         async def call(gate: Gate) -> Outcome:
             turn = self._services.turn()
+            if self._is_held_by_nobody(name):
+                gate()
+                self._stopping.accepted(turn)
+                return Outcome(Code.DONE, HELD_BY_NOBODY)
             outcome = await self._caller.call_named(name, request, gate, late)
             if outcome.ok:
                 self._stopping.accepted(turn)
@@ -101,6 +108,17 @@ class StopVerbs:
         ros2 = self._checks.call_command(name, request)
         late = self._runner.late_report("release stop", "release")
         return await self._runner.run("release", {}, "release stop", ros2, call)
+
+    def _is_held_by_nobody(self, release: str) -> bool:
+        """Return whether the STOP can only be forgotten: every node that held it has ended here.
+
+        Args:
+            release: The service that releases a STOP, as in the robot file.
+        """
+        self._stopping.latch.check_holders()
+        is_confirmed = self._stopping.open is None
+        has_ended = self._stopping.latch.holders_have_ended
+        return is_confirmed and has_ended and release not in self._graph.offered
 
     async def give_up_stop(self) -> Outcome:
         """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""

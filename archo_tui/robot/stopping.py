@@ -16,7 +16,7 @@ What a confirmed STOP means from then on is in `stop_latch.py`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from rclpy.node import Node
 
@@ -54,6 +54,7 @@ class Stopping:
         pending: Services,
         graph: Graph,
         checks: InterfaceChecks,
+        own_nodes: Callable[[], Collection[str]],
         on_change: Callable[[], None],
         report: Callable[[str, Code], None],
     ) -> None:
@@ -66,6 +67,7 @@ class Stopping:
             pending: Makes the calls.
             graph: Tells which services are offered.
             checks: Tell the types of services.
+            own_nodes: Returns the full names of the nodes that this process runs.
             on_change: Called when `open` or `latch` has changed.
             report: Called with the text and code of an outcome that no verb waits for any more.
         """
@@ -74,7 +76,9 @@ class Stopping:
         self._on_change, self._report = on_change, report
         self._begun = clock.monotonic()
         self.open: OpenStop | None = None
-        self.latch = StopLatch("" if stop is None else stop.service, clock, graph, on_change)
+        self.latch = StopLatch(
+            "" if stop is None else stop.service, clock, graph, own_nodes, on_change
+        )
         self._first_turn = 0  # Of the open STOP: an answer to an earlier call is not to it.
         self._answered_turn = 0  # Of the last call whose answer is shown.
         self._confirmed: tuple[float, float] | None = None  # When the last one left, was confirmed.

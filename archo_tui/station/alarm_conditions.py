@@ -100,11 +100,11 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
         text = open_stop_texts(snapshot, snapshot.open_stop, now)[0]
         yield STOP_UNCONFIRMED, f"{text}: use the hardware stop"
     if snapshot.latch is Latch.UNCERTAIN:
-        yield (
-            STOP_UNCERTAIN,
-            f"STOP OF {time_of_day(snapshot.latch_time)[:-3]} IS NO LONGER CERTAIN: "
-            f"{snapshot.latch_doubt}: stop again, or release it",
-        )
+        remedy = f"{snapshot.latch_doubt}: stop again, or release it"
+        if snapshot.stop_held_by_nobody:
+            remedy = "every node that held it has ended here: release it"
+        at = time_of_day(snapshot.latch_time)[:-3]
+        yield STOP_UNCERTAIN, f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
     stop = snapshot.file.stop
     if stop is not None and stop.service in snapshot.duplicate_servers:
         nodes = snapshot.duplicate_servers[stop.service]

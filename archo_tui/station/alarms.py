@@ -121,6 +121,11 @@ class Alarm(NamedTuple):
         return _PRIORITIES[kind_of(self.name)]
 
     @property
+    def short_text(self) -> str:
+        """The first part of the text: what is the case, without what to do."""
+        return self.text.partition(": ")[0]
+
+    @property
     def is_over(self) -> bool:
         """True if its condition no longer holds."""
         return self.until is not None

@@ -136,7 +136,7 @@ def banner(view: ScreenState, width: int) -> Content:
 
 def past_alarm(alarm: Alarm) -> str:
     """Return `was: STOPPED, since 12:04:31, over at 12:05:02`."""
-    text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
+    text = f"was: {alarm.short_text}, since {time_of_day(alarm.since)}"
     return text if alarm.until is None else f"{text}, over at {time_of_day(alarm.until)}"
 
 

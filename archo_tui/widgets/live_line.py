@@ -56,10 +56,9 @@ def live_line(view: ScreenState, width: int) -> Content:
 
 def _alarm_texts(alarm: Alarm) -> list[str]:
     """Return what an alarm says, the shortest text last; of one that is over, that it was."""
-    name = alarm.text.partition(":")[0]
-    texts = [alarm.text, name]
+    texts = [alarm.text, alarm.short_text]
     if alarm.until is not None:
-        texts = [past_alarm(alarm), f"was: {name}"]
+        texts = [past_alarm(alarm), f"was: {alarm.short_text}"]
     return [f"{alarm.priority.glyph} {harmless(text)}" for text in texts]
 
 

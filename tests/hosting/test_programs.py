@@ -25,6 +25,7 @@ from archo_tui.hosting import hosted_program
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.stop_verbs import HELD_BY_NOBODY
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen
@@ -282,6 +283,44 @@ def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
         assert asyncio.run(session.robot.release_emergency_stop()).ok
         assert session.host.start_node("/late").ok
         wait_until(lambda: said() == ["made"])
+
+
+MOTOR = """
+import rclpy
+from archo_interfaces.srv import EmergencyStop
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Motor(Node):
+    def __init__(self):
+        super().__init__("motor_controller")
+        self.create_service(EmergencyStop, "emergency_stop", self.agree)
+        self.create_service(Trigger, "release_emergency_stop", self.agree)
+
+    def agree(self, request, response):
+        response.success = True
+        return response
+
+
+rclpy.init()
+rclpy.spin(Motor())
+"""
+
+
+def test_a_stop_whose_program_has_ended_is_released_by_forgetting_it() -> None:
+    with running(written("motor.py", MOTOR)) as session:
+        robot = session.robot
+        wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+        assert asyncio.run(robot.emergency_stop()).ok
+        assert session.host.stop_node("/motor_controller").ok
+        wait_until(lambda: robot.snapshot.stop_held_by_nobody)
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        assert not session.host.start_node("/motor_controller").ok
+        assert asyncio.run(robot.release_emergency_stop()) == (Code.DONE, HELD_BY_NOBODY)
+        wait_until(lambda: not robot.snapshot.is_stopped)
+        assert session.host.start_node("/motor_controller").ok
+        wait_until(lambda: "emergency_stop" in robot.snapshot.offered)
 
 
 def test_a_program_takes_the_place_of_the_robots_own_node() -> None:

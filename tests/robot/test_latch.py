@@ -156,6 +156,9 @@ async def test_of_one_that_has_left_it_is_never_shown_as_stopped() -> None:
         assert "/motor_controller has left" in found["stop not certain"]
         assert "stopped" not in found
         assert not it.snapshot.says_stopped
+        await until(lambda: "release_emergency_stop" not in it.snapshot.offered)
+        assert (await ended(it.release_emergency_stop())).code == Code.NOT_OFFERED
+        assert it.snapshot.is_stopped
         elsewhere.motor = elsewhere._made()
 
 

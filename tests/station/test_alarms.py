@@ -246,9 +246,9 @@ def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
 
 def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
     board = AlarmBoard()
-    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update({STOPPED: "STOPPED AT 12:04: look"}, 0, 100)
     board.update({}, 1, 101)
-    assert shown(board).startswith("▲ was: STOPPED, since ")
+    assert shown(board).startswith("▲ was: STOPPED AT 12:04, since ")
 
 
 def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
