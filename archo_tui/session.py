@@ -214,8 +214,8 @@ class Session:
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
             self._undo_init()
-            said, name = str(error).splitlines()[:2]  # The third line points at the character.
-            raise ArchoError(f"{said} {name.strip()}") from None
+            text, name = str(error).splitlines()[:2]  # The third line points at the character.
+            raise ArchoError(f"{text} {name.strip()}") from None
         except BaseException:
             self._undo_init()
             raise
@@ -323,8 +323,8 @@ class Session:
         except expected as error:
             from archo_tui.hosting.explain import reason_of
 
-            said = f"{name}: {reason_of(error)}"
-            raise ArchoError(f"{said}: --only leaves the robot's own nodes out") from None
+            text = f"{name}: {reason_of(error)}"
+            raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
 
     def _make_program(self, *arguments: Any) -> HostedProgram:
         """Make a program of the engine's kind: a thread, or on ROS 2 a child process."""
@@ -361,11 +361,11 @@ class Session:
 
     def _refused(self, message: str) -> str:
         """Return the line for a parameter value that a node refused at the start."""
-        said, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
+        text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
         for override in reversed(self._overrides):
             # Otherwise it is one of --ros-args.
-            if override.name == name and str(override.value) in said:
-                return f"{override.where}: {said}"
+            if override.name == name and str(override.value) in text:
+                return f"{override.where}: {text}"
         return message
 
     def start(self) -> None:

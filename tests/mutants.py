@@ -346,7 +346,7 @@ FAULTS = [
     Fault(E + "lifecycle/_states.py", "    if state == error:\n", "    if False:\n", CONTRACT),
     Fault(E + "lifecycle/publisher.py", "    @SimpleManagedEntity.when_enabled\n", "", CONTRACT),
     Fault(E + "lifecycle/node.py", "            if said != _SUCCESS:\n                return said\n", "", CONTRACT),
-    Fault("session.py", " and str(override.value) in said", "", "tests/test_cli.py"),
+    Fault("session.py", " and str(override.value) in text", "", "tests/test_cli.py"),
     Fault("terminal/compositor.py", "        if self._dirty is None:  # Everything is to be drawn.\n", "        if True:\n", "tests/screens/test_compositor.py"),
     Fault("station/history.py", "            del column[:-_KEPT]", "            pass", "tests/station/test_history.py"),
     # coroutines, executors, groups, handles and surfaces as rclpy's; our own errors without their class

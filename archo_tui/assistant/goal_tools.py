@@ -77,9 +77,9 @@ class GoTool(Tool):
             )
             return ToolAnswer(code, summary, robot_part_of(result))
         if code == "misuse":
-            told = {**robot_part_of(result), "goals": await _goals(connection)}
+            data = {**robot_part_of(result), "goals": await _goals(connection)}
             summary = "Nothing was asked: this kind of goal or its values cannot be meant."
-            return failure(code, f"{summary} `goals` are those that there are.", told)
+            return failure(code, f"{summary} `goals` are those that there are.", data)
         if code in _NO_REQUEST:
             summary = "This answer is not understood: look at `status` before anything else."
             return failure("not_confirmed", summary, robot_part_of(result))
@@ -159,8 +159,8 @@ async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
     Raises:
         Unreached: There is no console, or it does not answer.
     """
-    told = (await connection.request(words=["goals"])).get("data")
-    goals = [goal for goal in told if isinstance(goal, dict)] if isinstance(told, list) else []
+    listed = (await connection.request(words=["goals"])).get("data")
+    goals = [goal for goal in listed if isinstance(goal, dict)] if isinstance(listed, list) else []
     return [
         {
             "kind": goal["kind"],

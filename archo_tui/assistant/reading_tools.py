@@ -28,8 +28,8 @@ class _VerbTool(Tool):
             return failure(
                 result["code"], f"{self.name}: this was not answered.", robot_part_of(result)
             )
-        summary, told = self.summarize(result, given)
-        return ToolAnswer("done", summary, told)
+        summary, data = self.summarize(result, given)
+        return ToolAnswer("done", summary, data)
 
     def words(self, given: dict[str, Any]) -> list[str]:
         """Return the verb and its arguments."""
@@ -122,8 +122,8 @@ class HistoryTool(_VerbTool):
                 measured[name] = [{"age": 60.0 * age, "value": known.get(age)} for age in ages]
             else:
                 ends.append(text)
-        told = {"source": "measured", "values": measured, "goals": ends}
-        return f"The last {minutes} min, and how the last goals ended.", told
+        data = {"source": "measured", "values": measured, "goals": ends}
+        return f"The last {minutes} min, and how the last goals ended.", data
 
 
 class ParametersTool(_VerbTool):
@@ -160,12 +160,12 @@ class ParametersTool(_VerbTool):
                 for parameter in found
                 if str(parameter.get("node", "")).strip("/") == wanted
             ]
-        told = {
+        data = {
             "age": None,  # The console does not tell when a node reported them.
             "source": "commanded",
             "parameters": found,
         }
-        return f"{len(found)} parameters, as their nodes reported them.", told
+        return f"{len(found)} parameters, as their nodes reported them.", data
 
 
 class InterfaceTool(_VerbTool):
@@ -221,10 +221,10 @@ class EchoTool(_VerbTool):
 
     def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
         message = result.get("data")
-        told = {"age": None, "message": message}
+        data = {"age": None, "message": message}
         if message is None:  # It is too large for data.
-            told["message"] = str(result.get("text", "")).splitlines()
-        return "The last message that was received.", told
+            data["message"] = str(result.get("text", "")).splitlines()
+        return "The last message that was received.", data
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:

@@ -14,33 +14,33 @@ MAX_ITEMS = 100  # Of a list or an object.
 _MAX_DEPTH = 8  # Levels of nesting.
 
 
-def sanitize(told: Any, depth: int = _MAX_DEPTH) -> Any:
+def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
     """Return a value in JSON's types, with a note for whatever is cut.
 
     Numbers that JSON lacks become texts.
 
     Args:
-        told: The value.
+        value: The value.
         depth: The levels of nesting that are kept.
     """
-    if told is None or isinstance(told, bool):
-        return told
-    if isinstance(told, str):
-        return harmless(told)
-    if isinstance(told, (int, float)):
-        is_usual = math.isfinite(told) if isinstance(told, float) else fits_an_integer(told)
-        return told if is_usual else f"a number that is not shown: {_in_words(told)}"
-    if depth == 0 or not isinstance(told, (list, tuple, Mapping)):
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str):
+        return harmless(value)
+    if isinstance(value, (int, float)):
+        is_usual = math.isfinite(value) if isinstance(value, float) else fits_an_integer(value)
+        return value if is_usual else f"a number that is not shown: {_in_words(value)}"
+    if depth == 0 or not isinstance(value, (list, tuple, Mapping)):
         return "not shown: too deep"
-    left_out = len(told) - MAX_ITEMS
+    left_out = len(value) - MAX_ITEMS
     more = f"{left_out} more are left out"
-    if isinstance(told, Mapping):
+    if isinstance(value, Mapping):
         shown = {
-            harmless(str(name)): sanitize(value, depth - 1)
-            for name, value in islice(told.items(), MAX_ITEMS)
+            harmless(str(name)): sanitize(item, depth - 1)
+            for name, item in islice(value.items(), MAX_ITEMS)
         }
         return {**shown, "...": more} if left_out > 0 else shown
-    items = [sanitize(value, depth - 1) for value in told[:MAX_ITEMS]]
+    items = [sanitize(item, depth - 1) for item in value[:MAX_ITEMS]]
     return [*items, more] if left_out > 0 else items
 
 

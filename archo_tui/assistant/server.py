@@ -51,9 +51,10 @@ async def _serve(goals: bool, to: str) -> None:
         )
 
     async def call_tool(_context: Any, asked: types.CallToolRequestParams) -> types.CallToolResult:
-        told, failed = await call_tool_by_name(known, connection, asked.name, asked.arguments or {})
-        text = types.TextContent(type="text", text=json.dumps(told, ensure_ascii=False))
-        return types.CallToolResult(content=[text], structured_content=told, is_error=failed)
+        arguments = asked.arguments or {}
+        answer, failed = await call_tool_by_name(known, connection, asked.name, arguments)
+        text = types.TextContent(type="text", text=json.dumps(answer, ensure_ascii=False))
+        return types.CallToolResult(content=[text], structured_content=answer, is_error=failed)
 
     server: Server[dict[str, Any]] = Server(
         "archo-tui",
@@ -77,7 +78,7 @@ async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -
     if isinstance(name, str) and is_stop_text(name):
         given = params.get("arguments")
         given = given if isinstance(given, dict) else {} if given is None else {"given": given}
-        kept = {one: value for one, value in params.items() if one == "_meta"}
+        kept = {name: value for name, value in params.items() if name == "_meta"}
         ctx = replace(ctx, params={"name": "stop", "arguments": given, **kept})
     return await call_next(ctx)
 

@@ -33,12 +33,12 @@ class ToolAnswer(NamedTuple):
         Args:
             notice: What else the assistant must know, such as a restart of the console; or "".
         """
-        told: dict[str, Any] = {"code": self.code, "summary": self.summary}
+        answer: dict[str, Any] = {"code": self.code, "summary": self.summary}
         if notice:
-            told["news"] = notice
+            answer["news"] = notice
         if self.robot is not None:
-            told |= {"note": NOTE, "from_the_robot": sanitize(self.robot)}
-        return told
+            answer |= {"note": NOTE, "from_the_robot": sanitize(self.robot)}
+        return answer
 
 
 def failure(code: str, summary: str, robot: Any = None) -> ToolAnswer:
@@ -54,7 +54,7 @@ def robot_part_of(result: dict[str, Any]) -> Any:
     Args:
         result: The result, as docs/protocol.md lists its names and values.
     """
-    told: dict[str, Any] = {"said": str(result.get("text", "")).splitlines()}
+    answer: dict[str, Any] = {"said": str(result.get("text", "")).splitlines()}
     if result.get("data") is not None:
-        told["data"] = result["data"]
-    return told
+        answer["data"] = result["data"]
+    return answer

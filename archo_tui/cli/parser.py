@@ -54,9 +54,9 @@ class _Formatter(argparse.HelpFormatter):
 
 def _columns() -> int:
     """Return the width of the terminal or COLUMNS; 80 without a terminal."""
-    said = os.environ.get("COLUMNS", "")
-    if said.isdecimal() and int(said):
-        return int(said)
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns):
+        return int(columns)
     try:
         return os.get_terminal_size(1).columns or 80
     except OSError:

@@ -25,8 +25,8 @@ def require_terminal(stdin: TextIO | None) -> None:
         os.environ.pop(name, None)
     term = os.environ.get("TERM", "")
     if term in ("", "dumb", "unknown"):
-        said = f"TERM is {term}" if term else "TERM is not set"
-        raise ArchoError(f"{said}: this terminal cannot show a screen, use --plain")
+        term_text = f"TERM is {term}" if term else "TERM is not set"
+        raise ArchoError(f"{term_text}: this terminal cannot show a screen, use --plain")
     streams = {"stdin": stdin, "stdout": sys.stdout}
     if sys.platform != "win32":  # Textual's driver for POSIX draws on standard error.
         streams["stderr"] = sys.__stderr__

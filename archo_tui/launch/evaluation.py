@@ -99,9 +99,9 @@ def _perform(
         context.note(
             Place(path, 0), f"{name}:={given[name]}: this launch file has no argument {name}{near}"
         )
-    told = " ".join(note["text"] for note in context.notes)
+    notes = " ".join(note["text"] for note in context.notes)
     for package, place in ament_index.index.missing.items():
-        if f"{package} is not here" not in told:
+        if f"{package} is not here" not in notes:
             near = ament_index.index.workspace.nearest_package_hint(package)
             context.note(place, f"package {package} is not here{near}: its folder has no files")
 

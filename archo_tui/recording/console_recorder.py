@@ -80,12 +80,12 @@ class ConsoleRecorder:
 
         def on_disk(name: str, failure: str) -> None:
             self.kept = name or self.kept
-            said = Outcome(Code.DONE, f"recorded {name}")
+            outcome = Outcome(Code.DONE, f"recorded {name}")
             if failure:
-                said = Outcome(Code.REFUSED, f"recording not written: {failure}")
+                outcome = Outcome(Code.REFUSED, f"recording not written: {failure}")
             if loop is not None and written is not None:
                 with suppress(RuntimeError):  # The loop is closed if the console has ended.
-                    loop.call_soon_threadsafe(written, said)
+                    loop.call_soon_threadsafe(written, outcome)
 
         self._box.trigger(KEPT, by_hand=True, on_written=on_disk)
         return Outcome(Code.DONE, BEGUN)
@@ -104,5 +104,5 @@ def _to_log(event: Event, _first: bool) -> Log:
 
 
 def _to_string(view: View, first: bool) -> Any:
-    said = to_data(console_state(view, with_events=first))
-    return String(data=json.dumps(said, ensure_ascii=False, separators=(",", ":")))
+    state = to_data(console_state(view, with_events=first))
+    return String(data=json.dumps(state, ensure_ascii=False, separators=(",", ":")))

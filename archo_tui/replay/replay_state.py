@@ -193,8 +193,9 @@ class ReplayState:
         if before and self.goal and before.number == self.goal.number:
             newer = (before.heard or 0.0) > (self.goal.heard or 0.0)
             if newer and self.goal.is_running:  # A feedback came after the state was made.
-                told = {name: getattr(before, name) for name in ("heard", "remaining", "feedback")}
-                self.goal = self.goal._replace(**told)
+                names = ("heard", "remaining", "feedback")
+                received = {name: getattr(before, name) for name in names}
+                self.goal = self.goal._replace(**received)
         if state.events:
             self._log = EventLog.of(state.events)
         if not self._telemetry.charge:

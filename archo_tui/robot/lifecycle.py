@@ -97,8 +97,8 @@ class Lifecycles:
         )
 
     def _shown(self, node: str) -> str:
-        told = [self._words[node], _NO_ANSWER if node in self._silent else ""]
-        return ", ".join(filter(None, told))
+        words = [self._words[node], _NO_ANSWER if node in self._silent else ""]
+        return ", ".join(filter(None, words))
 
     def word(self, node: str) -> str:
         """Return the state of a node; "" if it is not managed, or has not answered."""

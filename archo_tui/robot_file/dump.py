@@ -34,7 +34,7 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
         pose=None if pose is None or pose.topic in names else pose,
         goals=tuple(kind for kind in robot.goals if kind.action not in names),
         stop=None if stop is None or stop.service in names else stop,
-        commands=tuple(one for one in robot.commands if one.service not in names),
+        commands=tuple(command for command in robot.commands if command.service not in names),
         gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
         diagnostics="" if robot.diagnostics in names else robot.diagnostics,
     )

@@ -93,9 +93,9 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
     used: set[str] = set()
     entries = tuple(_named(entry, where, used) for entry, _ in chosen)
-    told = {sighting.name for _, sighting in chosen}
-    told |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
-    unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in told)
+    used = {sighting.name for _, sighting in chosen}
+    used |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
+    unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in used)
     return Proposal(where, entries, unknown)
 
 

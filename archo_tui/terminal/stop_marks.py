@@ -44,7 +44,7 @@ def stops_before(message: Message) -> int | None:
     if not message._prevent:  # True of most messages.
         return None
     found: set[object] = {*message._prevent}
-    return min((one.stops for one in found if isinstance(one, StopMark)), default=None)
+    return min((mark.stops for mark in found if isinstance(mark, StopMark)), default=None)
 
 
 class InputTime(NamedTuple):
@@ -77,7 +77,7 @@ def marks_of(message: Message, pump: MessagePump) -> AbstractContextManager[None
 def input_of(message: Message) -> InputTime | None:
     """Return the input that a message results from, or None for what nobody typed."""
     found: set[object] = {*message._prevent}
-    return next((one for one in found if isinstance(one, InputTime)), None)
+    return next((mark for mark in found if isinstance(mark, InputTime)), None)
 
 
 def dispatch(
