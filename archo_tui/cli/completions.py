@@ -74,7 +74,16 @@ def completion_script(shell: str) -> str:
     subparser = commands.add_parser("wait", help=wait, description=wait)
     _add_options(subparser, options_of("wait"))
     subparser.add_argument("state", choices=("idle", "arrived", "ready", "stopped", "battery"))
-    return str(shtab.complete(parser, shell=shell, preamble=_PREAMBLE[shell]))
+    script = str(shtab.complete(parser, shell=shell, preamble=_PREAMBLE[shell]))
+    return _with_repeated_words(script) if shell == "zsh" else script
+
+
+def _with_repeated_words(script: str) -> str:
+    """Let zsh complete each word of an argument that takes several, as the shelves of `go`.
+
+    shtab writes such an argument as `(*)`, with which zsh completes the first word only.
+    """
+    return script.replace('"(*)::', '"*:').replace('"(*):', '"*:')
 
 
 def _add_completers(parser: argparse.ArgumentParser) -> None:

@@ -90,6 +90,10 @@ def test_one_line_installs_the_completions_of_a_shell(shell: str, run: Callable[
     assert LINES[shell] in page.read_text(encoding="utf-8")
 
 
+def test_zsh_completes_every_shelf_of_a_line() -> None:
+    assert '"*:Shelf:_archo_tui_ask"' in completions_of("zsh")
+
+
 @needs_bash
 @pytest.mark.parametrize(
     ("words", "wanted"),
