@@ -67,10 +67,8 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
     assert process.stdout
     assert process.stderr
     answer, printed = bytearray(), bytearray()
-    readers = [
-        threading.Thread(target=_keep, args=(process.stdout, answer, _MAX_ANSWER), daemon=True),
-        threading.Thread(target=_keep, args=(process.stderr, printed, _MAX_PRINTED), daemon=True),
-    ]
+    kept = (process.stdout, answer, _MAX_ANSWER), (process.stderr, printed, _MAX_PRINTED)
+    readers = [threading.Thread(target=_read_all, args=each, daemon=True) for each in kept]
     for reader in readers:
         reader.start()
     try:
@@ -91,8 +89,11 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
     return Reply(value, bytes(printed).decode(errors="replace"), process.wait())
 
 
-def _keep(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end, and keep the first bytes and one more."""
+def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
+    """Read a pipe to its end, and keep its first `limit` bytes and one more.
+
+    The one more tells that there were too many.
+    """
     with pipe, contextlib.suppress(OSError, ValueError):
         while chunk := os.read(pipe.fileno(), 65_536):
             kept += chunk[: limit + 1 - len(kept)]

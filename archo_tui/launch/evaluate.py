@@ -16,14 +16,14 @@ _CHILD = "archo_tui.launch.evaluation"
 
 
 class LaunchFileError(UserFileError):
-    """A launch file is wrong."""
+    """The error for a launch file, or an argument of it, that is wrong."""
 
 
 def parse_arguments(words: Iterable[str]) -> dict[str, str]:
-    """Return the values of `name:=value` words; of several of a name the last.
+    """Return the values of words such as `use_sim:=true`, by name; the last one of a name wins.
 
     Raises:
-        ArchoError: A word is none.
+        ArchoError: A word is not `name:=value`.
     """
     found = {}
     for word in words:
@@ -55,7 +55,7 @@ def evaluate(
     Raises:
         LaunchFileError: The file is wrong, or does not return.
     """
-    value, printed = _ask(given, workspace, prefix, arguments, False, seconds)
+    value, printed = _evaluate_in_process(given, workspace, prefix, arguments, False, seconds)
     names = _Names(given)
     notes = [names.note(note) for note in value["notes"]]
     notes += [LaunchNote("WARN", given, problem) for problem in workspace.problems]
@@ -85,11 +85,11 @@ def launch_arguments(
     Raises:
         LaunchFileError: The file is wrong, or does not return.
     """
-    value, _ = _ask(given, workspace, prefix, {}, True, seconds)
+    value, _ = _evaluate_in_process(given, workspace, prefix, {}, True, seconds)
     return _arguments(value["arguments"])
 
 
-def _ask(
+def _evaluate_in_process(
     given: str,
     workspace: Workspace,
     prefix: Path,
@@ -97,7 +97,11 @@ def _ask(
     only_arguments: bool,
     seconds: float,
 ) -> tuple[Any, str]:
-    """Return the answer of the process, and what the file's code printed."""
+    """Let `evaluation.py` evaluate the file in a process of its own.
+
+    Returns:
+        Its answer as JSON has it, and what the code of the file printed.
+    """
     path = Path(given).resolve()
     if not path.is_file():
         raise LaunchFileError(f"{given}: there is no such launch file")
@@ -123,7 +127,7 @@ def _ask(
 
 
 class _Names:
-    """The names of files in messages: the launch file as typed, others without their folder."""
+    """The names of files for messages: the launch file as typed, others without their folder."""
 
     def __init__(self, given: str) -> None:
         self._given, self._path = given, str(Path(given).resolve())
@@ -137,10 +141,10 @@ class _Names:
 
 
 def _program(found: Mapping[str, Any], workspace: Workspace) -> LaunchedProgram:
-    """Return a program with its entry point.
+    """Return a program that the evaluation found, with the function that it runs.
 
     Raises:
-        ArchoError: The package or the executable is not here.
+        ArchoError: There is no such package or executable here.
     """
     entry_point = workspace.entry_point(found["package"], found["executable"])
     changed: dict[str, Any] = {name: tuple(found[name]) for name in ("ros_args", "arguments")}

@@ -120,7 +120,7 @@ def _as_json(found: DeclaredArgument) -> dict[str, Any]:
 
 
 def _described(error: BaseException, context: LaunchContext) -> user_errors.UserError:
-    """Return an error with the line of the traceback, or of the action that is performed."""
+    """Describe an error by the line in its traceback, or by that of the action being performed."""
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)
     missing = ament_index.index.missing_package(str(getattr(error, "filename", "")))

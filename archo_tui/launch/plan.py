@@ -16,7 +16,7 @@ class LaunchedProgram:
         package: The package.
         executable: The executable of the package.
         entry_point: The function that the executable runs.
-        name: The name that the node gets; "" if it keeps that of its code.
+        name: The name that the node gets; "" if it keeps the one in its code.
         namespace: The namespace with a leading `/`; "" if none is given.
         ros_args: What follows `--ros-args`: `-r`, `-p` and `--params-file` options with values.
         arguments: What precedes `--ros-args`.
@@ -71,7 +71,7 @@ class LaunchNote:
     Attributes:
         level: `INFO` for what the launch file says itself, `WARN` for what is left out.
         where: `FILE:LINE`, or `FILE` for what concerns no line.
-        text: What is said.
+        text: The message.
     """
 
     level: str
@@ -88,7 +88,7 @@ class LaunchPlan:
 
     Attributes:
         programs: The processes, in their order.
-        notes: What is said, and what is left out.
+        notes: The messages of the launch file, and what of it is left out.
         arguments: The arguments that the file and those it includes declare.
         environment: The variables that it sets for the whole launch; None for one that is unset.
         printed: What its code printed.

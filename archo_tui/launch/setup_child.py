@@ -32,7 +32,7 @@ def _is_own(filename: str) -> bool:
 
 
 def run(file: str) -> dict[str, Any]:
-    """Return what a setup.py says, or the error that it raises.
+    """Run a setup.py, and return the arguments of its `setup()`, or the error that it raises.
 
     Args:
         file: The path of the setup.py, in whose folder this process goes on.
@@ -80,7 +80,11 @@ def _console_scripts(entry_points: Any) -> dict[str, str]:
 
 
 def _install_stand_ins(calls: list[dict[str, Any]]) -> None:
-    """Put modules in the place of setuptools, which note the arguments of `setup()`."""
+    """Put modules in the place of setuptools, whose `setup()` only keeps its arguments.
+
+    Args:
+        calls: Gets the arguments of each call of `setup()`.
+    """
 
     def setup(**arguments: Any) -> None:
         calls.append(arguments)

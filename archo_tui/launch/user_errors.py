@@ -28,7 +28,7 @@ class UserError(NamedTuple):
 
 
 def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
-    """Return an error with the last line that ran of a person's files.
+    """Describe an error by the last line of a person's files in its traceback.
 
     Args:
         error: The error.
@@ -55,7 +55,7 @@ def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
 def describe_hang(
     frame: FrameType | None, seconds: float, is_own: Callable[[str], bool]
 ) -> UserError:
-    """Return where code of a person's runs that does not return in its time.
+    """Describe code of a person's file that does not return in time, by the line that runs.
 
     Args:
         frame: The frame that runs now.

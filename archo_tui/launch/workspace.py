@@ -118,7 +118,7 @@ class Workspace:
         return nearest_hint(name, self.packages, _ALIKE)
 
     def executables(self, package: Package) -> dict[str, EntryPoint]:
-        """Return what `ros2 run` could run of an ament_python package; of others nothing.
+        """Return the executables of an ament_python package by name; none for another package.
 
         The first call runs the setup.py of the package, and blocks: not for the UI thread.
 
@@ -183,7 +183,7 @@ def _split(target: str) -> tuple[str, str]:
 
 
 def _installed(package_name: str) -> dict[str, EntryPoint]:
-    """Return the executables of an installed Python package; of none, where it is not installed."""
+    """Return the executables of an installed Python package; none if it is not installed."""
     try:
         distribution = importlib.metadata.distribution(package_name)
     except (importlib.metadata.PackageNotFoundError, ValueError):

@@ -70,7 +70,7 @@ REASONS: dict[str, dict[str | None, str]] = {
 
 
 class Absent(Action, Substitution):
-    """Something that is not done here, whatever it is given.
+    """The stand-in for a part of launch that is not done here, whatever arguments it gets.
 
     It stands for an action, a substitution, a condition, and what a function of it returns.
     """
@@ -87,11 +87,11 @@ class Absent(Action, Substitution):
         raise self._error(is_value=True)
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Refuse to be a condition."""
+        """Raise NotHereError: it was used as a condition."""
         raise self._error(is_value=True)
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Refuse to be an included file."""
+        """Raise NotHereError: it was used as an included file."""
         raise self._error()
 
     def _error(self, is_value: bool = False) -> NotHereError:

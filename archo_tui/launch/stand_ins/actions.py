@@ -80,7 +80,7 @@ class DeclareLaunchArgument(Action):
         self._check(context.launch_configurations[self.name])
 
     def missing_text(self) -> str:
-        """Return what to say if nobody gives a value."""
+        """Return the error text for an argument without a value and without a default."""
         about = f" ({self.description})" if self.description else ""
         return f"argument {self.name}{about} has no value: give {self.name}:=VALUE"
 
@@ -226,7 +226,7 @@ class AppendEnvironmentVariable(Action):
 
 
 class GroupAction(Action):
-    """Several actions, in a scope of their own unless they are to change the one around."""
+    """Several actions, in a scope of their own unless `scoped` is false."""
 
     def __init__(
         self,
@@ -306,7 +306,7 @@ class IncludeLaunchDescription(Action):
 
 
 class LogInfo(Action):
-    """Tells the person something."""
+    """Prints a message for the person who launches."""
 
     def __init__(self, *, msg: SomeSubstitutionsType, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)

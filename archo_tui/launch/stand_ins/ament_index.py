@@ -21,8 +21,9 @@ class PackageIndex:
 
     Attributes:
         workspace: The packages of the workspace.
-        prefix: The folder of the share folders.
-        missing: The packages that were asked for and are not here, with the first line that asks.
+        prefix: The install prefix that this process makes, with a share folder for each package.
+        missing: The packages that the launch file needs and that are not here, each with the first
+            line that needs it.
     """
 
     def __init__(self, workspace: Workspace, prefix: Path) -> None:
@@ -54,14 +55,14 @@ class PackageIndex:
         return self._absent / name
 
     def missing_package(self, path: str) -> str:
-        """Return the package that is not here and would have a file; "" for other files."""
+        """Return the package that is not here, if a path is below its folder; else ""."""
         try:
             return Path(path).relative_to(self._absent).parts[0]
         except (ValueError, IndexError):
             return ""
 
     def why_missing(self, path: str) -> str:
-        """Return why there is no file of a path, and what to do."""
+        """Return the reason why a path has no file, and what to do."""
         known = (
             forgotten_file(self.prefix, package, Path(path))
             for package in self.workspace.packages.values()

@@ -23,7 +23,7 @@ class DeclaredArgument(NamedTuple):
 
     @property
     def is_required(self) -> bool:
-        """True if the launch file cannot do without a value."""
+        """True if a value must be given: there is no default, and no condition decides."""
         return self.argument.default_value is None and not self.is_conditional
 
 

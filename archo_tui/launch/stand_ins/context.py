@@ -11,7 +11,7 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 class Delayed(NamedTuple):
-    """Actions that start later; they sort by their time."""
+    """The actions of a timer; several of these sort by their time."""
 
     time: float  # Seconds after the start.
     number: int
@@ -86,5 +86,5 @@ class LaunchContext:
         return changed | dict.fromkeys(os.environ.keys() - now.keys())
 
     def note(self, place: Place, text: str, level: str = "WARN") -> None:
-        """Tell the person something about a line of the launch file."""
+        """Add a message for the person who launches, about a line of the launch file."""
         self.notes.append({"file": place.file, "line": place.line, "level": level, "text": text})

@@ -6,7 +6,7 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 class SubstitutionFailure(RuntimeError):
-    """A substitution has no value: the launch file is not run.
+    """The error for a substitution without a value: the launch file is not run.
 
     Attributes:
         place: Where the substitution was written; None if only the traceback says it.
@@ -22,7 +22,7 @@ class InvalidLaunchFileError(SubstitutionFailure):
 
 
 class NotHereError(Exception):
-    """Something that is not done here; only the action that needs it is left out.
+    """The error for what is not done here; only the action that needs it is left out.
 
     Attributes:
         place: Where it was written.

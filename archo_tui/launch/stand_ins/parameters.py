@@ -105,7 +105,7 @@ def _evaluate(context: LaunchContext, name: str, value: Any) -> Any:
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
     if isinstance(value, Substitution):
-        return _by_yaml(name, value.perform(context))
+        return _parse_yaml(name, value.perform(context))
     if isinstance(value, (bool, int, float, str, bytes)):
         return value
     if isinstance(value, Sequence):
@@ -120,11 +120,11 @@ def _evaluate_list(context: LaunchContext, name: str, values: Sequence[Any]) -> 
     # A list with a substitution is one text: `[LaunchConfiguration("robot"), "/base"]`.
     of_text = all(isinstance(value, (str, Substitution)) for value in values)
     if of_text and any(isinstance(value, Substitution) for value in values):
-        return _by_yaml(name, perform(context, values))
+        return _parse_yaml(name, perform(context, values))
     found = [
         value
         if isinstance(value, (bool, int, float, str))
-        else _by_yaml(name, perform_part(context, value))
+        else _parse_yaml(name, perform_part(context, value))
         for value in values
     ]
     if not found or not is_uniform(found):
@@ -133,8 +133,8 @@ def _evaluate_list(context: LaunchContext, name: str, values: Sequence[Any]) -> 
     return found
 
 
-def _by_yaml(name: str, text: str) -> Any:
-    """Return the text of a substitution as YAML 1.1 types it."""
+def _parse_yaml(name: str, text: str) -> Any:
+    """Parse the text of a parameter as YAML 1.1: `1.5` becomes a float, `true` a bool."""
     try:
         value = yaml.safe_load(text or "''")
     except yaml.YAMLError:

@@ -188,7 +188,7 @@ class Node(Action):
     def _file_args(
         self, context: LaunchContext, path: str, given: ParameterFile | None = None
     ) -> Iterator[str]:
-        """Yield the arguments for a parameter file; a note instead if there is none."""
+        """Yield the arguments for a parameter file; if there is no such file, only add a note."""
         missing = ament_index.index.missing_package(path)
         place = self.place if given is None else given.place
         if missing:
@@ -275,7 +275,7 @@ class SetRemap(Action):
 
 
 def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
-    """Add to a list that the scopes within share, as those of launch_ros do."""
+    """Add entries to a list in the launch configurations, which inner scopes inherit."""
     context.launch_configurations.setdefault(name, []).extend(entries)
 
 

@@ -25,7 +25,7 @@ class FindPackagePrefix(Substitution):
         self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:
-        """Return the folder of a package."""
+        """Return the folder that the substitution stands for: the install prefix."""
         return ament_index.get_package_prefix(package_name)
 
     def perform(self, context: LaunchContext) -> str:

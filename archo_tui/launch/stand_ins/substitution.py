@@ -44,7 +44,7 @@ class TextSubstitution(Substitution):
 
 
 def normalize_to_list_of_substitutions(given: SomeSubstitutionsType) -> list[Substitution]:
-    """Return what a launch file gives as a text as the list of its parts.
+    """Return the parts of a text: what a launch file gives, as a list of substitutions.
 
     Raises:
         TypeError: It is neither a text nor a substitution, nor several of them.
@@ -77,7 +77,7 @@ def perform_substitutions(context: LaunchContext, parts: Iterable[Substitution])
 
 
 def perform(context: LaunchContext, given: SomeSubstitutionsType) -> str:
-    """Return the text of what a launch file gives."""
+    """Return the text of what a launch file gives: a text, a substitution, or a list of them."""
     return perform_substitutions(context, normalize_to_list_of_substitutions(given))
 
 

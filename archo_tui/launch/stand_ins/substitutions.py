@@ -46,7 +46,7 @@ __all__ = [
 
 
 def _as_texts(default: Any) -> list[Substitution] | None:
-    """Return a default that may hold numbers and booleans as the parts of a text."""
+    """Return a default value as the parts of a text; it may hold numbers and booleans."""
     if default is None:
         return None
     parts = default if isinstance(default, Iterable) else (default,)
@@ -125,7 +125,7 @@ class PathJoinSubstitution(Substitution):
 
 
 class PathSubstitution(PathJoinSubstitution):
-    """The begin of a path, which `/` goes on with."""
+    """The beginning of a path, to which `/` adds parts."""
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
         super().__init__([path])
@@ -288,7 +288,7 @@ class FileContent(Substitution):
 
 
 class AnonName(Substitution):
-    """A unique name that begins with a given one; the same for the same one."""
+    """A unique name that begins with a given name; an equal name gets the same one again."""
 
     def __init__(self, name: SomeSubstitutionsType) -> None:
         super().__init__()

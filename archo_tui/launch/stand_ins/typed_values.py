@@ -18,7 +18,7 @@ _SCALARS = (bool, int, float, str)
 
 
 def check_typed(given: Any, value_type: Any) -> None:
-    """Refuse what can never become a value of a type, as launch does when an action is made.
+    """Raise an error for what can never become a value of a type, as launch does.
 
     Args:
         given: A scalar, a substitution, or a list of these.
@@ -127,7 +127,7 @@ def _is_list(value: Any, of: Any) -> bool:
 
 
 def _parts_of(value_type: Any) -> tuple[Any, bool]:
-    """Return the scalar type, and whether a list of it is meant."""
+    """Split a type such as `List[int]`: return `int`, and True for a list."""
     is_list = get_origin(value_type) is list
     scalar = get_args(value_type)[0] if is_list else value_type
     if scalar is not None and scalar not in _SCALARS:

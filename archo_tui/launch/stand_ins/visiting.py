@@ -13,17 +13,17 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 def visit(entity: Any, context: LaunchContext, within: Place) -> None:
-    """Perform an entity, then what comes of it.
+    """Perform an entity, then the entities that it returns.
 
-    What is not done here is left out, with a note.
+    A part of launch that is not done here is left out, with a note.
 
     Args:
         entity: The entity.
         context: The state of the evaluation.
-        within: The line of what it is part of.
+        within: The line of the entity that contains it.
 
     Raises:
-        SubstitutionFailure: The launch file is wrong; so for any other error.
+        SubstitutionFailure: The launch file is wrong; any other error passes, too.
     """
     if not isinstance(entity, LaunchDescriptionEntity):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
