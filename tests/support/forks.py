@@ -3,6 +3,10 @@
 Each worker of pytest-xdist imports and collects all tests anew, which is 5 s of computing for
 each of six. A fork has all that. Elsewhere than on Linux, where a fork is not safe, the workers
 of xdist run the tests.
+
+Tests that compute run in no more forks than there are processors: beyond that, each of them only
+takes longer, and a quarter more computing. The other forks run those that mostly wait, for the
+machine's clock or for other processes.
 """
 
 from __future__ import annotations
@@ -41,6 +45,7 @@ class _Fork:
     def __init__(self, number: int, pid: int, connection: Connection) -> None:
         self.number, self.pid, self.connection = number, pid, connection
         self.given: deque[int] = deque()  # Indices of the tests that it has not reported.
+        self.computes = False  # True while its tests are such that compute.
 
 
 class Forks:
@@ -52,7 +57,9 @@ class Forks:
 
     def __init__(self, count: int) -> None:
         self._count = count
-        self._left: deque[int] = deque()
+        self._processors = len(os.sched_getaffinity(0))
+        self._computing: deque[int] = deque()  # Indices of tests that nobody has been given.
+        self._waiting: deque[int] = deque()
         self._forks: list[_Fork] = []
 
     @pytest.hookimpl(tryfirst=True)
@@ -60,9 +67,11 @@ class Forks:
         collected = not session.testsfailed or session.config.option.continue_on_collection_errors
         if session.config.option.collectonly or not collected:
             return None
-        self._left = deque(range(len(session.items)))
+        for index, item in enumerate(session.items):
+            (self._waiting if _mostly_waits(item) else self._computing).append(index)
+        useful = min(self._processors, len(self._computing)) + len(self._waiting)
         try:
-            for number in range(min(self._count, len(session.items))):
+            for number in range(min(self._count, useful)):
                 self._forks.append(self._start(session, number))
             while self._forks:
                 for connection in wait([fork.connection for fork in self._forks]):
@@ -72,7 +81,8 @@ class Forks:
                     raise session.Failed(session.shouldfail)
                 if session.shouldstop:
                     raise session.Interrupted(session.shouldstop)
-            assert not self._left
+            assert not self._computing
+            assert not self._waiting
         finally:
             for fork in self._forks:
                 os.kill(fork.pid, signal.SIGKILL)
@@ -100,7 +110,7 @@ class Forks:
             self._take_leave(session, fork)
             return
         if message is None:
-            portion = self._next_portion()
+            portion = self._next_portion(fork)
             fork.given += portion
             with contextlib.suppress(ConnectionError):
                 fork.connection.send(portion)
@@ -124,9 +134,13 @@ class Forks:
         )
         session.config.hook.pytest_runtest_logreport(report=report)
 
-    def _next_portion(self) -> list[int]:
-        size = min(_MOST, 1 + len(self._left) // (4 * self._count))
-        return [self._left.popleft() for _ in range(min(size, len(self._left)))]
+    def _next_portion(self, fork: _Fork) -> list[int]:
+        """Return the indices of the tests that a fork runs next; none: it is to end."""
+        others = sum(one.computes for one in self._forks if one is not fork)
+        fork.computes = others < self._processors and len(self._computing) > 0
+        left = self._computing if fork.computes else self._waiting
+        size = min(_MOST, 1 + len(left) // (4 * self._count))
+        return [left.popleft() for _ in range(min(size, len(left)))]
 
     def _take_leave(self, session: pytest.Session, fork: _Fork) -> None:
         """Note that a fork has ended; when it crashed, its test failed, and another one goes on."""
@@ -139,8 +153,14 @@ class Forks:
             return
         item = session.items[fork.given.popleft()]
         self._log(session, fork, _crash(item, f"the process of this test ended with {status}"))
-        self._left.extendleft(reversed(fork.given))
+        left = self._computing if fork.computes else self._waiting
+        left.extendleft(reversed(fork.given))
         self._forks.append(self._start(session, fork.number))
+
+
+def _mostly_waits(item: pytest.Item) -> bool:
+    """Return True for a test that lives by the machine's clock or starts other processes."""
+    return any(map(item.get_closest_marker, ("real_time", "posix")))
 
 
 def _crash(item: pytest.Item, said: str) -> pytest.TestReport:
