@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import threading
 import time
@@ -23,7 +24,7 @@ from archo_tui.session import _robots_nodes
 from archo_tui.station import approval_requests
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
-from tests.support.console import FAST, LONG, Console, click, console
+from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
 from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.shells import Raw, heard, own_socket, raw, served, until
@@ -38,7 +39,7 @@ GO = {"kind": "go", "values": {"shelf_number": 12}}
 @asynccontextmanager
 async def beside(*args: str, **options: Any) -> AsyncIterator[tuple[Console, Raw]]:
     """A console, and an assistant that is connected to it."""
-    async with console(*args, remote=True, **options) as op:
+    async with console(*AT_ONCE, *args, remote=True, **options) as op:
         await op.until(own_socket)
         assistant = await raw()
         yield op, assistant
@@ -55,11 +56,20 @@ async def says(assistant: Raw, *words: str, **more: Any) -> dict[str, Any]:
     return await assistant.ask(*words, assistant=True, **more)
 
 
+async def read(op: Console) -> None:
+    """Let the time pass in which a person reads a request: it was drawn that long ago."""
+    dialog = op.app.screen
+    assert isinstance(dialog, request.AnswerRequest)
+    await op.until(lambda: dialog._drawn_at < math.inf)
+    dialog._drawn_at -= approvals.READING_TIME
+    await op.at(seconds() + 0.4)  # A pause, as no paste has it.
+
+
 async def opened(op: Console) -> None:
     """The request in its dialog, read."""
     await op.press("A")
     await op.until("An assistant asks")
-    await op.at(seconds() + 1.1)
+    await read(op)
 
 
 async def allowed(op: Console) -> None:
@@ -114,7 +124,7 @@ async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> 
         await op.press("y", "enter", "escape", "a", "n", "space")
         await op.press("A", "tab", "enter")  # sooner than anybody has read it
         await op.until("Read it first, then answer.")
-        await op.at(seconds() + 1.1)
+        await read(op)
         op.send("left", "right", "enter")  # as from a paste: all at once
         await op.settle()
         op.app.post_message(events.Paste("\t\r"))
@@ -166,7 +176,7 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
         button = op.app.screen.query_one("#allow")
         click(op.app, button.region.x + 2, button.region.y)
         await op.until("Read it first, then answer.")
-        await op.at(seconds() + 1.1)
+        await read(op)
         click(op.app, button.region.x + 2, button.region.y)
         await op.until("Arrived at shelf 12")
 
@@ -177,7 +187,8 @@ async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: floa
         patch.setattr(request, "READING_TIME", seconds() - since)
         await op.press("enter")
         await op.until("Read it first, then answer.")
-    await op.at(seconds() + 1.1)
+    await read(op)
+    await op.at(seconds() + HELD)
     await op.press("enter")
     await op.until("MOVING to 12")
 
@@ -189,7 +200,6 @@ async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPa
         await opened(op)
         since = seconds()
         await op.press("tab")
-        await op.at(seconds() + 1.5)
         if way == "covered":
             await op.press("f1")
             await op.until("┏━ Keys ━")
@@ -212,7 +222,7 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
         await opened(op)
         since = seconds()
         await op.press("tab")
-        await op.at(seconds() + 1.5)
+        await op.at(seconds() + 0.4)
         await op.press("enter")
         await op.until("Read it first, then answer.")
         await op.at(seconds() + HELD)
@@ -230,7 +240,7 @@ async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> 
         await op.until("An assistant asks")
         await op.pilot.resize_terminal(*size)
         await op.press("tab")
-        await op.at(seconds() + 1.1)
+        await read(op)
         await op.press("enter")
         await op.until(lambda: any("Not all of it" in one.message for one in op.app._notifications))
         assert [one.number for one in op.app.station.requests.waiting] == [1]
@@ -247,7 +257,7 @@ async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> Non
         assert "expires in" not in op.text
         await op.press("down", "down", "tab")
         await op.until("expires in")
-        await op.at(seconds() + 1.1)
+        await read(op)
         await op.press("enter")
         await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
@@ -538,7 +548,7 @@ async def test_no_motion_without_a_yes_whatever_is_called(
 
 
 async def test_in_plain_a_person_at_the_terminal_answers() -> None:
-    async with served(at_terminal=True) as person:
+    async with served(at_terminal=True, ros_args=FAST) as person:
         assistant = await raw()
         assert (await assistant.ask("wait", "ready"))["code"] == "done"
         await asks(assistant)

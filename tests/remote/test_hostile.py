@@ -432,7 +432,7 @@ def _listens(name: str) -> socket.socket:
 async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_another(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(finder, "WAKE_TIMEOUT", 2.0)
+    monkeypatch.setattr(finder, "WAKE_TIMEOUT", 1.5)
     with _listens("1.sock"):
         said = await typed("status")
         assert said == (

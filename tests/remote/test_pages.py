@@ -17,6 +17,7 @@ import pytest
 
 from archo_tui.remote import socket_files
 from archo_tui.remote.protocol import EXITS
+from archo_tui.verbs import inspect
 from tests.support import chosen
 from tests.support.console import FAST
 from tests.support.shells import heard, raw, served
@@ -109,7 +110,12 @@ PRINTED = [
 
 
 @pytest.mark.parametrize(("code", "lines"), [*zip(EXAMPLES, PRINTED, strict=True)])
-async def test_the_examples_in_python_do_what_they_say(code: str, lines: list[str]) -> None:
+async def test_the_examples_in_python_do_what_they_say(
+    code: str, lines: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(inspect, "LISTEN", 2.0)
+    code = code.replace("timeout=5", "timeout=1")
+
     def run() -> str:
         out = io.StringIO()
         with contextlib.redirect_stdout(out):

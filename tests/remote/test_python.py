@@ -21,7 +21,7 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unreached
 from archo_tui.errors import ArchoError
-from archo_tui.remote import api, api_request, client, finder, socket_files
+from archo_tui.remote import api, api_request, client, finder, request_handler, socket_files
 from archo_tui.remote.api import Robot
 from archo_tui.remote.goal_handle import GoalHandle
 from archo_tui.remote.request_handler import RequestHandler
@@ -167,7 +167,10 @@ async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
         await heard(person, "CANCELLED")
 
 
-async def test_of_a_robot_that_brakes_for_long_the_time_is_over() -> None:
+async def test_of_a_robot_that_brakes_for_long_the_time_is_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(request_handler, "_CALL_OFF_TIMEOUT", 0.5)
     async with served(ros_args=("-p", "feedback_period:=5.0")):
         await typed("wait", "ready")
         with pytest.raises(RanOut, match=r"not within 0\.1 s; what was sent may still be done"):
@@ -256,6 +259,8 @@ async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_cal
 
 REPL = """
 import json, signal, sys, threading, archo_tui
+from archo_tui.remote import api_request, finder
+api_request._SILENCE = finder.WAKE_TIMEOUT = 1.0
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
 robot = archo_tui.connect()
 for line in sys.stdin:

@@ -124,6 +124,7 @@ async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> No
         station.refresh()
         await heard(person, "queue held: 7 (an obstacle)")
         assert (await typed("continue")).code == 0
+        assert (await typed("set", "motor_controller", "time_scale", "75")).code == 0
         assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")
 
 

@@ -220,6 +220,8 @@ async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
     state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(finder, "HELLO_TIMEOUT", 0.4)
+    monkeypatch.setattr(finder.find, "__defaults__", (None, 0.4))
+    monkeypatch.setattr(finder.choose, "__defaults__", (0.4,))
     monkeypatch.setattr(finder, "WAKE_TIMEOUT", 0.5)
     awake, silent, *codes = STATES[state]
     monkeypatch.setenv("XDG_RUNTIME_DIR", f"{socket_files._RUNTIME}/{os.getuid()}")

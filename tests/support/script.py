@@ -25,6 +25,8 @@ SLOW = (
     "time_scale:=2.0",
     "-p",
     "route_length:=1000.0",
+    "-p",
+    "publish_period:=0.05",
 )
 
 

@@ -10,7 +10,7 @@ import os
 import socket
 import sys
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from unittest.mock import patch
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.remote import shell, socket_files
+from tests.support.console import AT_ONCE
 from tests.support.plain import Typed, operated
 from tests.support.waiting import DEADLINE, Waited
 
@@ -73,9 +74,12 @@ def reached() -> socket.socket:
 
 
 @asynccontextmanager
-async def served(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
-    """A `--plain` that programs reach."""
-    async with operated(*makers, robot=robot, remote=True, **options) as person:
+async def served(
+    *makers: Any, robot: Path | None = None, ros_args: Sequence[str] = (), **options: Any
+) -> AsyncIterator[Typed]:
+    """A `--plain` that programs reach; its first readings are not waited for."""
+    given = {"ros_args": (*AT_ONCE, *ros_args), **options}
+    async with operated(*makers, robot=robot, remote=True, **given) as person:
         await until(own_socket, socket_files.listening_folder)
         yield person
 
