@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import shutil
 import threading
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from collections.abc import Iterator
+from contextlib import AbstractAsyncContextManager
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import pytest
 
 from archo_tui.commands import recordings
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.paths import state_file
 from archo_tui.replay.bag_file import BagFile, BagMessage
 from archo_tui.replay.player import Player
 from archo_tui.replay.recorded_station import RecordedStation
@@ -27,18 +29,31 @@ from tests.support.console import BRISK, LONG, Console, click, console
 from tests.support.quiet import outside
 
 
-@asynccontextmanager
-async def recorded(*ros_args: str, size: tuple[int, int] = (120, 36)) -> AsyncIterator[Console]:
-    """The console of a robot that was stopped and released; that is recorded."""
-    async with console(*(ros_args or BRISK), size=size) as op:
+_recording: list[Path] = []  # The one of this process, which all tests play.
+
+
+@pytest.fixture(autouse=True)
+async def _recorded(tmp_path_factory: pytest.TempPathFactory, _time: None) -> None:
+    """Put a recording of a robot that was stopped and released where the console keeps its own."""
+    if _recording:
+        shutil.copytree(_recording[0], state_file("recordings") / _recording[0].name)
+        return
+    async with console(*BRISK) as op:
         await op.press("ctrl+x")
         await op.until("STOPPED: look for the cause")
         await op.at(clock.seconds() + 3.0)
         await op.press("R", "y")
         await op.until(lambda: not op.app.view.snapshot.is_at_rest)
-        await op.press("a")
-        await written(op)
-        yield op
+        made = await written(op)
+    _recording.append(tmp_path_factory.mktemp("recorded") / made.name)
+    shutil.copytree(made, _recording[0])
+
+
+def recorded(
+    *ros_args: str, size: tuple[int, int] = (120, 36)
+) -> AbstractAsyncContextManager[Console]:
+    """The console of a robot that has been recorded."""
+    return console(*(ros_args or BRISK), size=size)
 
 
 async def list_recordings(op: Console) -> None:
