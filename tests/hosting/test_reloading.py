@@ -20,6 +20,7 @@ from archo_tui.session_options import Options
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing
+from tests.support.quiet import outside
 
 TALKER = """
 from rclpy.node import Node
@@ -294,16 +295,21 @@ async def test_what_hangs_in_one_of_several_threads_is_replaced(
     file = here / "talker.py"
     several = "\n\ndef main():\n    MultiThreadedExecutor()\n"
     endless = "print('from now on')\n        import time\n        while True: time.sleep(0.01)"
-    file.write_text(talker(endless) + several)
+    file.write_text(says("well") + several)
     async with running(file) as op:
         await op.press("6", "l")
+        await save(op, file, talker(endless) + several)
         await op.until("talker stdout")
         await op.until("from now on")
         await save(op, file, talker("1 / 0") + several)
         await op.until("did not return and was interrupted")
         await op.until("crashed: line 11: ZeroDivisionError: division by zero, in: 1 / 0")
+    await outside(lambda: not threads_of_talker(), "the end of its threads")
+
+
+def threads_of_talker() -> list[str]:
     names = [thread.name for thread in threading.enumerate()]
-    assert not any(name.startswith(("/talker", "ThreadPool")) for name in names), names
+    return [name for name in names if name.startswith(("/talker", "ThreadPool"))]
 
 
 def running_threads() -> list[str]:
