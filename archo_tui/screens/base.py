@@ -7,11 +7,21 @@ from textual.geometry import Offset
 from textual.screen import Screen, ScreenResultType
 from textual.widget import Widget
 
+from archo_tui.terminal.compositor import DirtyCompositor
 from archo_tui.widgets.field import Field
 
 
 class Base(Screen[ScreenResultType]):
-    """A screen that survives resizes in quick succession and clicks on what has just gone."""
+    """A screen that survives resizes in quick succession and clicks on what has just gone.
+
+    Of its lines those are rendered that have changed.
+    """
+
+    def __init__(
+        self, name: str | None = None, id: str | None = None, classes: str | None = None
+    ) -> None:
+        super().__init__(name, id, classes)
+        self._compositor = DirtyCompositor()
 
     async def on_event(self, event: Event) -> None:
         """Handle a new size as the one that the terminal has now, whatever size the event has.

@@ -18,7 +18,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
-from archo_tui.terminal.compositor import DirtyCompositor, LayoutOnly
+from archo_tui.terminal.compositor import LayoutOnly
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
@@ -108,7 +108,6 @@ class MainScreen(Base[None]):
         width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
         height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)
         super().__init__(classes=f"{width_class} {height_class}")
-        self._compositor = DirtyCompositor()
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")

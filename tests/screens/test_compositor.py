@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from textual._compositor import ChopsUpdate, Compositor
 from textual.screen import Screen
+from textual.widget import Widget
 from textual.widgets import Button
 
 from archo_tui.screens import main
@@ -115,6 +116,29 @@ async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.Monk
         app.main.query_one("#reset", Button).refresh()
         await quiet.settle()
         assert {button.id for button in asked} == {"reset"}
+
+
+async def test_of_a_dialog_too_only_what_changed_is_asked_for_its_lines(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[str | None] = []
+    lines = Widget.render_lines
+
+    def counted(widget: Widget, crop: Any) -> Any:
+        asked.append(widget.id)
+        return lines(widget, crop)
+
+    app = stub_app(STATES["normal"])
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        send(app, "8", "home", "down", "enter")
+        await quiet.settle()
+        monkeypatch.setattr(Widget, "render_lines", counted)
+        app.screen.query_one(".summary").refresh()  # Above the fields.
+        app.screen.query_one("#topic-ends-text").refresh()  # Below them.
+        await quiet.settle()
+        assert set(asked) == {"topic-ends-text"}  # A line has a way of its own.
 
 
 @pytest.mark.parametrize(

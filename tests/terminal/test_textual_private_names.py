@@ -35,7 +35,7 @@ KNOWN = {
     "screens/base.py": "_background_screens _compositor _compositor_refresh _dirty_regions "
     "_dirty_widgets",
     "screens/confirm.py": "_bindings",
-    "screens/main.py": "_compositor _compositor_refresh _nodes _screen_resized",
+    "screens/main.py": "_compositor_refresh _nodes _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
