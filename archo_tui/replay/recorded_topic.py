@@ -14,9 +14,9 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.replay.message_reader import EncodedMessage
 from archo_tui.replay.player import Player
+from archo_tui.robot.field_history import SPAN
 from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import Snapshot, TopicEnd, TopicInfo, TopicRequest, TopicView
-from archo_tui.robot.topic_fields import SPAN
 from archo_tui.robot.topic_follower import PERIOD, SHARE
 from archo_tui.robot.topic_watch import TopicWatch
 from archo_tui.robot_file.field_units import field_units

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 from archo_tui.robot.array_summary import listed, summarize
 from archo_tui.robot.definitions import ros2msg_type
@@ -15,7 +16,47 @@ from archo_tui.robot.message_text import primitive, shortened
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView
 
 MAX_FIELDS = 2_000  # Rows of one message.
-_TIME, _DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"
+TIME, DURATION = "builtin_interfaces/Time", "builtin_interfaces/Duration"
+
+
+class FieldType(NamedTuple):
+    """A field of a message, as its type describes it.
+
+    Attributes:
+        name: Its name.
+        kind: Its type, as rosidl writes it.
+        type: Its type, as .msg files write it.
+        element: The type of its elements, as rosidl writes it; None if it is no array.
+        is_message: True for a nested message.
+        notes: The notes on the type that has the field.
+    """
+
+    name: str
+    kind: str
+    type: str
+    element: str | None
+    is_message: bool
+    notes: FieldNotes
+
+
+def field_types(message: Any) -> tuple[FieldType, ...]:
+    """Return the fields of a message. The first time, it reads the file of the type."""
+    message_class: Any = type(message)
+    return _field_types(message_class)
+
+
+@lru_cache(256)
+def _field_types(message_class: Any) -> tuple[FieldType, ...]:
+    notes = notes_of(name_of(message_class))
+    kinds = message_class.get_fields_and_field_types()
+    return tuple(_field_type(name, kind, notes) for name, kind in kinds.items() if name != EMPTY)
+
+
+def _field_type(name: str, kind: str, notes: FieldNotes) -> FieldType:
+    element = element_of(kind)
+    is_message = element is None and NESTED.fullmatch(kind) is not None
+    shown = kind if element is not None or is_message else ros2msg_type(kind)
+    return FieldType(name, kind, shown, element, is_message, notes)
 
 
 def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[FieldView], bool]:
@@ -34,62 +75,38 @@ def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[Field
 
 def _fields(message: Any, before: str, open_arrays: Mapping[str, int]) -> Iterator[FieldView]:
     """Yield the rows of a message whose path with its dot is `before`."""
-    notes = notes_of(name_of(type(message)))
-    for name, kind in message.get_fields_and_field_types().items():
-        if name != EMPTY:
-            yield from _row(
-                f"{before}{name}", kind, getattr(message, name), name, notes, open_arrays
-            )
+    for field in field_types(message):
+        yield from _row(f"{before}{field.name}", field, getattr(message, field.name), open_arrays)
 
 
 def _row(
-    path: str,
-    kind: str,
-    value: Any,
-    name: str,
-    notes: FieldNotes,
-    open_arrays: Mapping[str, int],
+    path: str, field: FieldType, value: Any, open_arrays: Mapping[str, int]
 ) -> Iterator[FieldView]:
-    """Yield the row of a field, and those below it.
-
-    Args:
-        path: Its path.
-        kind: Its type, as rosidl writes it.
-        value: Its value.
-        name: The name of the field whose notes hold for it.
-        notes: The notes on the type that has the field.
-        open_arrays: As for `field_rows`.
-    """
-    element = element_of(kind)
-    if element is not None:
-        yield from _array(path, element, value, name, notes, open_arrays)
-    elif kind in (_TIME, _DURATION):
-        seconds = value.sec + value.nanosec / 1e9
-        is_time = kind == _TIME
+    """Yield the row of a field or element with this path and value, and those below it."""
+    kind, notes = field.kind, field.notes
+    if field.element is not None:
+        yield from _array(path, field, value, open_arrays)
+    elif kind in (TIME, DURATION):
+        is_time = kind == TIME
         unit = "" if is_time else "s"
-        yield FieldView(path, FieldKind.VALUE, kind, seconds, is_time=is_time, unit=unit)
-    elif NESTED.fullmatch(kind):
+        yield FieldView(path, FieldKind.VALUE, kind, seconds(value), is_time=is_time, unit=unit)
+    elif field.is_message:
         yield FieldView(path, FieldKind.GROUP, kind)
         yield from _fields(value, f"{path}.", open_arrays)
     else:
         shown = _shown(value, kind)
-        names = notes.names.get(name)
+        names = notes.names.get(field.name)
         constant = names.get(shown, "") if names and type(shown) is int else ""
-        unit = notes.units.get(name, "")
-        kind = ros2msg_type(kind)
-        yield FieldView(path, FieldKind.VALUE, kind, shown, unit=unit, constant=constant)
+        unit = notes.units.get(field.name, "")
+        yield FieldView(path, FieldKind.VALUE, field.type, shown, unit=unit, constant=constant)
 
 
 def _array(
-    path: str,
-    element: str,
-    value: Any,
-    name: str,
-    notes: FieldNotes,
-    open_arrays: Mapping[str, int],
+    path: str, field: FieldType, value: Any, open_arrays: Mapping[str, int]
 ) -> Iterator[FieldView]:
     """Yield the row of an array, and of its elements if it is open."""
-    begin, summary = open_arrays.get(path), summarize(value, element)
+    element, begin = field.element or "", open_arrays.get(path)
+    summary = summarize(value, element)
     least, greatest = (
         None if end is None else _shown(end, element) for end in (summary.least, summary.greatest)
     )
@@ -97,7 +114,8 @@ def _array(
         path,
         FieldKind.ARRAY,
         summary.type,
-        unit=notes.units.get(name, ""),
+        summary.length,
+        unit=field.notes.units.get(field.name, ""),
         least=least,  # type: ignore[arg-type]  # numbers stay numbers
         greatest=greatest,  # type: ignore[arg-type]
         nan=summary.nan,
@@ -106,11 +124,23 @@ def _array(
     )
     if begin is None:
         return
-    end = begin + SHOWN_ELEMENTS
-    for index, item in enumerate(listed(value[begin:end]), begin):
-        yield from _row(f"{path}[{index}]", element, item, name, notes, open_arrays)
-    if begin or summary.length > end:
+    shown = shown_elements(begin, summary.length)
+    element_type = _field_type(field.name, element, field.notes)
+    for index, item in zip(shown, listed(value[shown.start : shown.stop]), strict=True):
+        yield from _row(f"{path}[{index}]", element_type, item, open_arrays)
+    if len(shown) < summary.length:
         yield FieldView(f"{path}[]", FieldKind.MORE, "", summary.length)
+
+
+def shown_elements(begin: int, length: int) -> range:
+    """Return the numbers of the elements that are shown of an array, the last ones at its end."""
+    begin = max(min(begin, length - SHOWN_ELEMENTS), 0)
+    return range(begin, min(begin + SHOWN_ELEMENTS, length))
+
+
+def seconds(value: Any) -> float:
+    """Return a Time or a Duration in seconds."""
+    return float(value.sec + value.nanosec / 1e9)
 
 
 def _shown(value: Any, kind: str) -> bool | float | str:

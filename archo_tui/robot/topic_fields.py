@@ -6,78 +6,19 @@ Pure: messages and their times come in, rows go out.
 from __future__ import annotations
 
 import math
-from array import array
-from bisect import bisect_left
 from collections.abc import Mapping
 from typing import Any
 
+from archo_tui.robot.field_history import PER_SECOND, FieldHistory
 from archo_tui.robot.message_fields import field_rows
-from archo_tui.robot.state import Curve, FieldView, Range, TopicRequest
-
-SPAN = 60.0  # Seconds of values.
-_PER_SECOND = 10  # Least and greatest of a field are kept for each tenth of a second.
-_KEPT = int(SPAN) * _PER_SECOND
-_SLACK = 100  # Samples beyond _KEPT, so that not every new one moves all others.
-# Seconds that a value holds, so that a topic of 1 Hz has no gaps, though a message comes late.
-_HOLDS = 1.5
-
-
-class FieldHistory:
-    """The values of one field in the last minute, and its range since the topic was opened."""
-
-    def __init__(self) -> None:
-        self.least, self.greatest = math.inf, -math.inf
-        self._tenths = array("q")
-        self._least, self._greatest = array("d"), array("d")
-
-    def add(self, time: float, value: float) -> None:
-        """Add a finite value.
-
-        Args:
-            time: Its time in seconds, not before the last one.
-            value: The value.
-        """
-        self.least, self.greatest = min(self.least, value), max(self.greatest, value)
-        tenth = math.floor(time * _PER_SECOND)
-        if self._tenths and self._tenths[-1] == tenth:
-            self._least[-1] = min(self._least[-1], value)
-            self._greatest[-1] = max(self._greatest[-1], value)
-            return
-        for column, new in (
-            (self._tenths, tenth), (self._least, value), (self._greatest, value)
-        ):  # fmt: skip
-            column.append(new)  # type: ignore[arg-type]  # each array gets its own type
-            if len(column) > _KEPT + _SLACK:
-                del column[:-_KEPT]
-
-    def curve(self, now: float, columns: int) -> Curve:
-        """Return the values of the last minute in a number of columns, the newest last.
-
-        The columns begin at multiples of their length, so that a column that is past never changes.
-        """
-        found: list[Range | None] = [None] * columns
-        width = SPAN / columns
-        newest = math.floor(now / width)
-        oldest = newest - columns + 1
-        first = bisect_left(self._tenths, math.floor((oldest * width - _HOLDS) * _PER_SECOND))
-        times = [tenth / _PER_SECOND for tenth in self._tenths[first:]]
-        places = [math.floor(time / width) - oldest for time in times]
-        for number, (time, place) in enumerate(zip(times, places, strict=True), first):
-            low, high = self._least[number], self._greatest[number]
-            if 0 <= place < columns:
-                both = found[place] or (low, high)
-                found[place] = min(both[0], low), max(both[1], high)
-            until = math.floor((time + _HOLDS) / width) - oldest + 1
-            following = number - first + 1
-            if following < len(places):
-                until = min(until, places[following])
-            for held in range(max(place + 1, 0), min(until, columns)):
-                found[held] = low, high
-        return tuple(found)
+from archo_tui.robot.message_numbers import MessageNumbers, element_numbers
+from archo_tui.robot.state import Curve, FieldKind, FieldView, TopicRequest, TopicView
 
 
 class TopicFields:
     """The fields of a topic since it was opened.
+
+    Of each message the numbers are read. Rows are made of the last one, when they are asked for.
 
     Attributes:
         is_cut: True if the last message has more fields than are kept.
@@ -91,10 +32,18 @@ class TopicFields:
         """
         self._units = units
         self._histories: dict[str, FieldHistory] = {}
+        self._numbers: MessageNumbers | None = None  # Of the class of the last message.
+        self._of_numbers: list[FieldHistory] = []  # In the order of their paths.
         self._message: Any = None  # The last one.
-        self._open_arrays: Mapping[str, int] = {}  # In its rows.
+        self._read: tuple[Any, Mapping[str, int]] = None, {}  # What the rows were made of.
         self._rows: list[FieldView] = []
+        self._shown: tuple[FieldView, ...] = ()  # The rows that were returned last.
         self.is_cut = False
+
+    @property
+    def message(self) -> Any:
+        """Return the last message; None before the first one."""
+        return self._message
 
     def add(self, time: float, message: Any, open_arrays: Mapping[str, int]) -> None:
         """Take in a message. It takes long for a large one.
@@ -104,25 +53,40 @@ class TopicFields:
             message: The message.
             open_arrays: As for `field_rows`.
         """
+        numbers = self._numbers
+        if numbers is None or type(message) is not type(self._message):
+            numbers = self._numbers = MessageNumbers(message)
+            self._of_numbers = [self._history(path) for path in numbers.paths]
         self._message = message
-        self._read(open_arrays)
-        for row in self._rows:
-            number = row.number
-            if number is not None:
-                history = self._histories.get(row.path)
-                if history is None:
-                    history = self._histories[row.path] = FieldHistory()
-                history.add(time, number)
+        tenth = math.floor(time * PER_SECOND)
+        for history, value in zip(self._of_numbers, numbers.read(message), strict=True):
+            if math.isfinite(value):
+                history.add(tenth, value)
+        for path, value in element_numbers(message, open_arrays):
+            if math.isfinite(value):
+                self._history(path).add(tenth, value)
 
-    def _read(self, open_arrays: Mapping[str, int]) -> None:
-        self._rows, self.is_cut = field_rows(self._message, open_arrays)
-        self._open_arrays = open_arrays
+    def _history(self, path: str) -> FieldHistory:
+        return self._histories.setdefault(path, FieldHistory())
 
     def rows(self, now: float, request: TopicRequest) -> tuple[FieldView, ...]:
-        """Return the rows of the last message, with ranges and the curves that are visible."""
-        if self._message is not None and request.open_arrays != self._open_arrays:
-            self._read(request.open_arrays)
-        return tuple(self._complete(row, now, request) for row in self._rows)
+        """Return the rows of the last message, with ranges and the curves that are visible.
+
+        A row that has not changed is the same object as before.
+        """
+        if self._message is None:
+            return ()
+        read, open_arrays = self._read
+        if read is not self._message or open_arrays != request.open_arrays:
+            self._rows, self.is_cut = field_rows(self._message, request.open_arrays)
+            self._read = self._message, request.open_arrays
+        before = self._shown
+        rows = [self._complete(row, now, request) for row in self._rows]
+        for place, (old, new) in enumerate(zip(before, rows, strict=False)):
+            if old == new:
+                rows[place] = old
+        self._shown = tuple(rows)
+        return self._shown
 
     def plots(self, now: float, request: TopicRequest) -> dict[str, Curve]:
         """Return the curve of each plotted field that has had a number."""
@@ -135,7 +99,7 @@ class TopicFields:
     def _complete(self, row: FieldView, now: float, request: TopicRequest) -> FieldView:
         """Return a row with what is known of its field besides its value."""
         unit, history = self._units.get(row.path, row.unit), self._histories.get(row.path)
-        if history is None:
+        if history is None or history.is_empty:
             return row._replace(unit=unit) if unit != row.unit else row
         is_seen = row.path in request.visible and request.curve_columns
         has_range = not isinstance(row.value, bool)
@@ -145,3 +109,22 @@ class TopicFields:
             greatest=history.greatest if has_range else None,
             curve=history.curve(now, request.curve_columns) if is_seen else (),
         )
+
+
+def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int]) -> TopicView:
+    """Return a view with the elements of other arrays. It takes long for a large message.
+
+    Args:
+        message: The message that the view shows.
+        view: The view.
+        open_arrays: As for `field_rows`.
+    """
+    known = {row.path: row for row in view.fields}
+    rows, is_cut = field_rows(message, open_arrays)
+    fields = [
+        known[row.path]._replace(is_open=row.is_open)
+        if row.path in known and row.kind is not FieldKind.MORE
+        else row
+        for row in rows
+    ]
+    return view._replace(fields=tuple(fields), is_cut=is_cut, open_arrays=open_arrays)

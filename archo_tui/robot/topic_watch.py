@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.inspection import too_large
 from archo_tui.robot.message_intake import MessageIntake
-from archo_tui.robot.state import TopicRequest, TopicView
-from archo_tui.robot.topic_fields import TopicFields
+from archo_tui.robot.state import FieldView, TopicRequest, TopicView
+from archo_tui.robot.topic_fields import TopicFields, with_elements
 
 
 class TopicWatch:
@@ -54,7 +55,13 @@ class TopicWatch:
                 self._fault = str(error)
             except Exception as error:  # A hostile message may raise anything.
                 self._fault = f"not shown: {in_one_line(error)}"
+        fields: tuple[FieldView, ...] = ()
+        try:
+            fields = self._fields.rows(now, request)
+        except Exception as error:  # As above.
+            self._fault = f"not shown: {in_one_line(error)}"
         rates, last = self._intake.rates(now), self._intake.last
+        message = self._fields.message
         is_too_large = self._intake.is_too_large
         return TopicView(
             self._topic,
@@ -63,8 +70,10 @@ class TopicWatch:
             rate=rates and rates[0],
             bytes_per_second=rates and rates[1],
             age=None if last is None else max(now - last, 0.0),
-            fields=self._fields.rows(now, request),
+            fields=fields,
             is_cut=self._fields.is_cut,
             plots=self._fields.plots(now, request),
+            open_arrays=request.open_arrays,
+            with_elements=None if message is None else partial(with_elements, message),
             fault=too_large(self._intake.last_size) if is_too_large else self._fault,
         )

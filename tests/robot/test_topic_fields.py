@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import operator
+import random
 from pathlib import Path
 from typing import Any
 
 import pytest
 from archo_interfaces.msg import BatteryStatus
 from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
-from std_msgs.msg import Float32, Float32MultiArray, Header, String, UInt8MultiArray
+from std_msgs.msg import Byte, Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
 from archo_tui.robot import message_fields
+from archo_tui.robot.array_summary import ArraySummary, summarize
+from archo_tui.robot.field_history import SPAN, FieldHistory
 from archo_tui.robot.state import FieldKind, FieldView, TopicRequest, in_namespace
-from archo_tui.robot.topic_fields import SPAN, TopicFields
+from archo_tui.robot.topic_fields import TopicFields
 from archo_tui.robot_file.field_units import field_units
 from archo_tui.robot_file.load import load
 from tests.support.archo import ARCHO
@@ -85,6 +90,60 @@ def test_nan_and_inf_everywhere_are_values_without_a_range() -> None:
     assert watched(math.nan, 2.0, math.inf).greatest == 2.0
     array = rows(Float32MultiArray(data=[math.nan] * 30))["data"]
     assert (array.type, array.nan, array.least) == ("float32[30]", 30, None)
+
+
+def test_a_curve_asked_for_at_each_look_is_that_of_one_look() -> None:
+    choose, often = random.Random(1), FieldHistory()
+    time = 1_000.0
+    for _ in range(400):
+        time += choose.choice((0.01, 0.1, 0.3, 2.0))
+        often.add(math.floor(time * 10), choose.random())
+        looked = [often.curve(time, columns) for columns in (40, 120)]
+        once = copy.deepcopy(often)
+        once._curves.clear()
+        assert looked == [once.curve(time, columns) for columns in (40, 120)]
+
+
+def test_the_rows_and_the_arrays_are_looked_at_once_a_picture(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls: list[str] = []
+
+    def counted(value: Any, element: str) -> ArraySummary:
+        calls.append(element)
+        return summarize(value, element)
+
+    monkeypatch.setattr(message_fields, "summarize", counted)
+    fields = TopicFields({})
+    for number in range(30):
+        fields.add(number / 100, UInt8MultiArray(data=bytes([number])), {})
+    assert calls == []
+    first = fields.rows(0.3, TopicRequest())
+    assert len(calls) == 2  # The layout's dimensions, and the data.
+    assert all(map(operator.is_, first, fields.rows(0.5, TopicRequest())))
+    assert len(calls) == 2
+
+
+def test_bytes_and_elements_that_are_shown_have_ranges_without_lost_spikes() -> None:
+    fields, request = TopicFields({}), TopicRequest({"data": 40})
+    for number in range(10):
+        values = [0.0] * 50
+        values[45] = 9.0 if number == 4 else 1.0
+        fields.add(number / 100, Float32MultiArray(data=values), request.open_arrays)
+    found = {row.path: row for row in fields.rows(0.1, request)}
+    assert (found["data[45]"].least, found["data[45]"].greatest) == (1.0, 9.0)
+    fields, request = TopicFields({}), TopicRequest({"new_parameters": 0})
+    for gain in (0.5, 7.0, 1.0):
+        value = ParameterValue(double_value=gain)
+        event = ParameterEvent(new_parameters=[Parameter(value=value)])
+        fields.add(
+            1.0, event, {**request.open_arrays, "new_parameters[3].value.byte_array_value": 0}
+        )
+    found = {row.path: row for row in fields.rows(1.0, request)}
+    assert found["new_parameters[0].value.double_value"].greatest == 7.0
+    byte = TopicFields({})
+    byte.add(1.0, Byte(data=b"\x07"), {})
+    assert byte.rows(1.0, TopicRequest())[0].greatest == 7
 
 
 def test_a_bool_has_a_curve_and_no_range() -> None:

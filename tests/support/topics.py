@@ -38,8 +38,10 @@ def topic_view(topic: str, request: TopicRequest) -> TopicView:
 
     watch = TopicWatch(topic, TYPE, {}, intake, decode)
     for number in range(120):
-        intake.add(TIME - 60 + number / 2, bytes(24))
-        view = watch.update(TIME, request)
+        now = TIME - 60 + number / 2
+        intake.add(now, bytes(24))
+        watch.update(now, request)
+    view = watch.update(TIME, request)
     return view._replace(fields=(*view.fields, *_others(request)), ends=ENDS)
 
 

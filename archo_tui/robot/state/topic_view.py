@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum, auto
 from typing import NamedTuple
 
@@ -32,8 +31,8 @@ class FieldView(NamedTuple):
         path: Its dotted path: `pose.position.x`, `ranges[3]`.
         kind: What it is.
         type: Its type as .msg files write it; of an array with its length: `float32[360]`.
-        value: Its value, NaN also; None for a group or an array. A time of day is in Unix seconds.
-            For MORE, the length of the array.
+        value: Its value, NaN also; None for a group. A time of day is in Unix seconds.
+            For ARRAY and MORE, the length of the array.
         is_time: True if the value is a time of day.
         unit: Its unit; "" if neither its definition nor the robot file names one.
         constant: The name that the type gives to this value, or "".
@@ -59,14 +58,6 @@ class FieldView(NamedTuple):
     is_open: bool = False
     curve: Curve = ()
 
-    @property
-    def number(self) -> float | None:
-        """The value if it can be plotted: a finite number or a bool, but no time of day."""
-        if self.kind is not FieldKind.VALUE or self.is_time:
-            return None
-        is_number = isinstance(self.value, (bool, int, float)) and math.isfinite(self.value)
-        return self.value if is_number else None  # type: ignore[return-value]  # no text is left
-
 
 class TopicView(NamedTuple):
     """A topic at one moment.
@@ -83,6 +74,10 @@ class TopicView(NamedTuple):
         plots: The values of the last minute by path, for those that were asked for.
         ends: Its publishers and subscriptions; None if they are not known.
         fault: Why nothing is shown, or why not the last message; "" if nothing is wrong.
+        open_arrays: The arrays whose elements are among the fields, as they were asked for.
+        with_elements: Returns this view, which is its argument, with the elements of other arrays
+            of the same message. It takes long for a large message, and may be called on any thread.
+            None before the first message.
     """
 
     topic: str
@@ -96,6 +91,8 @@ class TopicView(NamedTuple):
     plots: Mapping[str, Curve] = {}
     ends: TopicInfo | None = None
     fault: str = ""
+    open_arrays: Mapping[str, int] = {}
+    with_elements: Callable[[TopicView, Mapping[str, int]], TopicView] | None = None
 
 
 class TopicRequest(NamedTuple):

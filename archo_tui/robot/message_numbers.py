@@ -1,0 +1,100 @@
+"""The numbers of a message by path, read at once: far cheaper than its rows.
+
+A topic that is open has its rows made for each picture, and its numbers read of each message that
+is decoded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from operator import attrgetter
+from typing import Any
+
+from archo_tui.errors import ArchoError
+from archo_tui.robot.array_summary import listed
+from archo_tui.robot.fields import NESTED, element_of
+from archo_tui.robot.message_fields import (
+    DURATION,
+    MAX_FIELDS,
+    TIME,
+    field_types,
+    seconds,
+    shown_elements,
+)
+from archo_tui.robot.message_text import find_field
+from archo_tui.robot.values import INTEGERS
+
+_NUMBERS = {*INTEGERS, "float", "double", "boolean"}
+
+
+class MessageNumbers:
+    """Reads the numbers of the messages of one class.
+
+    Attributes:
+        paths: The paths of those outside of arrays, at most `MAX_FIELDS`.
+    """
+
+    def __init__(self, message: Any) -> None:
+        """Find out which numbers the class of a message has."""
+        found = dict(_numbers(message, ""))
+        self.paths = tuple(found)[:MAX_FIELDS]
+        self._get = attrgetter(*self.paths) if self.paths else None
+        # Few need more than to be read.
+        self._convert = [
+            (place, convert) for place, path in enumerate(self.paths) if (convert := found[path])
+        ]
+
+    def read(self, message: Any) -> tuple[Any, ...]:
+        """Return the numbers of a message in the order of `paths`."""
+        if self._get is None:
+            return ()
+        read = self._get(message)
+        values: tuple[Any, ...] = (read,) if len(self.paths) == 1 else read
+        if self._convert:
+            changed = list(values)
+            for place, convert in self._convert:
+                changed[place] = convert(changed[place])
+            values = tuple(changed)
+        return values
+
+
+def element_numbers(message: Any, open_arrays: Mapping[str, int]) -> Iterator[tuple[str, Any]]:
+    """Yield path and value of the numbers that are shown of open arrays.
+
+    Args:
+        message: The message.
+        open_arrays: As for `message_fields.field_rows`.
+    """
+    for path, begin in open_arrays.items():
+        try:
+            array = find_field(message, path)
+        except ArchoError:  # It was an element of an array that has become shorter.
+            continue
+        element = element_of(array.type) or ""
+        shown = shown_elements(begin, len(array.value))
+        items = zip(shown, listed(array.value[shown.start : shown.stop]), strict=True)
+        convert = _converter(element)
+        for index, item in items:
+            where = f"{path}[{index}]"
+            if element in _NUMBERS or element == DURATION:
+                yield where, convert(item) if convert else item
+            elif element != TIME and NESTED.fullmatch(element):
+                for inner, convert_inner in _numbers(item, ""):
+                    value = attrgetter(inner)(item)
+                    yield f"{where}.{inner}", convert_inner(value) if convert_inner else value
+
+
+def _numbers(message: Any, before: str) -> Iterator[tuple[str, Callable[[Any], float] | None]]:
+    """Yield the path of each number outside of arrays, and what makes a number of its value."""
+    for field in field_types(message):
+        path = f"{before}{field.name}"
+        if field.kind in _NUMBERS or field.kind == DURATION:
+            yield path, _converter(field.kind)
+        elif field.is_message and field.kind != TIME:
+            yield from _numbers(getattr(message, field.name), f"{path}.")
+
+
+def _converter(kind: str) -> Callable[[Any], float] | None:
+    if kind == "octet":
+        return lambda value: int(value[0])
+    return seconds if kind == DURATION else None
