@@ -82,13 +82,15 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     A subclass composes its widgets in `body`; its `.error` widget, if it has one, shows messages.
     """
 
+    head: DialogHead
     _reason: Reason | None = None  # Of the refusal that is shown.
     _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
 
     def compose(self) -> ComposeResult:
         main = main_screen(self.app)
         self.set_class(main is not None and main.is_replay, "-over-replay")
-        yield DialogHead()
+        self.head = DialogHead()
+        yield self.head
         yield from self.body()
         yield DialogFooter()
 

@@ -14,7 +14,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.ros_names import base_name
-from archo_tui.screens.dialog import Dialog, DialogHead, main_screen
+from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
@@ -64,6 +64,14 @@ class WatchedTopic(NamedTuple):
     copy: Callable[[TopicView], None]
 
 
+class _DrawnField(NamedTuple):
+    """The line of a field, and what it was drawn of: columns, is it folded, is it plotted."""
+
+    field: FieldView
+    look: tuple[Columns, bool, bool]
+    lines: list[Text]
+
+
 class TopicDialog(Dialog[None]):
     """The fields of a topic as a list, its plots, and its ends.
 
@@ -100,6 +108,7 @@ class TopicDialog(Dialog[None]):
         self._open_arrays: dict[str, int] = {}
         self._plotted: list[str] = []
         self._is_frozen = False
+        self._drawn: dict[str, _DrawnField] = {}  # By path: a list asks for a line several times.
         self._margin = 0, 0, 0, 0
         self._border = "", ""  # The texts on it: topic and type, and the keys.
         self._summary, self._titles = Line(classes="summary"), Line(classes="titles")
@@ -144,10 +153,12 @@ class TopicDialog(Dialog[None]):
 
     def _cover_panels(self) -> None:
         """Leave in sight what stands above and below the panels, in a replay the time line, too."""
-        main, heads = main_screen(self.app), self.query(DialogHead)
-        if main is not None and heads:  # A dialog that goes has no widgets any more.
+        main = main_screen(self.app)
+        if (
+            main is not None and self.head.is_attached
+        ):  # A dialog that goes has no widgets any more.
             covered = main.panels_region
-            above = covered.y - heads.first().rows
+            above = covered.y - self.head.rows
             below = main.size.height - covered.bottom - 1  # The footer has one of its own.
             left, down = self._place_beside_graph(main)
             margin = max(above, 0) + down, 0, max(below, 0), left
@@ -231,7 +242,12 @@ class TopicDialog(Dialog[None]):
         return self._rows.columns or field_columns((), self._rows.size.width)
 
     def _draw_field(self, field: FieldView, _width: int, columns: Columns) -> list[Text]:
-        return [field_line(field, columns, self._folded, self._plotted)]
+        look = columns, field.path in self._folded, field.path in self._plotted
+        drawn = self._drawn.get(field.path)
+        if drawn is None or drawn.field is not field or drawn.look != look:
+            line = field_line(field, columns, self._folded, self._plotted)
+            drawn = self._drawn[field.path] = _DrawnField(field, look, [line])
+        return drawn.lines
 
     def action_leave(self) -> None:
         """Close the search if there is one, else the dialog."""
@@ -288,6 +304,7 @@ class TopicDialog(Dialog[None]):
         self._folded.clear()
         self._open_arrays.clear()
         self._plotted.clear()
+        self._drawn.clear()
         self._is_frozen = False
         self._search.close()
         self.set_text("#topic-ends-text", Content(""))
