@@ -239,7 +239,7 @@ def test_every_key_that_is_named_is_one(page: Path) -> None:
     there: Any = None  # the player, which no key asks for
     every = (*registry(ARCHO), *replay_commands(there, registry(ARCHO)))
     known = {readable_key(command.key).replace("^", "ctrl+") for command in every}
-    known |= {"tab", "esc", "p", "t"}  # p, t: in the dialog of a topic
+    known |= {"tab", "esc", "i", "p", "t"}  # i, p, t: in the dialog of a topic
     for row in read(page).rows:
         for code in codes(row.get("key", "")) if "value" not in row else ():
             assert code in known, code

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from archo_tui.errors import in_one_line
 from archo_tui.robot.field_history import PER_SECOND, FieldHistory
 from archo_tui.robot.message_fields import field_rows
 from archo_tui.robot.message_numbers import MessageNumbers, element_numbers
@@ -119,8 +120,11 @@ def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int])
         view: The view.
         open_arrays: As for `field_rows`.
     """
+    try:
+        rows, is_cut = field_rows(message, open_arrays)
+    except Exception as error:  # A hostile message may raise anything.
+        return view._replace(fault=f"not shown: {in_one_line(error)}", open_arrays=open_arrays)
     known = {row.path: row for row in view.fields}
-    rows, is_cut = field_rows(message, open_arrays)
     fields = [
         known[row.path]._replace(is_open=row.is_open)
         if row.path in known and row.kind is not FieldKind.MORE

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -12,12 +12,14 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Static
 
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
 from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
+from archo_tui.widgets.element_line import ElementLine
 from archo_tui.widgets.field_lines import (
     curve_columns,
     field_columns,
@@ -41,8 +43,10 @@ _WIDE = 160  # Columns from which the Graph stays in sight beside it.
 _LEAST_BESIDE = 80  # Columns that it takes at least then.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
 _PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
-_KEYS = "enter fold  p plot  space freeze  / narrow  t type  y copy  esc close"
+_KEYS = "p plot  space freeze  / narrow  t type  y copy  esc close"
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
+_FOLD_KEYS = "enter fold"
+_ELEMENT_KEYS = "i element"  # Behind them while an array is open.
 Follow = Callable[
     [Callable[[], TopicRequest], Callable[[TopicView], None]], Coroutine[Any, Any, None]
 ]
@@ -83,6 +87,7 @@ class TopicDialog(Dialog[None]):
         ("escape", "leave", "Leave the search, or close"),
         ("q", "close", "Close"),
         ("enter", "fold", "Open or close a message or an array"),
+        ("i", "choose_element", "Go to an element of an open array by its index"),
         ("p", "plot", "Plot the field, or plot it no more"),
         ("space", "freeze", "Show no newer messages, or show them again"),
         ("slash", "narrow", "Show the fields whose path has a text"),
@@ -105,7 +110,7 @@ class TopicDialog(Dialog[None]):
         self._topic, self._step = topic, step
         self._view = TopicView(topic.name)
         self._folded: set[str] = set()  # The groups that are folded, by path.
-        self._open_arrays: dict[str, int] = {}
+        self._open_arrays: Mapping[str, int] = {}
         self._plotted: list[str] = []
         self._is_frozen = False
         self._drawn: dict[str, _DrawnField] = {}  # By path: a list asks for a line several times.
@@ -121,6 +126,7 @@ class TopicDialog(Dialog[None]):
             columns=field_columns,
         )
         self._search = Search(self._rows, self._show_fields)
+        self._element = ElementLine(self._go_to_element)
         self._plot, self._ends = TextLines(), VerticalScroll(id="topic-ends")
         self._box = Vertical(classes="dialog topic")
 
@@ -131,6 +137,7 @@ class TopicDialog(Dialog[None]):
             yield self._titles
             yield self._rows
             yield self._search.line
+            yield self._element
             self._plot.display = False
             yield self._plot
             with self._ends:
@@ -177,7 +184,7 @@ class TopicDialog(Dialog[None]):
         top = self._rows.scroll_offset.y
         seen = self._rows.items[top : top + self._rows.size.height]
         return TopicRequest(
-            dict(self._open_arrays),
+            self._open_arrays,
             frozenset(field.path for field in seen),
             curve_columns(self._rows.columns),
             tuple(self._plotted),
@@ -185,8 +192,22 @@ class TopicDialog(Dialog[None]):
         )
 
     def _receive(self, topic: WatchedTopic, view: TopicView) -> None:
-        if topic is self._topic and not self._is_frozen and not self.has_left:
+        if topic is not self._topic or self.has_left:
+            return
+        # A view that was asked for before an array was opened has not its elements.
+        is_older = bool(view.fields) and view.open_arrays != self._open_arrays
+        if self._is_frozen:
+            self._add_plots(view)
+        elif not is_older:
             self._show(view)
+
+    def _add_plots(self, view: TopicView) -> None:
+        """Draw the curves of the fields that are plotted while the view is frozen."""
+        known = self._view.plots
+        new = {p: view.plots[p] for p in self._plotted if p in view.plots and p not in known}
+        if new:
+            self._view = self._view._replace(plots={**known, **new})
+            self._show_plots()
 
     def _show_again(self) -> None:
         if not self.has_left:
@@ -200,6 +221,7 @@ class TopicDialog(Dialog[None]):
         if view.ends is not None and view.ends != had_ends:
             self.set_text("#topic-ends-text", content(topic_lines(view.ends)).rstrip())
         self._show_fields()
+        self._show_element_line()
         self._show_plots()
 
     def _show_border(self) -> None:
@@ -207,7 +229,10 @@ class TopicDialog(Dialog[None]):
         view, width = self._view, self._box.outer_size.width or self.app.size.width
         kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
         title = escape(f"{view.topic}   {kind}".rstrip())
-        keys = _KEYS if width > len(_KEYS) + 4 else _FEW_KEYS
+        element = f"{_ELEMENT_KEYS}  " if self._open_arrays else ""
+        keys = f"{_FOLD_KEYS}  {element}{_KEYS}"
+        if width <= len(keys) + 4:
+            keys = f"{element}{_FEW_KEYS}"
         if self._margin[3]:  # Beside the Graph.
             keys = f"← → topic  {keys}"
         if (title, keys) != self._border:  # Setting it draws the whole box.
@@ -222,11 +247,30 @@ class TopicDialog(Dialog[None]):
         self._rows.show(found)
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
 
+    def _show_element_line(self) -> None:
+        """Show the present length of the array, and hide the field when the array is closed."""
+        if self._element.array:
+            array = next((a for a in self._open_views if a.path == self._element.array), None)
+            if array is None:
+                self._leave_element_line()
+            else:
+                self._element.set_length(int(array.value or 0))
+
+    def _leave_element_line(self) -> None:
+        self._element.close()
+        self.set_focus(self._rows)
+
+    @property
+    def _open_views(self) -> list[FieldView]:
+        return [field for field in self._view.fields if field.is_open]
+
     def _is_folded(self, path: str) -> bool:
         return any(path.startswith((f"{closed}.", f"{closed}[")) for closed in self._folded)
 
     def _show_plots(self) -> None:
-        self._plot.display = bool(self._plotted)
+        if self._plot.display != bool(self._plotted):
+            self._plot.display = bool(self._plotted)
+            self.call_after_refresh(self._show_again)  # It has no size before.
         if self._plotted:
             fields = {field.path: field for field in self._view.fields}
             height = min(
@@ -250,8 +294,10 @@ class TopicDialog(Dialog[None]):
         return drawn.lines
 
     def action_leave(self) -> None:
-        """Close the search if there is one, else the dialog."""
-        if self._search.value or self.focused is self._search:
+        """Close the field of an index if it is open, else the search, else the dialog."""
+        if self._element.array:
+            self._leave_element_line()
+        elif self._search.value or self.focused is self._search:
             self._search.close()
         else:
             self.dismiss()
@@ -265,20 +311,65 @@ class TopicDialog(Dialog[None]):
         field = self._rows.item
         if field is None or field.kind is FieldKind.VALUE:
             return
-        if self._is_frozen and field.kind is not FieldKind.GROUP:
-            self.notify("Elements are shown once it is not frozen: press space.", markup=False)
-        elif field.kind is FieldKind.GROUP:
+        open_arrays = dict(self._open_arrays)
+        if field.kind is FieldKind.GROUP:
             self._folded ^= {field.path}
             self._show_fields()
             self._rows.redraw()
-        elif field.kind is FieldKind.ARRAY and field.path in self._open_arrays:
-            del self._open_arrays[field.path]
+            return
+        if field.kind is FieldKind.ARRAY and field.path in open_arrays:
+            del open_arrays[field.path]
         elif field.kind is FieldKind.ARRAY:
-            self._open_arrays[field.path] = 0
-        elif field.kind is FieldKind.MORE:
+            open_arrays[field.path] = 0
+        else:
             array, length = field.path[:-2], int(field.value or 0)
-            following = self._open_arrays.get(array, 0) + SHOWN_ELEMENTS
-            self._open_arrays[array] = following if following < length else 0
+            following = open_arrays.get(array, 0) + SHOWN_ELEMENTS
+            open_arrays[array] = following if following < length else 0
+        self._show_elements(open_arrays)
+
+    def action_choose_element(self) -> None:
+        """Open the field for the index of an element of the array around the cursor."""
+        item = self._rows.item
+        here, arrays = "" if item is None else item.path, self._open_views
+        around = [a for a in arrays if here == a.path or here.startswith(f"{a.path}[")]
+        array = next(iter([*reversed(around), *arrays]), None)
+        if array is None:
+            self.notify("Open an array first: enter on its row.", markup=False)
+        else:
+            self._element.open(array.path, int(array.value or 0))
+
+    def _go_to_element(self, array: str, index: int) -> None:
+        """Show the elements from this one on, with the cursor on it."""
+        self._leave_element_line()
+        self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
+
+    def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
+        """Show the elements of other arrays of the message that is shown.
+
+        The keys that follow are for what is shown then, so they wait for it.
+
+        Args:
+            open_arrays: The arrays, by path, each with the number of the first element.
+            cursor: The path of the row that gets the cursor; "" leaves it where it is.
+        """
+        self._open_arrays = open_arrays
+        self.is_asking = True
+        start_worker(self.app, partial(self._read_elements, cursor), _GROUP)
+
+    async def _read_elements(self, cursor: str) -> None:
+        topic, view, shown = self._topic, self._view, self._view
+        try:
+            if view.with_elements is not None:
+                shown = await in_daemon(view.with_elements, view, self._open_arrays)
+        finally:
+            self.is_asking = False
+        if topic is not self._topic or self.has_left:
+            return
+        if self._view is view:  # Otherwise a newer message is shown, with the elements.
+            self._show(shown)
+        paths = [field.path for field in self._rows.items]
+        if cursor in paths:
+            self._rows.move_to(paths.index(cursor))
 
     def action_plot(self) -> None:
         """Plot the field under the cursor, or plot it no more."""
@@ -302,7 +393,8 @@ class TopicDialog(Dialog[None]):
         self.workers.cancel_group(self, _GROUP)
         self._topic, self._view = topic, TopicView(topic.name)
         self._folded.clear()
-        self._open_arrays.clear()
+        self._open_arrays = {}
+        self._element.close()
         self._plotted.clear()
         self._drawn.clear()
         self._is_frozen = False
@@ -324,7 +416,7 @@ class TopicDialog(Dialog[None]):
         """Show the definition of the type, in a dialog over this one."""
         if not self.is_asking:
             self.is_asking = True
-            start_worker(self, self._show_type, _GROUP)
+            start_worker(self.app, self._show_type, _GROUP)
 
     async def _show_type(self) -> None:
         topic = self._topic

@@ -64,8 +64,9 @@ KEYS = {
     },
     "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
     "TopicDialog": {
-        "enter": "fold", "p": "plot", "space": "freeze", "slash": "narrow", "t": "show_type",
-        "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)", "right": "step(1)",
+        "enter": "fold", "i": "choose_element", "p": "plot", "space": "freeze", "slash": "narrow",
+        "t": "show_type", "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)",
+        "right": "step(1)",
     },
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",

@@ -177,6 +177,12 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
             ["8", "home", "down", "enter", "end", "up", "enter", "end"],
             True,
         ),
+        (
+            "topic element",
+            "normal",
+            ["8", "home", "down", "enter", "end", "up", "enter", "i", *"360", "enter"],
+            True,
+        ),
         ("event", "normal", ["6", "home", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
     ],

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from archo_interfaces.msg import BatteryStatus
 
+from archo_tui.robot.message_fields import shown_elements
 from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import (
-    SHOWN_ELEMENTS,
     FieldKind,
     FieldView,
     TopicEnd,
@@ -42,7 +42,11 @@ def topic_view(topic: str, request: TopicRequest) -> TopicView:
         intake.add(now, bytes(24))
         watch.update(now, request)
     view = watch.update(TIME, request)
-    return view._replace(fields=(*view.fields, *_others(request)), ends=ENDS)
+    return view._replace(
+        fields=(*view.fields, *_others(request)),
+        ends=ENDS,
+        with_elements=lambda _, arrays: topic_view(topic, request._replace(open_arrays=arrays)),
+    )
 
 
 def _others(request: TopicRequest) -> list[FieldView]:
@@ -55,12 +59,12 @@ def _others(request: TopicRequest) -> list[FieldView]:
         FieldView("header.frame_id", value, "string", "base_link"),
         FieldView("status", value, "uint8", 4, constant="FULL", least=1, greatest=4),
         FieldView(
-            "ranges", array, f"float32[{_RANGES}]", unit="m", least=0.12, greatest=9.8, nan=3,
-            is_open=begin is not None,
+            "ranges", array, f"float32[{_RANGES}]", _RANGES, unit="m", least=0.12, greatest=9.8,
+            nan=3, is_open=begin is not None,
         ),
     ]  # fmt: skip
     if begin is not None:
-        end = begin + SHOWN_ELEMENTS
-        rows += [FieldView(f"ranges[{n}]", value, "float32", n / 40) for n in range(begin, end)]
+        shown = shown_elements(begin, _RANGES)
+        rows += [FieldView(f"ranges[{n}]", value, "float32", n / 40) for n in shown]
         rows.append(FieldView("ranges[]", FieldKind.MORE, "", _RANGES))
     return [*rows, FieldView("image", array, "uint8[921600]", first="00 01 02 03 04 05 06 07")]

@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Float32, String
+from std_msgs.msg import Float32, Float32MultiArray, String
 from textual.geometry import Region
 
 from archo_tui.app import ArchoApp
+from archo_tui.widgets.rows import Rows
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL
@@ -153,6 +154,11 @@ class Opened:
         """Return what is on the screen."""
         return "\n".join(strip.text for strip in self.app.screen._compositor.render_strips())
 
+    @property
+    def cursor(self) -> str:
+        """Return the path of the field under the cursor."""
+        return str(self.app.screen.query_one(Rows).item_key)
+
     def notified(self, text: str) -> bool:
         """Return True if a notification says that."""
         return any(text in one.message for one in self.app._notifications)
@@ -219,11 +225,90 @@ async def test_y_copies_the_ros2_command() -> None:
         assert shown.app.clipboard == wanted
 
 
-async def test_what_is_frozen_opens_no_elements() -> None:
+async def test_i_goes_to_the_element_whose_index_is_typed() -> None:
     async with opened() as shown:
-        await shown.press("space", "end", "up", "enter")
-        assert shown.notified("press space")
-        assert "[19]" not in shown.text
+        await shown.press("end", "i")
+        assert shown.notified("Open an array first")
+        await shown.press("up", "enter", "i")
+        assert "of ranges: 0 .. 359" in shown.text
+        await shown.press(*"137", "enter")
+        assert shown.cursor == "ranges[137]"
+        assert "of ranges: 0 .. 359" not in shown.text
+        await shown.press("p", "i", *"359", "enter")
+        assert shown.cursor == "ranges[359]"
+        assert "[350]" in shown.text
+        assert "60 s ago" in shown.text
+
+
+async def test_what_is_no_index_is_said_and_can_be_mended_or_left() -> None:
+    async with opened() as shown:
+        await shown.press("end", "up", "enter", "i", *"360", "enter")
+        assert "no element 360 of ranges: 0 .. 359" in shown.text
+        await shown.press("backspace")
+        assert "no element" not in shown.text
+        await shown.press("ctrl+u", *"-1", "enter")
+        assert "no element -1 of ranges: 0 .. 359" in shown.text
+        await shown.press("ctrl+u", "enter")
+        assert "type an index of ranges: 0 .. 359" in shown.text
+        await shown.press("escape")
+        assert "of ranges: 0 .. 359" not in shown.text
+        assert "i element" in shown.text
+        await shown.press("enter")
+        assert "[19]" not in shown.text  # Closed, and with it the field's key.
+        assert "i element" not in shown.text
+
+
+async def test_keys_in_one_burst_go_to_the_same_element() -> None:
+    async with opened() as shown:
+        send(shown.app, "end", "up", "enter", "i", *"137", "enter", "down", "p", "space")
+        await shown.press()
+        assert shown.cursor == "ranges[138]"
+        assert "ranges[138] 3.45" in shown.text
+        assert "frozen" in shown.text
+
+
+async def test_a_key_behind_t_acts_in_the_definition_that_it_opens() -> None:
+    async with opened() as shown:
+        dialog = shown.app.screen
+        send(shown.app, "t", "enter", "p")
+        await shown.press()
+        assert shown.app.screen is dialog
+        assert "60 s ago" in shown.text
+
+
+async def test_a_field_that_is_plotted_while_frozen_has_its_curve() -> None:
+    async with opened() as shown:
+        await shown.press("space", "p")
+        assert "⣀" in shown.text or "⠉" in shown.text
+
+
+class Steps(Node):
+    """It publishes an array of a number that counts, at 10 Hz."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("steps", **options)
+        self._count, publisher = 0.0, self.create_publisher(Float32MultiArray, "steps", 10)
+
+        def publish() -> None:
+            self._count += 1.0
+            publisher.publish(Float32MultiArray(data=[self._count] * 30))
+
+        self.create_timer(0.1, publish)
+
+
+async def test_an_array_that_is_opened_frozen_shows_the_elements_of_then() -> None:
+    async with console(node_makers=[Steps], wait=False) as op:
+        await open_topic(op, "/steps")
+        await op.until("float32[30]")
+        await op.press("end", "space")
+        await op.until("frozen")
+        frozen = op.line("▸ data").split("..")[1].split()[0]
+        await op.at(op.app.station.clock.monotonic() + 3)
+        await op.press("enter", "i", "2", "5", "enter")
+        await op.until("[25]")
+        assert op.line("[25]").split()[2] == frozen
+        await op.press("space")
+        await op.until(lambda: float(op.line("[25]").split()[2]) > float(frozen) + 20)
 
 
 @pytest.mark.parametrize("size", [(50, 15), (80, 24), (40, 10), (200, 60)])

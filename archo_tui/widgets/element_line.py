@@ -1,0 +1,83 @@
+"""The line with a field for the index of an element of an open array."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.content import Content
+
+from archo_tui.widgets.field import Field
+from archo_tui.words.topic import element_index, element_range
+
+_HINT_AT = 21  # Cells of the line before its text: the word, and the field.
+
+
+class ElementLine(Horizontal):
+    """The line `element 137  of ranges: 0 .. 359`, hidden until it is opened.
+
+    Attributes:
+        array: The path of the array; "" while the line is hidden.
+    """
+
+    DEFAULT_CSS = """
+        ElementLine { display: none; height: 1; }
+        ElementLine Field { width: 12; margin: 0 0 0 8; }
+    """
+
+    def __init__(self, go: Callable[[str, int], object]) -> None:
+        """Create the line.
+
+        Args:
+            go: Called by enter with the path of the array and the index of one of its elements.
+        """
+        super().__init__()
+        self.array = ""
+        self._length = 0
+        self._go = go
+        self.field = Field(id="element", changed=self._show_range, submitted=self._submit)
+        self._hint = Content("")
+
+    def compose(self) -> ComposeResult:
+        yield self.field
+
+    def render(self) -> Content:
+        """Return the text around the field."""
+        return Content.assemble(f"{'element':<{_HINT_AT}}", self._hint)
+
+    def open(self, array: str, length: int) -> None:
+        """Show the field for an array, and focus it."""
+        self.array, self._length = array, length
+        self.field.clear()
+        self._show_range()
+        self.display = True
+        self.screen.set_focus(self.field)
+
+    def close(self) -> None:
+        """Hide the field."""
+        self.array = ""
+        self.display = False
+
+    def set_length(self, length: int) -> None:
+        """Show another length of the array; an error that is shown stays."""
+        if length != self._length:
+            self._length = length
+            self._show_range()
+
+    def _show_range(self) -> None:
+        self._show_hint(f"of {element_range(self.array, self._length)}", "$quiet")
+
+    def _show_hint(self, text: str, style: str) -> None:
+        hint = Content.styled(text, style)
+        if not hint.is_same(self._hint):
+            self._hint = hint
+            self.refresh()
+
+    def _submit(self) -> None:
+        try:
+            index = element_index(self.field.value, self.array, self._length)
+        except ValueError as error:
+            self._show_hint(str(error), "bold $bad")
+        else:
+            self._go(self.array, index)
