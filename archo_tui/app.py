@@ -9,6 +9,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from textual.content import Content
+from textual.notifications import SeverityLevel
 from textual.screen import Screen
 from textual.widgets import Input
 
@@ -30,6 +32,7 @@ from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
+from archo_tui.widgets.notices import Notices
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -74,6 +77,7 @@ class ArchoApp(KeyedApp):
         self._failed_before = failed
         self._leaves = False
         self.has_sent = True  # False once it is known that this user has never sent a goal.
+        self._notices = Notices()
         self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
         self.view = self._view()
         self.main.goal.send = self._send_goals
@@ -137,6 +141,7 @@ class ArchoApp(KeyedApp):
         if not (self.is_running and self.main.is_mounted):
             return
         self.view = replace(self.view, blocked=blocked_commands(self))
+        self._show_notice()
         self.main.show(self.view, keys_of_footer(self))
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
@@ -148,6 +153,35 @@ class ArchoApp(KeyedApp):
     def _view(self) -> ScreenState:
         first = not self.has_sent
         return ScreenState(**vars(self.station.view), keys=self.shown_keys, is_first=first)
+
+    def notify(
+        self,
+        message: str,
+        *,
+        title: str = "",
+        severity: SeverityLevel = "information",
+        timeout: float | None = None,
+        markup: bool = True,
+    ) -> None:
+        """Show a message in the second row, in place of a box at the bottom."""
+        text = Content.from_markup(message).plain if markup else message
+        self._notices.add(
+            f"{title}: {text}" if title else text, severity, timeout or self.NOTIFICATION_TIMEOUT
+        )
+        self._show_notice()
+
+    def clear_notifications(self) -> None:
+        self._notices.clear()
+        self._show_notice()
+
+    def action_dismiss_notice(self) -> None:
+        """Remove the notice that was clicked."""
+        self._notices.dismiss()
+        self._show_notice()
+
+    def _show_notice(self) -> None:
+        if self.front.main.is_mounted:
+            self.front.main.show_notice(self._notices.shown(self.station.clock.monotonic()))
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id, or say why it cannot run.

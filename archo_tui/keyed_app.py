@@ -33,6 +33,7 @@ from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.widgets.rows import Rows
 
 if TYPE_CHECKING:
@@ -232,7 +233,8 @@ class KeyedApp(TerminalApp):
             return False
         front = self.screen
         stands = front is not self.main and not (isinstance(front, Dismissable) and front.has_left)
-        if stands and front.get_widget_and_offset_at(event.x, event.y)[0] is not front:
+        pressed = (widget for widget, _ in front.get_widgets_at(event.x, event.y))
+        if stands and next(w for w in pressed if not isinstance(w, NoticeLine)) is not front:
             return False  # On the dialog.
         self._pressed_stop = True
         self.repeated = False

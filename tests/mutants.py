@@ -310,6 +310,8 @@ FAULTS = [
     Fault("terminal/compositor.py", "any(x1 < seen.right and seen.x < x2 for", "any(x1 < seen.right and seen.right <= x2 for", "tests/screens/test_compositor.py"),
     Fault("terminal/compositor.py", "        if self._full_map_invalidated:\n", "        if False:\n", "tests/screens/test_compositor.py"),
     Fault("terminal/compositor.py", "            self._cuts = None\n", "", "tests/screens/test_compositor.py"),
+    Fault("widgets/notices.py", "            entry.until = now +", "            entry.until = 0 * now +", "tests/widgets/test_notices.py"),
+    Fault("screens/main.py", " + is_needed\n", "\n", "tests/screens/test_notices.py"),
     Fault("widgets/field.py", "virtual_size = Reactive(Size(0, 0))", "virtual_size = Reactive(Size(0, 0), layout=True)", "tests/widgets/test_field.py"),
     # what a terminal sends
     Fault("terminal/sequences.py", "                self._rest_until = self._since + wait + SEQUENCE_WAIT\n", "", "tests/terminal/test_keyboard.py"),

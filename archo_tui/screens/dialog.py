@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 from textual.app import App, ComposeResult
@@ -19,6 +18,7 @@ from archo_tui.station.reason import Reason, obstacles
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.widgets.screen_state import ScreenState
 
 _HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
@@ -34,8 +34,14 @@ def main_screen(app: App[Any]) -> MainScreen | None:
 class DialogHead(Vertical):
     """The lines at the top, in place of those that the dialog dims: state and banner stay lit."""
 
-    def __init__(self) -> None:
+    def __init__(self, notice_line: NoticeLine) -> None:
+        """Create it.
+
+        Args:
+            notice_line: The line of the dialog that shows notices.
+        """
         super().__init__(classes="above")
+        self._notice_line = notice_line
         self._main: MainScreen | None = None
 
     def compose(self) -> ComposeResult:
@@ -46,7 +52,7 @@ class DialogHead(Vertical):
     def on_mount(self) -> None:
         if self._main is not None:
             self._main.on_head.append(self._show)
-            self._show(self._main.head)
+            self._show()
 
     def on_unmount(self) -> None:
         if self._main is not None:
@@ -58,10 +64,13 @@ class DialogHead(Vertical):
         has_room = self.app.size.height >= _HEAD_FROM
         return len(self._main.head) if self._main is not None and has_room else 0
 
-    def _show(self, texts: Sequence[Content]) -> None:
+    def _show(self) -> None:
         self.display = self.rows > 0
-        for line, text in zip(self.query(Line), texts, strict=False):
-            line.show(text)
+        if self._main is not None:
+            for line, text in zip(self.query(Line), self._main.head, strict=False):
+                line.show(text)
+            row = self._main.notice_row if self.display else 0
+            self._notice_line.show(self._main.notice, row, self._main.size.width)
 
 
 class DialogFooter(Line):
@@ -89,10 +98,12 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     def compose(self) -> ComposeResult:
         main = main_screen(self.app)
         self.set_class(main is not None and main.is_replay, "-over-replay")
-        self.head = DialogHead()
+        notice_line = NoticeLine()
+        self.head = DialogHead(notice_line)
         yield self.head
         yield from self.body()
         yield DialogFooter()
+        yield notice_line
 
     def on_descendant_focus(self) -> None:
         """Fill the button that enter presses while a field has the focus."""

@@ -32,6 +32,8 @@ from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
+from archo_tui.widgets.notice_line import NoticeLine
+from archo_tui.widgets.notices import Notice
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
@@ -67,7 +69,8 @@ class MainScreen(Base[None]):
         starts_in_field: True if the goal's field has the focus at first, where it is in sight.
         everywhere_keys: What the footer shows of the keys that work in dialogs, too.
         head: The lines at the top, as they were shown last.
-        on_head: Called with these lines whenever they are shown.
+        notice: The notice that is shown, over the last of these lines or below them.
+        on_head: Called whenever lines and notice are shown.
     """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
@@ -130,7 +133,9 @@ class MainScreen(Base[None]):
         self._footer_content: object = None  # From what the footer was drawn.
         self.everywhere_keys = Content("")
         self.head: list[Content] = []
-        self.on_head: list[Callable[[Sequence[Content]], None]] = []
+        self.notice: Notice | None = None
+        self.on_head: list[Callable[[], None]] = []
+        self._notice_line = NoticeLine()
         self._is_laid_out = self._is_filled = False
         self._view: ScreenState | None = None  # The last one.
         self._commands: list[FooterKey] = []  # The keys of its footer.
@@ -151,6 +156,7 @@ class MainScreen(Base[None]):
         if self._time_line is not None:
             yield self._time_line
         yield self._footer
+        yield self._notice_line
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
@@ -225,8 +231,8 @@ class MainScreen(Base[None]):
         """Return True if the STOP button is at that cell, whatever lies over this screen."""
         if not self.is_mounted:
             return False
-        widget, _ = self.get_widget_and_offset_at(x, y)
-        return widget is not None and widget.id == "stop"
+        # A notice may be over it.
+        return any(widget.id == "stop" for widget, _ in self.get_widgets_at(x, y))
 
     @property
     def panels_region(self) -> Region:
@@ -401,8 +407,20 @@ class MainScreen(Base[None]):
     def show_head(self, lines: list[Content]) -> None:
         """Show the lines of the top in the dialogs over this screen, too."""
         self.head = lines
+        self.show_notice(self.notice)
+
+    def show_notice(self, notice: Notice | None) -> None:
+        """Show a notice, in the dialogs over this screen, too; without one, the banner."""
+        self.notice = notice
+        self._notice_line.show(notice, self.notice_row, self.size.width)
         for show in self.on_head:
-            show(lines)
+            show()
+
+    @property
+    def notice_row(self) -> int:
+        """The row of a notice: the banner's, or the next one while the banner is needed itself."""
+        is_needed = self._view is not None and bars.is_banner_needed(self._view)
+        return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the keys that work now; if a field has the focus, its own keys, too."""

@@ -134,6 +134,11 @@ def banner(view: ScreenState, width: int) -> Content:
     return Content.assemble(shown_line, gap).stylize(f"{style} reverse")
 
 
+def is_banner_needed(view: View) -> bool:
+    """Return True while the banner shows an alarm, or the question of an assistant."""
+    return bool(view.requests) or any(a.state != AlarmState.SHELVED for a in view.alarms)
+
+
 def past_alarm(alarm: Alarm) -> str:
     """Return `was: STOPPED, since 12:04:31, over at 12:05:02`."""
     text = f"was: {alarm.short_text}, since {time_of_day(alarm.since)}"

@@ -30,7 +30,7 @@ async def test_a_key_that_waits_for_no_answer_does_not_wait_behind_keys_that_do(
 
     robot: Any = app.station.robot
     robot.set_parameters, robot.cancel = unanswered, cancel
-    async with app.run_test(size=(120, 36), notifications=True):
+    async with app.run_test(size=(120, 36)):
         settle = Quiet(app).settle
         await settle()
         send(app, "4", "enter", "ctrl+u", "2", "enter", "x", "q")
@@ -52,7 +52,7 @@ async def test_a_key_that_waits_for_no_answer_does_not_wait_behind_keys_that_do(
 
 async def test_a_second_question_is_not_put_and_that_is_said() -> None:
     app = stub_app(STATES["motor moving"])
-    async with app.run_test(size=(120, 36), notifications=True):
+    async with app.run_test(size=(120, 36)):
         settle = Quiet(app).settle
         await settle()
         for key in ("r", "ctrl+q"):

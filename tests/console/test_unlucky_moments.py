@@ -9,13 +9,13 @@ import pytest
 from textual import events
 from textual.geometry import Size
 from textual.widgets import Input
-from textual.widgets._toast import Toast
 
 from archo_tui.commands.palette_choices import Commands
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.choose import ChoiceRows
 from archo_tui.screens.help import Help
 from archo_tui.screens.main import MainScreen
+from archo_tui.widgets.notice_line import NoticeLine
 from tests.support.console import FAST, Console, click, console
 
 
@@ -25,11 +25,11 @@ async def stop_works(op: Console) -> None:
     await op.until(lambda: any("STOPPED" in alarm.text for alarm in op.app.view.alarms))
 
 
-async def read_something(op: Console) -> Toast:
-    """A toast that has just come."""
+async def read_something(op: Console) -> NoticeLine:
+    """A notice that has just come."""
     op.app.show_message("something to read")
-    await op.until(lambda: op.app.screen.query(Toast))
-    return op.app.screen.query_one(Toast)
+    await op.until("something to read")
+    return op.app.screen.query_one(NoticeLine)
 
 
 async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
@@ -120,25 +120,25 @@ async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() ->
         await stop_works(op)
 
 
-async def test_a_double_click_on_a_toast_closes_it() -> None:
+async def test_a_double_click_on_a_notice_closes_it() -> None:
     async with console(*FAST) as op:
-        toast = await read_something(op)
-        x, y = toast.region.offset
+        notice = await read_something(op)
+        x, y = notice.region.offset
         for _ in range(4):
             click(op.app, x + 1, y)
-        await op.until(lambda: not op.app.screen.query(Toast))
+        await op.until(lambda: "something to read" not in op.text)
         await stop_works(op)
 
 
 async def test_a_part_of_a_screen_that_has_just_gone_is_not_clicked() -> None:
     async with console(*FAST) as op:
-        toast = await read_something(op)
-        x, y = toast.region.offset
-        parent = toast.parent
+        notice = await read_something(op)
+        x, y = notice.region.offset
+        parent = notice.parent
         assert parent is not None
-        toast._detach()  # as it is until the screen is drawn again
+        notice._detach()  # as it is until the screen is drawn again
         assert op.app.screen.get_widget_and_offset_at(x + 1, y) == (None, None)
-        toast._attach(parent)
+        notice._attach(parent)
 
 
 async def test_news_while_the_list_of_alarms_is_built_wait_for_it() -> None:

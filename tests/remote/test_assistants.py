@@ -242,7 +242,7 @@ async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> 
         await op.press("tab")
         await read(op)
         await op.press("enter")
-        await op.until(lambda: any("Not all of it" in one.message for one in op.app._notifications))
+        await op.until("▲ Not all of it")
         assert [one.number for one in op.app.station.requests.waiting] == [1]
         assert op.app.view.snapshot.goal is None
 

@@ -101,7 +101,7 @@ async def replay(path: Path, size: tuple[int, int] = (120, 36)) -> AsyncIterator
         app = ReplayApp(RecordedStation(player, time))
     app.animation_level = "none"
     app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]
-    async with app.run_test(size=size, notifications=True) as pilot:
+    async with app.run_test(size=size) as pilot:
         watcher = Watcher(app, player, time, pilot)
         await watcher.settle()
         yield watcher

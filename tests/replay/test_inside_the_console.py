@@ -313,8 +313,8 @@ async def test_what_the_live_robot_answers_late_is_not_taken_for_the_replays() -
         await play(op)
         op.app.report_failure(Outcome(Code.REFUSED, "not now, says the node"))
         await op.until("not now, says the node")
-        assert op.line("▌ Live robot")
+        assert op.line("✗ Live robot: not now")
         assert op.app.replay is not None
         op.app.replay.report_failure(Outcome(Code.REFUSED, "not in the recording"))
         await op.until("not in the recording")
-        assert op.line("▌ Replay")
+        assert op.line("· Replay: not in")

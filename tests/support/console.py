@@ -240,7 +240,7 @@ async def console(
         app.main.starts_in_field = in_field and not watch
         app.animation_level = "none"
         app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
-        async with app.run_test(size=size, notifications=True) as pilot:
+        async with app.run_test(size=size) as pilot:
             operator = Console(app, pilot, session)
             if wait:
                 await operator.ready()

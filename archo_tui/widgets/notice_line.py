@@ -1,0 +1,69 @@
+"""The second row of a screen while a notice is shown."""
+
+from __future__ import annotations
+
+import textwrap
+
+from textual import events
+from textual.content import Content
+from textual.widgets import Static
+
+from archo_tui.safe_text import harmless
+from archo_tui.widgets.notices import Notice
+from archo_tui.widgets.rows import crop
+
+_MAX_LINES = 3  # Of a notice in a narrow terminal.
+_LOOKS = {"information": ("·", ""), "warning": ("▲", "bold $warn"), "error": ("✗", "bold $bad")}
+
+
+def notice_text(notice: Notice, width: int) -> Content:
+    """Return ` ▲ dock: the robot is stopped                       +2 `.
+
+    Where it is too long for a line, it goes on below; a very long one is cut.
+
+    Args:
+        notice: The notice.
+        width: The cells of a line.
+    """
+    glyph, style = _LOOKS[notice.severity]
+    more = f"+{notice.waiting} " if notice.waiting else ""
+    room = max(width - len(f" {glyph} {more} "), 8)
+    first, *rest = textwrap.wrap(
+        harmless(notice.text), room, max_lines=_MAX_LINES, placeholder=" …"
+    ) or [""]
+    head = f" {glyph} {crop(first, room)}"
+    gap = " " * (width - len(more) - Content(head).cell_length) if more else ""
+    lines = [f"{head}{gap}{more}", *(f"   {crop(line, room)}" for line in rest)]
+    return Content.styled("\n".join(lines), style)
+
+
+class NoticeLine(Static):
+    """A notice over the other widgets: nothing moves when one comes or goes. A click closes it."""
+
+    DEFAULT_CSS = """
+    NoticeLine {
+        display: none; dock: top; layer: notice; width: 100%; height: auto; background: $panel;
+    }
+    """
+
+    _shown: tuple[Notice | None, int, int] = None, 0, 0
+
+    def show(self, notice: Notice | None, row: int, width: int) -> None:
+        """Show a notice; an equal one costs nothing.
+
+        Args:
+            notice: The notice; None to show what lies beneath.
+            row: The row of the screen, from 0.
+            width: The cells of a line.
+        """
+        if (notice, row, width) == self._shown:
+            return
+        self._shown = notice, row, width
+        if notice is not None:
+            self.update(notice_text(notice, width))
+            self.styles.offset = 0, row
+        self.display = notice is not None
+
+    async def on_click(self, event: events.Click) -> None:
+        event.stop()
+        await self.run_action("app.dismiss_notice")

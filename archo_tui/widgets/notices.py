@@ -1,0 +1,85 @@
+"""The notices: messages that are shown one at a time, and go by themselves. Pure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from textual.notifications import SeverityLevel
+
+_GRAVITY: tuple[SeverityLevel, ...] = ("information", "warning", "error")
+
+
+class Notice(NamedTuple):
+    """A message to the operator.
+
+    Attributes:
+        text: The message, in one line.
+        severity: How grave it is.
+        waiting: The number of others that are not shown now.
+    """
+
+    text: str
+    severity: SeverityLevel
+    waiting: int = 0
+
+
+@dataclass
+class _Entry:
+    """A notice, and the monotonic time (in s) at which it goes: None until it has been shown."""
+
+    notice: Notice
+    duration: float
+    until: float | None = None
+
+
+class Notices:
+    """The notices that have not gone yet, of which the gravest is shown, then the newest.
+
+    The time of a notice begins when it is shown for the first time: behind a graver one it waits.
+    """
+
+    def __init__(self) -> None:
+        self._entries: list[_Entry] = []
+
+    def add(self, text: str, severity: SeverityLevel, duration: float) -> None:
+        """Add a notice; it replaces an equal one.
+
+        Args:
+            text: The message.
+            severity: How grave it is.
+            duration: Seconds for which it is shown.
+        """
+        notice = Notice(" ".join(text.split()), severity)
+        self._entries = [entry for entry in self._entries if entry.notice != notice]
+        self._entries.append(_Entry(notice, duration))
+
+    def shown(self, now: float) -> Notice | None:
+        """Return the notice to show; None if there is none.
+
+        Args:
+            now: The monotonic time, in s.
+        """
+        self._entries = [e for e in self._entries if e.until is None or now < e.until]
+        entry = self._gravest()
+        if entry is None:
+            return None
+        if entry.until is None:
+            entry.until = now + entry.duration
+        return entry.notice._replace(waiting=len(self._entries) - 1)
+
+    def dismiss(self) -> None:
+        """Remove the notice that is shown; the next one takes its place."""
+        entry = self._gravest()
+        if entry is not None:
+            self._entries.remove(entry)
+
+    def clear(self) -> None:
+        """Remove all notices."""
+        self._entries.clear()
+
+    def _gravest(self) -> _Entry | None:
+        """Return the newest of the gravest notices."""
+        return max(
+            reversed(self._entries), key=lambda e: _GRAVITY.index(e.notice.severity), default=None
+        )

@@ -1,0 +1,57 @@
+"""Notices on the screen: one line below the header, over everything, that hides no alarm."""
+
+from __future__ import annotations
+
+from archo_tui.widgets.notice_line import NoticeLine
+from tests.support.console import FAST, Console, click, console
+
+
+def row_of(op: Console, text: str) -> int:
+    return next(row for row, line in enumerate(op.text.splitlines()) if text in line)
+
+
+async def test_a_refusal_is_shown_in_the_second_row_for_its_time_and_moves_nothing() -> None:
+    async with console(*FAST) as op:
+        op.app.NOTIFICATION_TIMEOUT = 5  # type: ignore[misc]
+        before = row_of(op, "1 Battery")
+        await op.press("u")
+        assert "▲ nothing to undo" in op.text.splitlines()[1]
+        assert row_of(op, "1 Battery") == before
+        await op.until(lambda: "nothing to undo" not in op.text)
+
+
+async def test_a_notice_stands_below_an_alarm_also_of_one_that_comes_later() -> None:
+    async with console(*FAST) as op:
+        await op.press("u")
+        assert row_of(op, "nothing to undo") == 1
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.settle()
+        assert row_of(op, "STOPPED: look for the cause") == 1
+        assert row_of(op, "nothing to undo") == 2
+
+
+async def test_a_notice_is_shown_over_dialogs_that_are_open_and_that_are_opened() -> None:
+    async with console(*FAST) as op:
+        await op.press("u", "ctrl+p")
+        assert row_of(op, "nothing to undo") == 1
+        op.app.show_message("something else")
+        op.app.show_message("and this")
+        await op.settle()
+        assert "▲ nothing to undo" in op.text.splitlines()[1]
+        assert op.text.splitlines()[1].endswith("+2 ")
+        await op.pilot.resize_terminal(50, 15)
+        await op.until(lambda: row_of(op, "nothing to undo") == 0)
+
+
+async def test_the_stop_button_is_pressed_through_a_notice() -> None:
+    async with console(*FAST, size=(50, 15)) as op:
+        await op.press("2")
+        op.app.show_message("something to read")
+        await op.settle()
+        button, notice = op.app.query_one("#stop"), op.app.main.query_one(NoticeLine)
+        notice.styles.offset = 0, button.region.y
+        await op.settle()
+        assert notice.region.contains(button.region.x, button.region.y)
+        click(op.app, button.region.x + 1, button.region.y)
+        await op.until(lambda: op.app.view.snapshot.is_stopped)
