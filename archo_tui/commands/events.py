@@ -34,8 +34,7 @@ class CopyCommand(_InEvents):
         return "" if console.main.events.selected else "no event is selected"
 
     def run(self, console: Console) -> None:
-        event = console.main.events.selected
-        assert event is not None
+        event = console.main.events.selected[0]
         console.copy(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
         console.show_message(event.command or event.text, title=f"Copied {what}")
@@ -59,7 +58,7 @@ class SaveEvents(_InEvents):
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        text = events_as_text(reversed(console.main.events.shown))
+        text = events_as_text(console.main.events.shown)
         write = write_file(console, text, "save events")
         console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
@@ -74,6 +73,5 @@ class ShowEvent(_InEvents):
     def run(self, console: Console) -> None:
         from archo_tui.screens.text import ShowText
 
-        event = console.main.events.selected
-        assert event is not None
-        console.open(ShowText("Event", event_details(event)))
+        details = map(event_details, console.main.events.selected)
+        console.open(ShowText("Event", "\n\n\n".join(details)))

@@ -15,6 +15,7 @@ from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
 from archo_tui.words.event import is_of_own_file, outcome_glyph
+from archo_tui.words.event_rows import EventRow, event_rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
@@ -36,13 +37,13 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
     return level == "WARN" and event.level == "INFO" and is_of_own_file(event, hosted)
 
 
-def event_lines(event: Event, width: int, _columns: Columns) -> list[Text]:
+def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
     """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
 
     The source is left out where it is the console, or the action of a goal. A narrow panel leaves
     it out, and the time of the first of equal events.
     """
-    at, text = time_of_day(event.time), event.text
+    event, at, text = row.events[0], time_of_day(row.time), row.text
     is_wide = width >= _WIDE
     if is_wide and event.source != "console" and event.level != "GOAL":
         text = f"{'shell ' if event.level == 'SHELL' else ''}{event.source}: {text}"
@@ -58,7 +59,7 @@ def repeat_text(event: Event) -> str:
 
 
 def event_details(event: Event) -> str:
-    """Return everything about an event, in lines for a dialog."""
+    """Return everything about an event, in lines."""
     count = f"  {repeat_text(event)}" if event.count > 1 else ""
     lines = [f"{time_of_day(event.time)}  {event.level}  {event.source}{count}", "", event.text]
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
@@ -93,9 +94,9 @@ class EventsPanel(Panel):
         self._level = _CYCLE[0]
         self._events: tuple[Event, ...] = ()
         self._hosted: tuple[Hosted, ...] = ()
-        self._rows: Rows[Event] = Rows(
+        self._rows: Rows[EventRow] = Rows(
             event_lines,
-            lambda event: event.number,
+            lambda row: row.events[0].number,
             id="event-list",
             empty=_NO_EVENTS,
             action="app.command('whole_event')",
@@ -108,13 +109,13 @@ class EventsPanel(Panel):
 
     @property
     def shown(self) -> Sequence[Event]:
-        """Return the events that level and search leave, newest first."""
-        return self._rows.items
+        """Return the events that level and search leave, the oldest first."""
+        return sorted((e for row in self._rows.items for e in row.events), key=lambda e: e.time)
 
     @property
-    def selected(self) -> Event | None:
-        """Return the event under the cursor."""
-        return self._rows.item
+    def selected(self) -> Sequence[Event]:
+        """Return the events that the row under the cursor stands for; none without a row."""
+        return () if self._rows.item is None else self._rows.item.events
 
     @property
     def focus_target(self) -> Widget:
@@ -139,9 +140,15 @@ class EventsPanel(Panel):
         nothing = f"Nothing contains {typed}{at}" if typed else _NO_EVENTS[:-1] + at
         self._rows.empty = nothing if self._events else _NO_EVENTS
         at_level = [
-            event for event in reversed(self._events) if is_shown(event, self._level, self._hosted)
+            row
+            for row in reversed(event_rows(self._events, self._hosted))
+            if is_shown(row.events[0], self._level, self._hosted)
         ]
-        shown = [event for event in at_level if matches(event.source, event.text)]
+        shown = [
+            row
+            for row in at_level
+            if matches(row.text, *(text for e in row.events for text in (e.source, e.text)))
+        ]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
         self.show_narrowed(level, self.search.summary(len(shown), len(at_level)))
         self._rows.show(shown)

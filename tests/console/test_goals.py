@@ -98,7 +98,7 @@ async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
 
         while not heard():  # on ROS 2 a node's log is found a moment after its services
             await op.press("r")
-            await op.until("Encoder reset to zero")
+            await op.until("✓  reset encoder")
         await op.press("g", "9", "9", "enter")
         await op.until(": shelf 99 is not in 1 .. 40")
         assert re.search(r"✗ REFUSED      at \d\d:\d\d:\d\d: shelf 99", op.text)
@@ -237,7 +237,7 @@ async def test_a_letter_behind_a_paste_in_one_write_is_text() -> None:
 async def test_a_field_that_was_emptied_takes_commands_again() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1", "r", "backspace", "backspace", "c")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
         assert op.app.query_one("#goal-0", Input).value == ""
 
 

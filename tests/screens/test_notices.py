@@ -10,7 +10,7 @@ def row_of(op: Console, text: str) -> int:
     return next(row for row, line in enumerate(op.text.splitlines()) if text in line)
 
 
-async def test_a_refusal_is_shown_in_the_second_row_for_its_time_and_moves_nothing() -> None:
+async def test_a_refusal_is_in_the_second_row_for_its_time() -> None:
     async with console(*FAST) as op:
         op.app.NOTIFICATION_TIMEOUT = 5  # type: ignore[misc]
         before = row_of(op, "1 Battery")
@@ -20,7 +20,7 @@ async def test_a_refusal_is_shown_in_the_second_row_for_its_time_and_moves_nothi
         await op.until(lambda: "nothing to undo" not in op.text)
 
 
-async def test_a_notice_stands_below_an_alarm_also_of_one_that_comes_later() -> None:
+async def test_a_notice_makes_room_for_an_alarm() -> None:
     async with console(*FAST) as op:
         await op.press("u")
         assert row_of(op, "nothing to undo") == 1

@@ -180,7 +180,7 @@ async def test_in_a_tiny_terminal_the_whole_board_is_seen_when_it_opens() -> Non
 async def test_letters_on_the_board_are_commands_as_on_a_list() -> None:
     async with console(*FAST, size=TALL) as op:
         await op.press("g", "tab", "r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("6")
         assert op.focused_panel == 6
 

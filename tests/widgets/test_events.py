@@ -16,6 +16,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Event
 from archo_tui.session import _robots_nodes
 from archo_tui.widgets.events_panel import event_lines
+from archo_tui.words.event_rows import event_rows
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
 
@@ -31,29 +32,29 @@ async def test_events_show_more_levels_on_demand() -> None:
 async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
-        await op.until("reset encoder: Encoder reset to zero")
-        await op.until("charge: Charging")
+        await op.until("reset encoder: zero")
+        await op.until("✓  charge")
         await op.press("6", "slash")
         await op.type("ENCODER")
-        await op.until(lambda: "charge: Charging" not in op.text)
-        assert "reset encoder: Encoder reset to zero" in op.text
+        await op.until(lambda: "✓  charge" not in op.text)
+        assert "reset encoder: zero" in op.text
         await op.press("enter")
         assert op.app.focused is not None
         assert op.app.focused.id == "event-list"
         await op.press("slash", "escape")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
 
 
 async def test_escape_in_the_list_clears_its_search_which_the_title_says_until_then() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
         await op.press("6", "slash", *"ENCODER", "enter")
         await op.until("6 Events   / ENCODER: 1 of 2")
         await op.press("4", "escape")  # of another panel
         await op.until("6 Events   / ENCODER: 1 of 2")
         await op.press("6", "escape")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
         assert "ENCODER:" not in op.text
         await op.press("l", "l", "l")
         await op.until("6 Events   ERROR and above")
@@ -76,8 +77,7 @@ async def test_page_keys_move_by_what_is_seen() -> None:
         page, last = height - 1, len(events.shown) - 1
         assert places == [page, 2 * page, page, last, last - page, 0]
         await op.press("pagedown")
-        assert events.selected is not None
-        assert events.selected.text in op.text
+        assert events.selected[0].text in op.text
 
 
 async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
@@ -90,9 +90,9 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until("this event has no command")
         assert op.app.clipboard == "only text"
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("c")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
         await op.press("down", "y")
         wanted = "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'"
         await op.until(lambda: op.app.clipboard == wanted)
@@ -126,11 +126,11 @@ async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -
 async def test_what_a_search_finds_has_room_in_a_small_terminal() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         before = op.app.main.parameters.size.height
         await op.press("6", "slash", *"encoder")
         await op.until("1 of ")
-        assert "Encoder reset to zero" in op.text
+        assert "reset encoder: zero" in op.text
         await op.press("escape")
         await op.until(lambda: "1 of " not in op.text)
         assert op.app.main.parameters.size.height == before
@@ -139,9 +139,10 @@ async def test_what_a_search_finds_has_room_in_a_small_terminal() -> None:
 async def test_enter_shows_an_event_in_full() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("6", "enter")
-        await op.until("$ ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder")
+        await op.until("reset encoder: Encoder reset to zero")
+        assert "$ ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder" in op.text
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
 
@@ -149,7 +150,7 @@ async def test_enter_shows_an_event_in_full() -> None:
 async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("c")
         await op.until("↯ CHARGING")
         await op.press("6", "down")
@@ -208,7 +209,7 @@ async def test_the_events_that_are_shown_are_saved_with_their_commands(
     monkeypatch.chdir(tmp_path)
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("reset encoder: Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
         await op.until("Saved to events.txt")
     (line,) = (tmp_path / "events.txt").read_text().splitlines()
@@ -245,12 +246,17 @@ async def test_escape_leaves_the_full_screen() -> None:
 def test_a_glyph_tells_how_an_event_ended(level: str, code: Code | None, glyph: str) -> None:
     record = None if code is None else AuditRecord("go", {}, code)
     event = EventLog().add(Event(0.0, level, "console", "text", audit_record=record))
-    ((line, _),) = event_lines(event, 80, ())
+    (row,) = event_rows([event], ())
+    ((line, _),) = event_lines(row, 80, ())
     assert line.endswith(f"  {glyph}  text")
 
 
 def test_the_source_of_an_event_stands_before_it_unless_that_is_the_console() -> None:
-    ((line, _),) = event_lines(Event(0.0, "PEER", "anna_lab", "STOP: confirmed"), 80, ())
+    peers, nodes = event_rows(
+        [Event(0.0, "PEER", "anna_lab", "STOP: confirmed"), Event(0.0, "WARN", "dashboard", "low")],
+        (),
+    )
+    ((line, _),) = event_lines(peers, 80, ())
     assert line.endswith("·  anna_lab: STOP: confirmed")
-    ((line, _),) = event_lines(Event(0.0, "WARN", "dashboard", "low"), 60, ())
+    ((line, _),) = event_lines(nodes, 60, ())
     assert line.endswith("▲ low")

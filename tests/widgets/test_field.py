@@ -91,7 +91,7 @@ async def test_a_value_and_its_correction_in_one_write_set_the_corrected_value()
         names = op.parameters
         row = names.index("low_battery_threshold")
         op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
-        await op.until("low_battery_threshold 21.0: low_battery_threshold is 21.0")
+        await op.until("low_battery_threshold 21.0: was")
 
 
 async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() -> None:

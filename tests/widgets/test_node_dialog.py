@@ -65,7 +65,7 @@ async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
         await op.press("escape")
         await op.until("log level of battery_monitor ERROR: ERROR and above, was INFO and above")
         await op.press("c")
-        await op.until("charge: Charging")
+        await op.until("✓  charge")
         await op.settle()
         sources = [event.source for event in op.app.view.snapshot.events]
         assert "battery_monitor" not in sources

@@ -54,7 +54,7 @@ async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
         await op.until(lambda: op.app.screen is op.app.main)
         await op.until("0.4 *  double   0.05 .. 2")
         await op.until("0.40 m/s")
-        await op.until("set motor_controller max_speed 0.4: max_speed is 0.4")
+        await op.until("set motor_controller max_speed 0.4: was 0.8")
         await op.press("ctrl+c")
 
 
@@ -211,7 +211,7 @@ async def test_what_a_terminal_could_act_on_is_shown_harmlessly() -> None:
         assert "�[2Jgone" in op.text.replace("  ", "") or "�[2J" in op.text
         await edit(op, "a[red]name", "plain [b]text")
         await op.until(lambda: op.app.screen is op.app.main)
-        await op.until("set dashboard a[red]name plain [b]text: a[red]name is plain [b]text")
+        await op.until("set dashboard a[red]name plain [b]text: was")
 
 
 async def test_u_undoes_the_last_change_and_says_when_there_is_none() -> None:
@@ -226,7 +226,7 @@ async def test_u_undoes_the_last_change_and_says_when_there_is_none() -> None:
         await op.until("0.4 *  double")
         await undo(op)
         await op.until("0.8    double   0.05 .. 2")
-        await op.until("set motor_controller max_speed 0.8: max_speed is 0.8")
+        await op.until("set motor_controller max_speed 0.8: was")
 
 
 async def undo_what_changed_since(op: Console) -> None:
@@ -295,7 +295,7 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(here: Path) -> Non
         await op.press("enter")
         await op.until("motor_controller max_speed: 0.8, would be 0.4")
         await op.press("tab", "enter")
-        await op.until(lambda: op.text.count("max_speed is 0.4, was 0.8") == 2)
+        await op.until(lambda: op.text.count("max_speed 0.4: was 0.8") == 2)
         await undo(op)
         await op.until("0.8    double   0.05 .. 2")
 
@@ -516,11 +516,11 @@ async def test_a_filter_that_hides_all_says_so() -> None:
         await op.press("slash", "escape", "d")
         await op.until("nothing differs from the start")
         await op.press("d", "6", "r")
-        await op.until("Encoder reset")
+        await op.until("✓  reset encoder")
         await op.press("slash", *"warp", "enter")
         await op.until("Nothing contains warp at WARN and above.")
         await op.press("slash", "escape")
-        await op.until("Encoder reset")
+        await op.until("✓  reset encoder")
         assert "Nothing contains" not in op.text
 
 

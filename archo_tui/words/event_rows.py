@@ -1,0 +1,146 @@
+"""The rows of the list of events, in which nothing is said twice. Pure functions."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
+from archo_tui.words.event import is_of_own_file
+
+_REQUESTED = ("YOU", "SHELL", "AI")  # The levels of what this console did, for whomever.
+_LINKS = ("is", "to", "at", "the")  # They go with the words that they link to.
+_JOINTS = ("and", "or", "but")
+_ENDING = re.compile("(ing|ed|es|e|s)$")
+_ECHO_TIME = 1.0  # Seconds between what was done and what a node logs of it.
+
+
+class EventRow(NamedTuple):
+    """A row of the list.
+
+    Attributes:
+        text: The line, without its time.
+        events: The events that it stands for; the first one gives the row its glyph.
+        time: The Unix time of the last one that the line tells of.
+    """
+
+    text: str
+    events: tuple[Event, ...]
+    time: float
+
+
+def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventRow]:
+    """Return the rows for events, in which each outcome is said once.
+
+    An answer is shown without the words that its request has already, and a confirmed STOP and its
+    release are one row, in the place of the release. A node's warning that only repeats what
+    was just done or refused is part of that row.
+
+    Args:
+        events: The events, oldest first.
+        hosted: The nodes of this process; what those of the user's own files log stays.
+    """
+    acts = sorted((e for e in events if e.level in OWN_LEVELS), key=lambda event: event.time)
+    echoes: defaultdict[int, list[Event]] = defaultdict(list)  # By the number of the act.
+    rows: list[EventRow] = []
+    stop: EventRow | None = None  # Of the last one that was confirmed and has no end yet.
+    for event in events:
+        act = _repeated_act(event, acts, hosted)
+        if act is not None:
+            echoes[act.number].append(event)
+            continue
+        record = event.audit_record
+        done = "" if record is None or record.code is not Code.DONE else record.verb
+        if stop is not None and done == "release" and _is_prompt(event):
+            rows.remove(stop)
+            text = _stop_text(stop.events[0], event)
+            rows.append(EventRow(text, (*stop.events, event), event.time))
+        else:
+            rows.append(EventRow(_short_text(event), (event,), event.time))
+        if done in ("stop", "release"):
+            stop = rows[-1] if done == "stop" and _is_prompt(event) else None
+    return [
+        row._replace(events=row.events + tuple(log for e in row.events for log in echoes[e.number]))
+        for row in rows
+    ]
+
+
+def without_repeats(text: str) -> str:
+    """Return `reset encoder: zero` for `reset encoder: Encoder reset to zero`.
+
+    The words at the beginning of the answer go that the request has already, in whatever form.
+    """
+    title, _, answer = text.partition(": ")
+    known, words = {_stem(word) for word in title.split()}, answer.split()
+    repeated = 0  # The number of words that go.
+    for number, word in enumerate(words, 1):
+        is_link = word.casefold() in _LINKS
+        if _stem(word) in known or (is_link and 0 < repeated == number - 1):
+            repeated = number
+        elif not is_link:
+            break
+    rest = words[repeated:]
+    if rest and rest[0] in _JOINTS:  # They join it to what would go.
+        return text
+    return f"{title}: {' '.join(rest)}" if rest else title
+
+
+def _is_prompt(event: Event) -> bool:
+    """Return True for what this console did, unless the answer came late."""
+    return event.level in _REQUESTED and not _is_late(event)
+
+
+def _is_late(event: Event) -> bool:
+    record = event.audit_record
+    is_later = record is not None and bool(record.arguments.get("later"))
+    return is_later or ", answered late" in event.text
+
+
+def _short_text(event: Event) -> str:
+    """Return an event's text; of what went as requested, and of a goal's end, without repeats."""
+    is_done = event.level in OWN_LEVELS and event.code == Code.DONE and not _is_late(event)
+    return without_repeats(event.text) if is_done or event.level == "GOAL" else event.text
+
+
+def _stop_text(stop: Event, release: Event) -> str:
+    """Return `STOP: confirmed 12:04:31, released: nothing resumes by itself`."""
+    by = "" if release.source == stop.source else f" by {release.source}"
+    answer = without_repeats(release.text).partition(": ")[2]
+    end = f"released{by}: {answer}" if answer else f"released{by}"
+    return f"{stop.text} {time_of_day(stop.time)}, {end}"
+
+
+def _repeated_act(event: Event, acts: Sequence[Event], hosted: Sequence[Hosted]) -> Event | None:
+    """Return what was done or refused at that time, if a warning has no word besides; else None.
+
+    Args:
+        event: Any event.
+        acts: The console's own events, by time.
+        hosted: The nodes of this process.
+    """
+    if event.level != "WARN" or is_of_own_file(event, hosted):
+        return None
+    words = _words(event.text)
+    begin = bisect_left(acts, event.first - _ECHO_TIME, key=lambda act: act.time)
+    end = bisect_left(acts, event.time + _ECHO_TIME, key=lambda act: act.time)
+    found = [a for a in acts[begin:end] if words <= _words(f"{a.text} {a.command} {a.code}")]
+    is_repeat = words and len(found) >= event.count and found[-1].time >= event.time - _ECHO_TIME
+    return found[-1] if is_repeat else None
+
+
+@lru_cache(2048)
+def _words(text: str) -> frozenset[str]:
+    return frozenset(_stem(word) for word in re.split(r"[^\w.]|_", text) if word.strip("."))
+
+
+def _stem(word: str) -> str:
+    """Return a word as it is in all its forms, without punctuation: `releas` of `Released;`."""
+    word = word.strip(".,:;()").casefold()
+    stem = _ENDING.sub("", word)
+    return stem if len(stem) > 3 else word
