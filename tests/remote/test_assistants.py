@@ -61,7 +61,7 @@ async def read(op: Console) -> None:
     dialog = op.app.screen
     assert isinstance(dialog, request.AnswerRequest)
     await op.until(lambda: dialog._drawn_at < math.inf)
-    dialog._drawn_at -= approvals.READING_TIME
+    dialog._drawn_at -= approval_requests.READING_TIME
     await op.at(seconds() + 0.4)  # A pause, as no paste has it.
 
 

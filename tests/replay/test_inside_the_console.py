@@ -28,7 +28,6 @@ from tests.support import clock
 from tests.support.console import BRISK, LONG, Console, click, console
 from tests.support.quiet import outside
 
-
 _recording: list[Path] = []  # The one of this process, which all tests play.
 
 
