@@ -54,7 +54,7 @@ async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
         await op.until("● greeter")
         await op.until("warnings + your commands and nodes")
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
 
 
 async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> None:
@@ -98,7 +98,7 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(here: Pat
         await op.press("5", "s")
         await op.until("○ greeter          stopped by you")
         await op.press("s")
-        await op.until("start /greeter: /greeter started")
+        await op.until("✓  start /greeter")
         await op.press("plus")
         await op.until("copy /greeter: my_node.py: Greeter takes no cli_args, so a copy")
         said = [event.text for event in op.app.view.snapshot.events]  # whole: not wrapped

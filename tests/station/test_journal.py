@@ -131,7 +131,7 @@ def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
 async def test_commands_alarms_and_warnings_of_a_session_are_in_it(unlimited: Path) -> None:
     async with console(*FAST, robot=unlimited) as op:
         await op.press("r")
-        await op.until("Encoder reset to zero")
+        await op.until("reset encoder: zero")
         await op.press("g", "9", "9", "enter")
         await op.until("✗ REFUSED")
         await op.press("escape", "ctrl+x")
@@ -154,7 +154,7 @@ async def test_what_was_done_and_how_goals_ended_is_there_for_programs_too(unlim
         await op.press("g", "9", "9", "enter")
         await op.until("✗ REFUSED")
         await op.press("escape", "c")
-        await op.until("charge: ")
+        await op.until("✓  charge")
         await op.press("c")
         await op.until("discharge: ")
         await op.press("g", "9", "enter")
