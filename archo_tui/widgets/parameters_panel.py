@@ -14,12 +14,13 @@ from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import harmless
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
 from archo_tui.widgets.search import Search
 
 _NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
 _TYPE_WIDTH, _RANGE_WIDTH = (8, 9), (7, 11)
+_LARGE = 24  # Rows of the list from which descriptions have lines of their own.
 FLASH = 0.6  # Seconds of a highlight.
 _STANDARD_NAMES = ("use_sim_time", "start_type_description_service")
 _STANDARD_PREFIX = "qos_overrides."
@@ -50,7 +51,8 @@ class ParametersPanel(Panel):
             id="parameters",
             empty=_WAITING,
             action="app.command('edit')",
-            columns=lambda *measured: parameter_columns(*measured, both=self._only_changed),
+            wraps=True,
+            columns=self._measure,
         )
         self.search = Search(self._rows, self._refill)
 
@@ -114,7 +116,11 @@ class ParametersPanel(Panel):
 
     def _end_flash(self) -> None:
         self._flashing = frozenset()
-        self._rows.redraw()
+        self._rows.draw_again()
+
+    def _measure(self, parameters: Sequence[Parameter], width: int) -> Columns:
+        rows, both = self._rows.size.height, self._only_changed
+        return parameter_columns(parameters, width, rows, both=both)
 
     def _draw_parameter(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
         lines = parameter_lines(parameter, width, columns, both=self._only_changed)
@@ -125,8 +131,8 @@ class ParametersPanel(Panel):
     def toggle_changed(self) -> None:
         """Show only what differs from the start, or everything."""
         self._only_changed = not self._only_changed
-        self._rows.show(())  # The same rows may remain, but look different.
         self._refill()
+        self._rows.draw_again()
 
     def toggle_standard(self) -> None:
         """Show or hide the parameters that every ROS node has."""
@@ -161,7 +167,7 @@ class ParametersPanel(Panel):
         self.call_after_refresh(self._show_titles)
 
     def _show_titles(self) -> None:
-        columns = self._rows.columns or parameter_columns((), self._rows.size.width)
+        columns = self._rows.columns or parameter_columns((), self._rows.size.width, 0)
         titles = _line("node", "name", "value", "", "type", "allowed", columns)
         self._titles.show(Content.styled(titles, "bold"))
 
@@ -178,16 +184,18 @@ def _value_text(parameter: Parameter, both: bool) -> str:
 
 
 def parameter_columns(
-    parameters: Sequence[Parameter], width: int, *, both: bool = False
+    parameters: Sequence[Parameter], width: int, rows: int, *, both: bool = False
 ) -> Columns:
-    """Return the widths of nodes, names, values, types and ranges; 0 for one that does not fit.
+    """Return the widths of nodes, names, values, types, ranges and descriptions; 0 for none.
 
     Name and value come first, then the node, the range, the type. A long name is cut in its middle,
-    a long range at its end, a value never: a longer one moves its type.
+    a long range at its end, a value never: a longer one moves its type. Descriptions are lines of
+    their own, below the names, if the list is large and all of them have room.
 
     Args:
         parameters: The parameters shown.
         width: The cells available.
+        rows: The rows available.
         both: True if values are shown with those at the start.
     """
     value = column((_value_text(p, both)[: _VALUE_WIDTH[1]] for p in parameters), *_VALUE_WIDTH)
@@ -210,13 +218,16 @@ def parameter_columns(
         node = column(nodes, least, min(most, least + max(room, 0)))
         room -= node - least
     name = column((p.name for p in parameters), _NAME_WIDTH, _NAME_WIDTH + max(room, 0))
-    return node, name, value, kind, allowed
+    lines = len(parameters) + sum(bool(p.description) for p in parameters)
+    described = max(width - node - 2, 0) if max(lines, _LARGE) <= rows else 0
+    return node, name, value, kind, allowed, described
 
 
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
+    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, and its description."""
+    node, *_, described = columns
     line = _line(
         parameter.node.lstrip("/"),
         harmless(parameter.name),
@@ -226,13 +237,17 @@ def parameter_lines(
         range_text(parameter),
         columns,
     )
-    return [(line, "bold" if parameter.is_changed else "")]
+    lines = [(line, "bold" if parameter.is_changed else "")]
+    if described and parameter.description:
+        indent = " " * (node + 2 if node else 0)
+        lines.append((f"{indent}{crop(parameter.description, described)}", QUIET))
+    return lines
 
 
 def _line(
     node: str, name: str, value: str, mark: str, kind: str, allowed: str, columns: Columns
 ) -> str:
-    nodes, names, values, kinds, ranges = columns
+    nodes, names, values, kinds, ranges, _ = columns
     left = f"{pad(node, nodes)}  " if nodes else ""
     right = f"  {kind:<{kinds}}" if kinds else ""
     allowed = crop(allowed, ranges)

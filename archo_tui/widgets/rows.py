@@ -177,6 +177,11 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
                 spans = changed_cells(old, new, self.size.width)
             self.refresh(*(Region(begin, y, end - begin, 1) for begin, end in spans))
 
+    def draw_again(self) -> None:
+        """Draw all items again, since equal ones look different now."""
+        self._laid_out, self._lines = (), []
+        self._lay_out()
+
     def on_resize(self) -> None:
         self._lay_out()
 

@@ -491,7 +491,7 @@ def test_a_range_without_room_is_cut_by_an_ellipsis() -> None:
     low, high = -1234567890123, 1234567890123
     wide = Parameter("/n", "p", "integer", 5, 5, low=low, high=high)
     for width in range(58, 140):
-        columns = parameters_panel.parameter_columns([wide], width)
+        columns = parameters_panel.parameter_columns([wide], width, 1)
         ((line, _),) = parameters_panel.parameter_lines(wide, width, columns)
         whole = f"{low} .. {high}"
         assert len(line) <= width
@@ -553,3 +553,25 @@ async def test_the_reason_of_a_node_leaves_the_dialog_when_its_cause_does() -> N
         await op.until(lambda: "above drain_max" not in _error(op))
         await op.press("enter")
         await op.until(lambda: not op.app.screen.query("#value"))
+
+
+@pytest.mark.parametrize(
+    ("count", "rows", "described"), [(20, 40, True), (20, 39, False), (2, 24, True), (2, 23, False)]
+)
+def test_descriptions_are_lines_of_a_large_list_if_all_have_room(
+    count: int, rows: int, described: bool
+) -> None:
+    speed = Parameter("/motor", "speed", "double", 0.5, 0.5, "m/s along the route")
+    columns = parameters_panel.parameter_columns([speed] * count, 80, rows)
+    lines = parameters_panel.parameter_lines(speed, 80, columns)
+    assert len(lines) == 1 + described
+    if described:
+        below = lines[1][0]
+        assert below.strip() == "m/s along the route"
+        assert below.index("m/s") == lines[0][0].index("speed")
+
+
+def test_a_parameter_without_a_description_has_one_line() -> None:
+    plain = Parameter("/motor", "speed", "double", 0.5, 0.5)
+    columns = parameters_panel.parameter_columns([plain], 80, 30)
+    assert len(parameters_panel.parameter_lines(plain, 80, columns)) == 1
