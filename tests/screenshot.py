@@ -72,6 +72,7 @@ async def replay() -> str:
     async with console(*_BRISK, size=(120, 36)) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
+        await op.until("m left of")
         await op.press("ctrl+x")
         await op.until(lambda: list(state_file("recordings").glob("*/metadata.yaml")))
         await op.press("R", "y", "g", "7", "enter")
