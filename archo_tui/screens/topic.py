@@ -188,7 +188,7 @@ class TopicDialog(Dialog[None]):
             frozenset(field.path for field in seen),
             curve_columns(self._rows.columns),
             tuple(self._plotted),
-            plot_columns(self._plot.size.width),
+            plot_columns(self._plot.size.width) if self._plotted else 0,
         )
 
     def _receive(self, topic: WatchedTopic, view: TopicView) -> None:

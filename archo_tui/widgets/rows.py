@@ -166,16 +166,19 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     def redraw(self) -> None:
         """Redraw the visible lines that have changed."""
-        left, top = self.scroll_offset
-        for y in range(self.size.height):
+        (left, top), (width, height) = self.scroll_offset, self.size
+        changed: list[Region] = []
+        for y in range(height):
             before, now = self._drawn_lines.get(y), self._line_at(top + y)
             if before == now:
                 continue
-            spans = [(0, self.size.width)]
+            spans = [(0, width)]
             if before is not None and not left and _look(before) == _look(now):
                 old, new = (crop(text, self._width) for (text, _), _ in (before, now))
-                spans = changed_cells(old, new, self.size.width)
-            self.refresh(*(Region(begin, y, end - begin, 1) for begin, end in spans))
+                spans = changed_cells(old, new, width)
+            changed += [Region(begin, y, end - begin, 1) for begin, end in spans]
+        if changed:  # Without regions, all would be drawn.
+            self.refresh(*changed)
 
     def draw_again(self) -> None:
         """Draw all items again, since equal ones look different now."""
