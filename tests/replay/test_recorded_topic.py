@@ -100,3 +100,16 @@ async def test_of_too_many_bytes_those_around_the_position_are_read(
         await until(lambda: views and views[-1].fields)
         row = next(row for row in views[-1].fields if row.path == "data")
         assert row.first.startswith("96 96 ")
+
+
+async def test_an_array_of_a_recorded_message_opens_at_any_element(tmp_path: Path) -> None:
+    sent = [("/image", UInt8MultiArray(data=bytes([number] * 1_000))) for number in range(20)]
+    async with following(written(tmp_path / "images.mcap", sent), "/image") as (player, views):
+        player.go_to(START + 1.05)
+        await until(lambda: views and views[-1].fields)
+        view = views[-1]
+        assert view.with_elements is not None
+        opened = view.with_elements(view, {"data": 700}).fields
+        paths = [field.path for field in opened]
+        assert next(path for path in paths if "data[" in path) == "data[700]"
+        assert opened[paths.index("data[719]")].value == 10
