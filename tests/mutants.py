@@ -82,7 +82,7 @@ FAULTS = [
     Fault("cli/verb.py", "    typed = [*options.command, *options.verb_options]", "    typed = options.command", "tests/remote/test_what_a_stop_is.py"),
     Fault("remote/waits.py", "_is_held(station) and not _may_move(station)", "_is_held(station)", "tests/remote/test_data_of_verbs.py"),
     Fault("robot/stops.py", "return rest[1:] != _HELP", "return True", "tests/verbs/test_call_of_the_file.py"),
-    Fault("robot/listener.py", "message if mask is None else mask(message)", "message", "tests/robot/test_secret_names.py"),
+    Fault("robot/listener.py", "name, message if mask is None else mask(message)", "name, message", "tests/robot/test_secret_names.py"),
     Fault("verbs/parameters.py", "if current_requester().is_assistant else parameter", "if False else parameter", "tests/robot/test_secret_names.py"),
     Fault("remote/waits.py", "    return is_bad or _is_silent(station)", "    return is_bad", "tests/remote/test_waits.py"),
     Fault("terminal/paste.py", "not (self._burst_key * len(burst)).startswith(burst)", "self._burst_key != burst", "tests/terminal/test_paste.py"),

@@ -72,6 +72,8 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         await until(task.done)
         assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
         await until(lambda: made[0].cancels >= 1)
+        said = "shelf 3 was accepted after a STOP: cancelling it"
+        await until(lambda: said in [event.text for event in it.snapshot.events])
 
 
 async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:

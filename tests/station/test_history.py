@@ -31,6 +31,16 @@ def test_each_column_has_the_last_value_of_its_part() -> None:
     assert found == [59.0, 69.0, 79.0, 89.0, 99.0]
 
 
+def test_of_what_is_kept_no_longer_neither_time_nor_value_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.station.history._KEPT", 20)
+    history = filled(30)
+    assert history.begin == 10.0
+    assert history.last_values("charge", 5.0, 5, 29.0) == [25.0, 26.0, 27.0, 28.0, 29.0]
+    assert history.ranges("charge", 5.0, 5, 29.0)[0] == (25.0, 25.0)
+
+
 def test_a_column_that_is_past_never_changes() -> None:
     history = filled(100)
     before = history.last_values("charge", 50.0, 5, 95.0)
