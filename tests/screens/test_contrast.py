@@ -8,10 +8,11 @@ import pytest
 from rich.style import Style
 from textual.color import Color
 from textual.strip import Strip
+from textual.theme import BUILTIN_THEMES
 
 from archo_tui.app import ArchoApp
 from archo_tui.robot.state import Phase
-from archo_tui.terminal.themes import contrast
+from archo_tui.terminal.themes import HIGH_CONTRAST, contrast, derive_tones
 from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.states import STATES, board, ended
@@ -41,6 +42,17 @@ def unreadable(app: ArchoApp, strips: Iterable[Strip]) -> list[tuple[str, float]
             if ratio < (OFF if front == off else TEXT):
                 found.append((segment.text, ratio))
     return found
+
+
+@pytest.mark.parametrize("name", THEMES)
+def test_every_tone_can_be_read_on_every_background(name: str) -> None:
+    theme = BUILTIN_THEMES.get(name, HIGH_CONTRAST)
+    variables = {**theme.to_color_system().generate(), **(theme.variables or {})}
+    tones = derive_tones(variables)
+    for tone, least in (("quiet", TEXT), ("off", OFF), ("warn", TEXT), ("bad", TEXT)):
+        for behind in ("background", "surface", "panel"):
+            ratio = contrast(Color.parse(tones[tone]), Color.parse(variables[behind]))
+            assert ratio >= least, (tone, behind)
 
 
 @pytest.mark.parametrize("theme", THEMES)
