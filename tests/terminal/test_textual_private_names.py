@@ -61,10 +61,16 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+@cache
+def nodes_of(tree: ast.AST) -> tuple[ast.AST, ...]:
+    """All nodes of a source, which is looked through several times."""
+    return tuple(ast.walk(tree))
+
+
 def defined_in(tree: ast.AST) -> set[str]:
     """The private names that a source defines: functions, classes, attributes; no local ones."""
     found = set()
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
             found.add(node.name)
         elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
@@ -100,7 +106,7 @@ def inherited(kind: type) -> set[str]:
 
 def imported(tree: ast.Module) -> Iterator[str]:
     """Private modules of Textual, and private names of its modules."""
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("textual"):
             module = (node.module or "").rpartition(".")[2]
             yield from [module] if is_private(module) else []
@@ -109,11 +115,11 @@ def imported(tree: ast.Module) -> Iterator[str]:
 
 def of_others(tree: ast.Module) -> Iterator[str]:
     """Private attributes of objects that are not the class's own."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and is_private(node.attr):
+    theirs = all_of_textuals_names() - own_names()
+    for node in nodes_of(tree):
+        if isinstance(node, ast.Attribute) and node.attr in theirs and is_private(node.attr):
             itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
-            theirs = node.attr in all_of_textuals_names() - own_names()
-            if theirs and not itself:
+            if not itself:
                 yield node.attr
 
 
