@@ -63,7 +63,7 @@ def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
 
 
 @pytest.mark.parametrize(
-    "end", corners(["SIGTERM", "hang up"], ["hang up, nohup", "hang up, no signal"])
+    "end", corners(["SIGTERM", "hang up, no signal"], ["hang up", "hang up, nohup"])
 )
 def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) -> None:
     no_signal = end == "hang up, no signal"
