@@ -69,6 +69,7 @@ class StandingRobot(StubRobot):
         super().__init__(snapshot)
         self.asked: list[tuple[str, str]] = []
         self._numbers = count(1)
+        self._drives = snapshot.goal is not None and snapshot.goal.is_running
 
     def __getattr__(self, verb: str) -> Any:
         async def ask(*values: Any, **_: Any) -> Outcome:
@@ -76,8 +77,9 @@ class StandingRobot(StubRobot):
                 return Outcome(Code.CANCELLED, "not sent")
             if verb == "send" and self.snapshot.is_stopped:
                 return Outcome(Code.REFUSED, "stopped")  # the first one, or that holds the queue
-            if verb == "cancel" and self.snapshot.is_stopped:
-                # A burst may cancel a goal before its refusal: then no goal exists to cancel.
+            if verb == "cancel" and not self._drives:
+                # A burst may cancel a goal before its refusal, or its arrival at once: a robot has
+                # no goal to cancel then.
                 return Outcome(Code.REFUSED, "no goal is running")
             self.asked.append((verb, repr(values[-1:])))
             for _turn in range(_TURNS):
