@@ -80,7 +80,7 @@ FAULTS = [
     Fault("remote/finder.py", "_without_needless_watchers(find(selection, faults, within))", "find(selection, faults)", WHICH),
     Fault("cli/dispatch.py", "        if at is None:", "        if True:", "tests/remote/test_what_a_stop_is.py"),
     Fault("cli/verb.py", "    typed = [*options.command, *options.verb_options]", "    typed = options.command", "tests/remote/test_what_a_stop_is.py"),
-    Fault("remote/waits.py", "_is_held(station) and not _may_move(station)", "_is_held(station)", "tests/remote/test_data_of_verbs.py"),
+    Fault("remote/waits.py", "_is_stopped(station) and not _may_move(station)", "_is_stopped(station)", "tests/remote/test_data_of_verbs.py"),
     Fault("robot/stops.py", "return rest[1:] != _HELP", "return True", "tests/verbs/test_call_of_the_file.py"),
     Fault("robot/listener.py", "name, message if mask is None else mask(message)", "name, message", "tests/robot/test_secret_names.py"),
     Fault("verbs/parameters.py", "if current_requester().is_assistant else parameter", "if False else parameter", "tests/robot/test_secret_names.py"),

@@ -12,7 +12,7 @@ from typing import Any
 
 from archo_tui.remote import finder
 from archo_tui.remote.client import Unreached
-from archo_tui.remote.protocol import GONE, line, message
+from archo_tui.remote.protocol import GONE, decode, encode
 
 ANSWER_TIMEOUT = 15.0  # Seconds in which a live console answers anything, STOP included.
 _MAX_LINE = 2**24  # Bytes.
@@ -98,7 +98,7 @@ class ConsoleConnection:
         answer = asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
         try:
-            writer.write(line({"id": number, "assistant": True, **fields}))
+            writer.write(encode({"id": number, "assistant": True, **fields}))
             return await asyncio.wait_for(answer, answer_timeout)
         except asyncio.TimeoutError:
             raise Unreached(SILENT) from None
@@ -131,7 +131,7 @@ class ConsoleConnection:
         """Deliver each result to the request that waits for it, until the console is gone."""
         try:
             while data := await reader.readline():
-                self._deliver(message(rest + data))
+                self._deliver(decode(rest + data))
                 rest = b""
         except (OSError, ValueError):  # Invalid data is treated like a closed connection.
             pass

@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.remote import client
-from archo_tui.remote.protocol import is_wait
+from archo_tui.remote.protocol import is_valid_timeout
 
 
 class NotDone(ArchoError):
@@ -60,7 +60,11 @@ _GOOD = ("done", "accepted", "arrived")
 
 
 def data_of(result: Mapping[str, Any]) -> Any:
-    """Return the data of a result; raise the error of its code if that is none of success."""
+    """Return the data of a result.
+
+    Raises:
+        NotDone: As the subclass for its code, unless that is a success.
+    """
     code = result["code"]
     if code not in _GOOD:
         raise ERRORS.get(code, Refused)(code, result["text"])
@@ -69,7 +73,7 @@ def data_of(result: Mapping[str, Any]) -> Any:
 
 @contextlib.contextmanager
 def unreached() -> Iterator[None]:
-    """Raise the connection's `Unreached` as the one of this module."""
+    """Convert `client.Unreached`, raised inside this context, to the `Unreached` of this module."""
     try:
         yield
     except client.Unreached as error:
@@ -77,7 +81,11 @@ def unreached() -> Iterator[None]:
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return a timeout. Raises Misused when it is no time in seconds."""
-    if timeout is not None and not is_wait(timeout):
+    """Return `timeout` itself.
+
+    Raises:
+        Misused: It is neither None nor a valid number of seconds.
+    """
+    if timeout is not None and not is_valid_timeout(timeout):
         raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")
     return timeout

@@ -111,5 +111,5 @@ class Status:
 
 
 def from_reply(kind: type[_Kind], told: Mapping[str, Any]) -> _Kind:
-    """Make an object from a console's reply, which may be newer and say more."""
+    """Create an object from a console's reply; fields of a newer console are ignored."""
     return kind(**{field.name: told[field.name] for field in fields(kind)})  # type: ignore[arg-type]

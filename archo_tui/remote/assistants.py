@@ -1,4 +1,4 @@
-"""The requests of assistants: to look, to cancel a goal, and to ask a person for one."""
+"""The requests of assistants: to read the state, cancel a goal, and ask a person for one."""
 
 from __future__ import annotations
 
@@ -92,7 +92,10 @@ class Assistants:
         return found
 
     async def _ask(self, requester: Requester, wanted: Any) -> dict[str, Any]:
-        """Ask a person for a goal; the result tells the number of that approval request."""
+        """Ask a person to allow a goal, and return the reply without waiting for the decision.
+
+        Its data have the number of the approval request.
+        """
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):

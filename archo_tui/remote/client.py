@@ -7,7 +7,7 @@ import os
 import time
 
 from archo_tui.remote import socket_files
-from archo_tui.remote.protocol import GONE, PROTOCOL, line, message
+from archo_tui.remote.protocol import GONE, PROTOCOL, decode, encode
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ class Silent(Unreached):
 
 
 class Connection:
-    """A connection to one console: made without waiting, then used for requests that wait.
+    """A connection to one console.
+
+    It is made without waiting, among others; after `set_blocking`, its requests wait for replies.
 
     Attributes:
         path: The socket.
@@ -80,7 +82,7 @@ class Connection:
             self.has_gone = True
 
     def receive(self) -> None:
-        """Read what has come into `hello` and `result`, without waiting."""
+        """Read what has come, without waiting, and set `hello` and `result` from it."""
         assert self.socket is not None
         try:
             chunk = self.socket.recv(65536)
@@ -101,7 +103,7 @@ class Connection:
 
     @property
     def fault(self) -> str:
-        """The reason why no verb can be sent to this console; "" if one can."""
+        """The reason why this console takes no verb, such as no hello yet; "" if it takes one."""
         if not self.hello:
             return f"{self.short_description} does not answer: is it suspended?"
         protocol = self.hello.get("protocol")
@@ -114,7 +116,7 @@ class Connection:
 
     @property
     def short_description(self) -> str:
-        """The console in a few words, also while it is silent."""
+        """The console in a few words, known also before its hello."""
         if self.identity:
             return f"the console of pid {self.identity['pid']}, {self.identity['namespace']},"
         pid = os.path.basename(self.path).partition(socket_files.SUFFIX)[0].partition("-")[0]
@@ -143,8 +145,8 @@ class Connection:
 
     # Waiting, once the hello has come.
 
-    def wait(self) -> None:
-        """Let the calls that follow wait for the console."""
+    def set_blocking(self) -> None:
+        """Make the socket blocking, so that later calls wait for the console."""
         assert self.socket is not None
         self.socket.settimeout(None)
 
@@ -205,7 +207,7 @@ class Connection:
         """
         assert self.socket is not None
         try:
-            self.socket.sendall(line(request))
+            self.socket.sendall(encode(request))
         except OSError:
             raise Unreached(GONE) from None
 
@@ -215,7 +217,7 @@ class Connection:
             self.socket.close()
 
     def detach(self) -> tuple[socket.socket, bytes]:
-        """Return the socket, and the bytes that were read and not used.
+        """Return the socket, and the bytes that were read and not parsed.
 
         The caller reads and closes the socket from now on.
         """
@@ -235,10 +237,10 @@ class Connection:
         if not found:
             return None
         self._buffer = rest
-        return message(data)
+        return decode(data)
 
 
 def _names_console(hello: dict[str, Any]) -> bool:
-    """Return whether a hello has the robot, namespace, engine and process of its console."""
+    """Return True if a hello has the robot, namespace, engine and pid of its console."""
     texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
     return texts and type(hello.get("pid")) is int

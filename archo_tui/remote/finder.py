@@ -14,7 +14,7 @@ import time
 
 from archo_tui.remote import socket_files
 from archo_tui.remote.client import Connection, Unreached
-from archo_tui.remote.protocol import GONE, LOST, NOT_MEANT, is_meant, line
+from archo_tui.remote.protocol import GONE, LOST, NOT_MEANT, encode, is_meant
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -35,17 +35,17 @@ class NoConsole(Unreached):
     """The error for a search that found no console that could be meant."""
 
 
-class Stopped:
-    """The end of a STOP at one console.
+class StopResult:
+    """The result of a STOP at one console.
 
     Attributes:
-        console: The console in a line.
-        code: A word of docs/protocol.md.
-        text: What the console said, or why nothing is known.
+        console: The description of the console, one line.
+        code: A code of docs/protocol.md; LOST if the console reported no result.
+        text: The console's text, or why there is none.
     """
 
     def __init__(self, console: str, code: str, text: str) -> None:
-        """Create the end of its three parts."""
+        """Create a result."""
         self.console, self.code, self.text = console, code, text
 
 
@@ -54,19 +54,23 @@ def find(
     faults: list[str] | None = None,
     within: float = HELLO_TIMEOUT,
 ) -> list[Connection]:
-    """Return all consoles that could be meant, by process; also those that do not answer.
+    """Return all consoles that could be meant, sorted by process number.
+
+    Consoles that do not answer are among them. The caller closes the connections.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        faults: Gets the reason for each folder that is not looked into.
-        within: Seconds in which they say hello.
+        faults: The reason for each folder that is not searched is appended to it.
+        within: Seconds in which each console has to send its hello.
     """
     found = _candidates(selection, [] if faults is None else faults)
     _exchange(found, b"", lambda console: bool(console.hello), within)
     for console in found:
-        if not _could_be(selection, console):
+        if not _could_be_meant(selection, console):
             console.close()
-    found = [console for console in found if not console.is_dead and _could_be(selection, console)]
+    found = [
+        console for console in found if not console.is_dead and _could_be_meant(selection, console)
+    ]
     return sorted(found, key=lambda console: int(console.identity.get("pid", 0)))
 
 
@@ -77,17 +81,17 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        within: Seconds in which it says hello.
+        within: Seconds in which the console has to send its hello.
 
     Raises:
-        Unreached: There is none, there are several, or one that could be meant does not answer:
+        Unreached: No console or several are meant, or one that could be meant does not answer:
             a verb could reach another robot.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
     found = _without_needless_watchers(find(selection, faults, within))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
-        found[0].wait()
+        found[0].set_blocking()
         return found[0]
     for console in found:
         console.close()
@@ -99,10 +103,7 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
 
 
 def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
-    """Return the consoles but those that watch a robot on which another one can act.
-
-    Those that only watch are closed.
-    """
+    """Close the consoles that watch a robot on which another one acts; return the others."""
     watching = _only_watching(found)
     for console in watching:
         console.close()
@@ -112,7 +113,7 @@ def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
 def _only_watching(found: Sequence[Connection]) -> list[Connection]:
     """Return the consoles that watch a robot on which another one of them can act.
 
-    A robot is told by its engine, domain and namespace.
+    Consoles with the same engine, domain and namespace have the same robot.
     """
 
     def robot(console: Connection) -> tuple[Any, ...]:
@@ -123,21 +124,21 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
 
 
 def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
-    """Return a further connection to a console that was chosen before.
+    """Connect to the console of a socket, and return the connection once its hello has come.
 
     Args:
-        path: Its socket.
-        within: Seconds in which it says hello.
+        path: The socket.
+        within: Seconds in which the console has to send its hello.
 
     Raises:
-        Unreached: It has gone, or says nothing.
+        Unreached: The console has gone, does not answer, or speaks another protocol.
     """
     console = Connection(path, socket_files.read_card(path))
     _exchange([console], b"", lambda console: bool(console.hello), within)
     if console.is_dead or console.fault:
         console.close()
         raise Unreached(GONE if console.is_dead or console.has_gone else console.fault)
-    console.wait()
+    console.set_blocking()
     return console
 
 
@@ -145,21 +146,24 @@ def stop(
     selection: Mapping[str, Any],
     notice: Callable[[str], None],
     more: Mapping[str, Any] | None = None,
-) -> list[Stopped]:
+) -> list[StopResult]:
     """Send STOP to every console that could be meant, then wait for all of them.
 
-    If the default console is not found, every console that fits `selection` gets the STOP.
+    If the console that CHOSEN names is not found, every console that fits `selection` gets the
+    STOP.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        notice: Called at once with what a person should know while other consoles are waited for.
+        notice: Called with each line that a person should read while other consoles are waited
+            for, or afterwards.
         more: Further names and values of the request.
 
     Returns:
-        How it ended at each console that is meant; `lost` where that is not known.
+        The result of each console that is meant, but of none that only watches a robot on which
+        another one acts.
 
     Raises:
-        Unreached: No console could be meant.
+        NoConsole: No console could be meant.
     """
     faults: list[str] = []
     meant = _with_default_console(selection)
@@ -180,13 +184,14 @@ def _stop_each(
     notice: Callable[[str], None],
     more: Mapping[str, Any],
     faults: list[str],
-) -> list[Stopped]:
-    """Send STOP to each console that fits, and wait for all; the arguments are those of `stop`.
+) -> list[StopResult]:
+    """Send STOP to each console that fits, wait for all, and return their results.
 
-    The list is empty if no console fits; `faults` gets the folders that are not looked into.
+    The arguments are those of `stop` and, for `faults`, of `find`. The list is empty if no console
+    fits.
     """
     found = _candidates(selection, faults)
-    first = line({"id": 1, "words": ["stop"], **more, **selection})
+    first = encode({"id": 1, "words": ["stop"], **more, **selection})
     began = time.monotonic()
 
     def is_over(console: Connection) -> bool:
@@ -206,41 +211,41 @@ def _stop_each(
     return [result for result in ended if result.code != NOT_MEANT]
 
 
-def _stop_result(console: Connection) -> Stopped:
+def _stop_result(console: Connection) -> StopResult:
     result = console.result
     if result is not None:
         code, text = result["code"], result.get("text")
         is_text = isinstance(code, str) and isinstance(text, str)
-        return Stopped(console.description, *((code, text) if is_text else (LOST, UNCONFIRMED)))
+        return StopResult(console.description, *((code, text) if is_text else (LOST, UNCONFIRMED)))
     why = "the console does not answer, and stops it when it does"
     if console.socket is None:
         why = "STOP could not be written to the console"
     elif console.has_gone:
         why = "the console is gone"
-    return Stopped(console.description, LOST, f"{UNCONFIRMED}; {why}")
+    return StopResult(console.description, LOST, f"{UNCONFIRMED}; {why}")
 
 
 def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the selection, with the console that the variable names if there is no `to`."""
+    """Return the selection; without `to`, with the console that CHOSEN names."""
     to = selection.get("to") or os.environ.get(CHOSEN, "")
     return {**selection, "to": to} if to else dict(selection)
 
 
 def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connection]:
-    """Return a connection for each socket, without those whose card tells that it is not meant.
+    """Return a connection for each socket whose card does not exclude its console.
 
     Raises:
-        Unreached: This system has no such sockets.
+        Unreached: This system has no Unix sockets.
     """
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
     paths = socket_files.socket_paths(faults)
     consoles = [Connection(path, socket_files.read_card(path)) for path in paths]
-    return [console for console in consoles if _could_be(selection, console)]
+    return [console for console in consoles if _could_be_meant(selection, console)]
 
 
-def _could_be(selection: Mapping[str, Any], console: Connection) -> bool:
-    """Return False if the console's hello, or its card, tells that it is not meant."""
+def _could_be_meant(selection: Mapping[str, Any], console: Connection) -> bool:
+    """Return True unless the console's hello or card says that it is not meant."""
     return not console.identity or is_meant(selection, console.identity)
 
 
@@ -250,7 +255,7 @@ def _exchange(
     is_over: Callable[[Connection], bool],
     timeout: float,
 ) -> None:
-    """Connect to all consoles at once, and read what they send.
+    """Connect to all consoles at once, and read their messages until all are over or time is.
 
     Args:
         consoles: The consoles; one that is connected already is only read.
@@ -287,7 +292,7 @@ def _exchange(
 def _silent_error(
     selection: Mapping[str, Any], silent: Sequence[Connection], found: Sequence[Connection]
 ) -> str:
-    """Return the error for consoles that could be meant and do not answer."""
+    """Return the error text for consoles that could be meant and do not answer."""
     faults = "; ".join(console.fault for console in silent)
     if selection.get("to"):
         return f"no console {selection['to']} answers here; {faults}"

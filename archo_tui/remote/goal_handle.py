@@ -89,7 +89,7 @@ class GoalHandle:
         return self._has_ended.is_set()
 
     def _leave_to_parent(self) -> None:
-        """End here, in a forked child: the thread that reads is not in it."""
+        """End the handle in a forked child, which has no thread that reads replies."""
         self._result = {"code": "lost", "text": PARENTS_GOAL}
         # new ones: whoever held those of the parent is not in the child either
         self._is_accepted, self._has_ended = threading.Event(), threading.Event()
@@ -97,13 +97,20 @@ class GoalHandle:
         self._has_ended.set()
 
     def _wait_until_accepted(self) -> None:
-        """Wait for the robot's answer. Raises what `Robot.go` raises."""
+        """Wait until the robot has accepted the goal.
+
+        Raises:
+            NotDone: As its subclass that `Robot.go` names.
+        """
         self._is_accepted.wait()
         if self._has_ended.is_set():
             data_of(self._result)
 
     def _read_replies(self) -> None:
-        """Read what the console says, on a thread of its own."""
+        """Read replies until the goal has ended, and keep its newest state and its result.
+
+        This is the target of the handle's thread.
+        """
         try:
             for reply in self._request.replies():
                 if "goal" in reply:

@@ -36,22 +36,22 @@ EXITS = {
 }  # Exit codes; every other code has FAILED.
 
 
-def is_wait(timeout: object) -> bool:
-    """Return True for a time in s that can be waited for."""
+def is_valid_timeout(timeout: object) -> bool:
+    """Return True for a number of seconds from 0 to LONGEST_WAIT."""
     is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
     return is_number and 0 <= timeout <= LONGEST_WAIT  # type: ignore[operator]
 
 
-def line(said: dict[str, Any]) -> bytes:
-    """Return a message as the line that is sent."""
-    return json.dumps(said, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
+def encode(message: dict[str, Any]) -> bytes:
+    """Return a message as a line of JSON, with its line feed."""
+    return json.dumps(message, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
 def words_of(request: dict[str, Any]) -> list[str]:
     """Return the words of a request: a verb and its arguments.
 
     Raises:
-        ValueError: It has none.
+        ValueError: The request has none, or they are not a list of valid texts.
     """
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
@@ -62,7 +62,7 @@ def words_of(request: dict[str, Any]) -> list[str]:
 
 
 def is_stop(request: Mapping[str, Any]) -> bool:
-    """Return True for a STOP, by the rule for lines that are typed (`plain/lines.py`)."""
+    """Return True for the request of a STOP, by the rule of `plain.lines.is_stop_text`."""
     words = request.get("words")
     if isinstance(words, list):
         words = " ".join(word for word in words if isinstance(word, str))
@@ -73,9 +73,9 @@ def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
     """Return True when a console is one of those that a request is meant for.
 
     Args:
-        selection: `to` is a process, a namespace or the name of a socket; `engine` and `domain`
-            are as in a hello. What is missing or empty fits every console.
-        hello: What the console says of itself.
+        selection: `to` is a process number, a namespace or the name of a socket; `engine` and
+            `domain` are as in a hello. A missing or empty entry fits every console.
+        hello: The first message of the console, which describes it.
     """
     to, engine, domain = selection.get("to"), selection.get("engine"), selection.get("domain")
     names = (str(hello.get("pid")), hello.get("namespace"), hello.get("name"))
@@ -86,11 +86,11 @@ def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
     )
 
 
-def message(data: bytes) -> dict[str, Any]:
-    """Return the message of a line.
+def decode(data: bytes) -> dict[str, Any]:
+    """Return the message that a line contains.
 
     Raises:
-        ValueError: It is no JSON object.
+        ValueError: The line is not a JSON object.
     """
     try:
         found = json.loads(data)

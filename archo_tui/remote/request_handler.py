@@ -84,7 +84,10 @@ class RequestHandler:
     # Called on the console's loop.
 
     async def _stop(self) -> None:
-        """Send one STOP for all that have come by then, without waiting for the one before."""
+        """Send one STOP for all that wait, at the pace of the rate limit, and reply to each client.
+
+        An earlier STOP may still be unanswered.
+        """
         clock = self._station.clock
         now: list[tuple[ClientSession, Any, bool]] = []
         try:
@@ -117,7 +120,7 @@ class RequestHandler:
         except Exception as error:  # Whatever failed, the client gets a reply.
             return Outcome(Code.REFUSED, in_one_line(error))
 
-    def _get_or_begin_work(self, client: ClientSession) -> _Session:
+    def _session_of(self, client: ClientSession) -> _Session:
         if client not in self._clients:
             self._clients[client] = _Session(client)
             self._publish_clients()
@@ -157,7 +160,7 @@ class RequestHandler:
 
     async def _pass_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`."""
-        session = self._get_or_begin_work(client)
+        session = self._session_of(client)
         if answer.get("give_up") and session.task is None:
             client.reply(_result(None, Outcome(Code.DONE, "it had ended")))
         elif answer.get("give_up"):
@@ -173,7 +176,7 @@ class RequestHandler:
             session.pending_answer.set_result(answer.get("answer") is True)
 
     async def _serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        session, number = self._get_or_begin_work(client), request.get("id")
+        session, number = self._session_of(client), request.get("id")
         session.start_request(request)
         if session.is_assistant:
             self._publish_clients()
@@ -259,7 +262,7 @@ class RequestHandler:
         raise RanOut(f"{over}; what was sent may still be done")
 
     async def _carry_out(self, session: _Session, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request, however long it takes, and return the result."""
+        """Carry out a request without a time limit, and return the result that the client gets."""
         number = request.get("id")
         if session.is_assistant:
             return await self._assistants.carry_out(session.requester, request)
@@ -278,7 +281,7 @@ class RequestHandler:
             if request.get("wait"):
                 raise ValueError("wait has no --wait")
             sent = session.sent if rest == ["arrived"] else []
-            waited = self._all_arrived(sent) if sent else None
+            waited = self._check_of_goals(sent) if sent else None
             return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
         if "--help" in rest:
             verb = named(self.verbs, word)
@@ -341,7 +344,7 @@ class RequestHandler:
         )
 
     async def _wait_for_ends(self, session: _Session, number: Any, *, feedback: bool) -> Outcome:
-        """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
+        """Wait until all goals of a client have ended; with `feedback`, send it their states."""
         if not feedback:
             return await _wait_for_all(session.requester.ends)
         work = follow_goal(self._station, session.requester, session.client.reply, number)
@@ -352,8 +355,8 @@ class RequestHandler:
             following.cancel()
 
     @staticmethod
-    def _all_arrived(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
-        """Return a function that returns the outcome of all goals; None while one runs."""
+    def _check_of_goals(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
+        """Return a function that returns the combined outcome of goals; None while one runs."""
         return lambda: _combined_outcome(ends) if all(end.done() for end in ends) else None
 
     async def _ask(self, session: _Session, number: Any, person: bool, question: Question) -> None:
@@ -362,8 +365,8 @@ class RequestHandler:
         Args:
             session: The client that is asked.
             number: The id of its request.
-            person: Whether a person can answer there.
-            question: What is asked.
+            person: True if a person can answer there.
+            question: The question.
 
         Raises:
             ArchoError: No person is there.
@@ -394,7 +397,7 @@ class RequestHandler:
 
 
 class _Declined(ArchoError):
-    """The person who was asked did not say yes."""
+    """The error for a question that was not answered with yes."""
 
 
 class _Session:
@@ -454,7 +457,10 @@ def _requester(client: ClientSession, *, assistant: bool = False) -> Requester:
 
 
 async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
-    """Wait for all goals, and return their outcome. A held goal that goes on has another end."""
+    """Wait for all goals, and return their combined outcome.
+
+    A held goal that is continued gets a further future in `ends`.
+    """
     while waited := [end for end in ends if not end.done()]:
         await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
     return _combined_outcome(ends)

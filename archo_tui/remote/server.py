@@ -28,7 +28,7 @@ from typing import Any, Protocol
 
 from archo_tui.plain import lines
 from archo_tui.remote import socket_files
-from archo_tui.remote.protocol import NOT_MEANT, is_meant, is_stop, line, message, words_of
+from archo_tui.remote.protocol import NOT_MEANT, decode, encode, is_meant, is_stop, words_of
 from archo_tui.robot.stops import Stops
 
 MAX_CLIENTS = 16  # Further clients may send STOP and nothing else.
@@ -64,7 +64,7 @@ class ClientSession(Protocol):
 
 
 class RequestHandler(Protocol):
-    """The part that carries out requests; its methods are called on the server's thread."""
+    """The interface to the handler of requests; its methods are called on the server's thread."""
 
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
         """Begin to carry out a request, and call `client.on_request_ended()` when it has ended.
@@ -107,7 +107,7 @@ class Client:
     def reply(self, reply: dict[str, Any]) -> None:
         """Send a reply; a client that leaves MAX_UNREAD bytes unread is dropped."""
         with contextlib.suppress(RuntimeError):  # The loop is closed.
-            self._loop.call_soon_threadsafe(self._write, line(reply))
+            self._loop.call_soon_threadsafe(self._write, encode(reply))
 
     def on_request_ended(self) -> None:
         """Carry out the next request, after REQUEST_INTERVAL."""
@@ -194,7 +194,7 @@ class Client:
             self._server.handler.on_answer(self, _parse_request(data) or {}, stops)
 
     def on_left(self) -> None:
-        """Drop the waiting requests of the client, which has left."""
+        """Drop the waiting requests, and call off the work, of a client that has disconnected."""
         self._waiting.clear()
         self._server.handler.on_client_left(self)
 
@@ -220,7 +220,7 @@ class Client:
             text: The reason.
         """
         request = _parse_request(data) if data else None
-        self._write(line({"id": (request or {}).get("id"), "code": code, "text": text}))
+        self._write(encode({"id": (request or {}).get("id"), "code": code, "text": text}))
 
 
 def _parse_request(data: bytes) -> dict[str, Any] | None:
@@ -230,7 +230,7 @@ def _parse_request(data: bytes) -> dict[str, Any] | None:
         None if the line has none, or its id cannot be repeated in the reply.
     """
     try:
-        request = message(data)
+        request = decode(data)
     except ValueError:
         return None
     number = request.get("id")
@@ -344,7 +344,7 @@ class Server:
             loop.close()
 
     def takes_all_requests_of(self, client: Client) -> bool:
-        """Return False for a client beyond MAX_CLIENTS, of whom only a STOP is taken."""
+        """Return False for a client beyond MAX_CLIENTS, from which only a STOP is taken."""
         return client in islice(self._clients, MAX_CLIENTS)
 
     async def _accept_clients(self, listening: socket.socket) -> None:
@@ -397,7 +397,7 @@ class Server:
 
 
 def _read_at_once(connected: socket.socket) -> bytes:
-    """Return what a client has sent already, without waiting."""
+    """Return the bytes that a client has sent already, without waiting; b"" if none."""
     connected.setblocking(False)
     read = bytearray()
     with contextlib.suppress(OSError):  # There is no more, or it has left.
@@ -413,7 +413,7 @@ def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
         The listening socket, and its path.
 
     Raises:
-        OSError: There can be none here.
+        OSError: No socket can be opened on this system or in this user's folders.
     """
     if sys.platform == "win32" or not hasattr(os, "fchmod"):
         raise OSError("Windows has none that Python knows")

@@ -34,13 +34,13 @@ if TYPE_CHECKING:
     from typing import Any, Protocol
 
     class VerbConnection(Protocol):
-        """A connection to a console, or what stands for one."""
+        """The interface of a connection to a console, or to a station in this process."""
 
         def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
             """Send a request, and yield all replies to it, the result last."""
 
         def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-            """Yield the replies that follow; `Unreached` is raised after `within` seconds."""
+            """Yield the replies that follow; raise `Unreached` after `within` seconds."""
 
         def send(self, said: dict[str, Any]) -> None:
             """Send an answer, or `give_up`, to the request that is being carried out."""
@@ -107,7 +107,7 @@ class _CommandLine:
 
     @property
     def follows(self) -> bool:
-        """True if replies are wanted until this program ends, as of `echo` without `--once`."""
+        """True if the verb replies without end, as `echo` does without `--once`."""
         if self.stops or "--help" in self.rest:
             return False
         echoes = self.rest[:1] == ["echo"] and "--once" not in self.flags
@@ -131,7 +131,7 @@ class _CommandLine:
 
 
 class _Interrupted(Exception):
-    """SIGINT, as by ctrl+c, or SIGTERM came."""
+    """The exception that SIGINT (ctrl+c) and SIGTERM raise."""
 
 
 def run(
@@ -141,14 +141,14 @@ def run(
     meant: Mapping[str, Any] | None = None,
     robot_file: Path | None = None,
 ) -> int:
-    """Send a verb to the console that is meant, and return the exit code.
+    """Send a verb to the console that its options select, and return the exit code.
 
     Args:
         words: The verb and its arguments.
-        others: Commands that are no verbs, to name the nearest one to a misspelled word.
-        attach: Connects to the robot itself where no console runs; None: nothing can.
+        others: Commands besides verbs, for the nearest one to a misspelled word.
+        attach: Connects to the robot itself if no console runs; None: an error is printed then.
         meant: `to`, `engine` and `domain` that were typed before the verb.
-        robot_file: The robot file whose verbs are known where no console runs; None: ARCHO's.
+        robot_file: The robot file whose verbs are explained if no console runs; None: ARCHO's.
     """
     # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
     if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
@@ -220,7 +220,7 @@ def _print_without_console(
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
-    """Return the word that is spelled most alike; empty if none is."""
+    """Return the one of `others` that is spelled most alike; "" if none is similar."""
     from archo_tui.nearest import nearest
 
     return nearest(word.lower(), others)
@@ -323,7 +323,7 @@ def _send(
     others: Iterable[str],
     attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
 ) -> int:
-    """Send a verb to a console; if that one only watches and must act, to the robot itself.
+    """Send a verb to a console, or to the robot itself if the verb acts and the console watches.
 
     Args:
         console: The console that is meant.
@@ -418,9 +418,9 @@ def _print_result(
     elif code:
         _print_to_stderr(_failure_text(result, command_line.rest, others))
     elif "--help" in command_line.rest[1:] and not command_line.stops:
-        from archo_tui.remote.verb_help import with_options
+        from archo_tui.remote.verb_help import help_with_options
 
-        _print(with_options(command_line.rest[0], result["text"], tuple(data or ())))
+        _print(help_with_options(command_line.rest[0], result["text"], tuple(data or ())))
     elif "--line" in command_line.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):

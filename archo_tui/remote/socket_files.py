@@ -30,7 +30,7 @@ def listening_folder() -> str:
     only, runtime = os.environ.get(FOLDER_VARIABLE, ""), os.environ.get("XDG_RUNTIME_DIR", "")
     if only:
         return os.path.abspath(only)
-    if os.path.isabs(runtime) and os.path.isdir(runtime) and _owner(runtime) in (None, _user()):
+    if os.path.isabs(runtime) and os.path.isdir(runtime) and _owner(runtime) in (None, _uid()):
         return os.path.join(runtime, "archo-tui")
     return next(iter(_folders_in_homes()), "")
 
@@ -47,8 +47,8 @@ def all_folders() -> list[str]:
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     if os.path.isabs(runtime):
         found.append(os.path.join(runtime, "archo-tui"))
-    if _user() is not None:
-        found.append(os.path.join(_RUNTIME, str(_user()), "archo-tui"))
+    if _uid() is not None:
+        found.append(os.path.join(_RUNTIME, str(_uid()), "archo-tui"))
     return [path for path in dict.fromkeys((*found, *_folders_in_homes())) if path]
 
 
@@ -80,7 +80,7 @@ def _folders_in_homes() -> list[str]:
     return [os.path.join(folder, "archo-tui", "run") for folder in states]
 
 
-def _user() -> int | None:
+def _uid() -> int | None:
     return os.getuid() if hasattr(os, "getuid") else None
 
 
@@ -96,8 +96,8 @@ def folder_fault(path: str) -> str:
         return f"{path}: {error.strerror}"
     if not stat.S_ISDIR(found.st_mode):
         return f"{path} is not a folder"
-    if found.st_uid != _user() is not None:
-        name = _name(found.st_uid)
+    if found.st_uid != _uid() is not None:
+        name = _user_name(found.st_uid)
         return f"{path} belongs to {name}: run this as {name}"
     if found.st_mode & 0o077:
         return f"{path} is open to others: chmod 700 {path}"
@@ -105,17 +105,17 @@ def folder_fault(path: str) -> str:
 
 
 def other_users() -> list[str]:
-    """Return the names of other users of whom consoles are to be seen; mostly root sees any."""
+    """Return the names of other users whose sockets this user may list; mostly only root can."""
     found = []
     if not os.environ.get(FOLDER_VARIABLE, ""):
         for user in _names_in(_RUNTIME):
             path = os.path.join(_RUNTIME, user, "archo-tui")
-            if user.isdecimal() and int(user) != _user() and any(map(_is_socket, _names_in(path))):
-                found.append(_name(int(user)))
+            if user.isdecimal() and int(user) != _uid() and any(map(_is_socket, _names_in(path))):
+                found.append(_user_name(int(user)))
     return found
 
 
-def _name(user: int) -> str:
+def _user_name(user: int) -> str:
     if sys.platform != "win32":
         import pwd
 

@@ -32,7 +32,7 @@ _QUESTION_OPTIONS = (("--yes", "answer yes to the question"),)
 
 def client_verb_help(verb: str) -> str:
     """Return the help of a verb that this program explains itself; "" for any other verb."""
-    return with_options(verb, _LINES[verb]) if verb in _LINES else ""
+    return help_with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
@@ -60,10 +60,10 @@ def help_of(verb: str, path: Path | None = None) -> str:
         path: The robot file; None for ARCHO's.
     """
     found = verbs_of_file(path).get(verb)
-    return "" if found is None else with_options(verb, found.help_line, found.options)
+    return "" if found is None else help_with_options(verb, found.help_line, found.options)
 
 
-def with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
+def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
     """Return the help of a verb: its line, and below it its options.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from archo_tui.remote.protocol import is_wait
+from archo_tui.remote.protocol import is_valid_timeout
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
@@ -26,13 +26,13 @@ async def wait_for(
     request: Mapping[str, Any],
     goals_outcome: Callable[[], Outcome | None] | None = None,
 ) -> Outcome:
-    """Wait until a condition holds, or can no longer become true.
+    """Wait until a condition holds or can no longer become true, and return the outcome.
 
     Args:
         station: The station that knows the robot.
         verbs: All verbs, by id.
         words: The condition, as typed behind `wait`.
-        request: Its `timeout` is kept.
+        request: The request; its `timeout` limits the wait.
         goals_outcome: Returns the outcome of the client's own goals, None while they run; it is
             used in place of `words`.
 
@@ -58,7 +58,7 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
         ValueError: It is no time.
     """
     timeout = request.get("timeout")
-    if timeout is not None and not is_wait(timeout):
+    if timeout is not None and not is_valid_timeout(timeout):
         raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
     return timeout
 
@@ -68,7 +68,7 @@ class RanOut(ValueError):
 
 
 def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
-    """Return the check of a condition, as `wait_for` takes it.
+    """Return the function that checks the condition typed behind `wait`.
 
     Raises:
         ValueError: There is no such condition.
@@ -76,7 +76,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
     robot = station.robot
 
     def idle() -> Outcome | None:
-        """Succeed when no goal runs or is about to, and the robot does not move."""
+        """Return success once no goal runs or is about to, and the robot does not move."""
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
         # A goal of a robot that does not report its motion may not be found yet.
         is_new = robot.file.motion is None and station.age < THERE
@@ -85,21 +85,21 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:
-        """Succeed when a goal could be sent and would not be in vain; fail where none ever can."""
+        """Return success once a goal could be sent and driven; a refusal where none ever can."""
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
             return None if _is_goal_pointless(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
     def stopped() -> Outcome | None:
-        """Succeed when a stop is in force and the robot does not move."""
-        done = _is_held(station) and not _may_move(station)
+        """Return success once the robot is stopped and does not move."""
+        done = _is_stopped(station) and not _may_move(station)
         return Outcome(Code.DONE, "stopped") if done else None
 
     running = robot.snapshot.running_goal
 
     def arrived() -> Outcome | None:
-        """Succeed or fail as the goal ends that ran when the wait began."""
+        """Return the outcome of the goal that ran when the wait began; a refusal if none did."""
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _newest_state_of(station, running)
@@ -119,7 +119,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             raise ValueError("the robot file names no battery")
 
         def charged() -> Outcome | None:
-            """Succeed when the battery reports so many percent or more."""
+            """Return success once the battery reports at least the wanted charge."""
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
             if charge is None or charge < percent or old:  # An old charge says nothing about now.
@@ -131,19 +131,22 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
 
 
 def _is_silent(station: Station) -> bool:
-    """Return True while the robot's motion is not heard, though its file names it."""
+    """Return True while reports of the motion, which the robot file names, are missing or old."""
     motion, described = station.robot.snapshot.motion, station.robot.file.motion
     silent = motion.received is None or motion.is_old(station.clock.monotonic())
     return described is not None and silent
 
 
 def _may_move(station: Station) -> bool:
-    """Return True while the robot reports that it moves, or its motion is not heard."""
+    """Return True while the robot reports that it moves, or its motion is not known."""
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
 
 
-def _is_held(station: Station) -> bool:
-    """Return True while the robot reports a stop; if it never does: while a STOP is confirmed."""
+def _is_stopped(station: Station) -> bool:
+    """Return True while the robot reports a stop.
+
+    For a robot whose file names no such report: while a confirmed STOP is not released.
+    """
     snapshot, described = station.robot.snapshot, station.robot.file.motion
     if described is not None and described.reports_stop:
         return snapshot.says_stopped
@@ -151,7 +154,7 @@ def _is_held(station: Station) -> bool:
 
 
 def _is_goal_pointless(station: Station) -> bool:
-    """Return True while a goal makes no sense: the robot is stopped, empty or not heard."""
+    """Return True while a STOP holds, the battery is empty, or the robot's reports are missing."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
     is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
         (CONTACT_LOST, BATTERY_EMPTY)

@@ -53,10 +53,10 @@ _END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 
 
 class InProcessConnection:
-    """A connection as that to a console, to a station in this process.
+    """A connection to a station in this process, used like a `Connection` to a console.
 
     It is the client of a request handler and the station's front end at once. The station runs on
-    a loop in a thread of its own; what is public here is called from another thread.
+    a loop in a thread of its own; the methods down to `close` are called on other threads.
     """
 
     def __init__(self, station: Station) -> None:
@@ -76,7 +76,7 @@ class InProcessConnection:
         self._tasks: set[asyncio.Task[None]] = set()
         self._thread = threading.Thread(target=self._run_loop, name="once", daemon=True)
         found = threading.Event()
-        self._start_task(self._keep_station_going(found))
+        self._start_task(self._run_station(found))
         self._thread.start()
         if not found.wait(PATIENCE):
             self.close()
@@ -175,8 +175,8 @@ class InProcessConnection:
     def _on_snapshot(self, snapshot: Snapshot) -> None:
         self._station.on_snapshot(snapshot)
 
-    async def _keep_station_going(self, found: threading.Event) -> None:
-        """Let the station tick until the loop ends; set `found` once a node is on the graph."""
+    async def _run_station(self, found: threading.Event) -> None:
+        """Set `found` once a node is on the graph, then tick the station until the loop ends."""
         station = self._station
         station.attach(self)
         station.robot.subscribe(self._on_snapshot)
