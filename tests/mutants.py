@@ -374,7 +374,7 @@ FAULTS = [
     Fault("robot/goal_guard.py", "            self._stopping.open is not None or stop_state.says_stopped or", "            stop_state.says_stopped or", ROBOT + "/test_robot.py"),
     Fault("station/queue.py", "if alarm.name in (LOW_BATTERY, BATTERY_EMPTY) and", "if alarm.name == LOW_BATTERY and", "tests/widgets/test_queue.py"),
     Fault("station/goal_driver.py", "if reason and not before:", "if reason:", "tests/widgets/test_queue.py"),
-    Fault("verbs/nodes.py", "grave = (base_name(goal.kind.action), _stop(station))", "grave = (base_name(goal.kind.action),)", "tests/widgets/test_nodes.py"),
+    Fault("verbs/nodes.py", "grave = (base_name(goal.kind.action), _stop_service(station))", "grave = (base_name(goal.kind.action),)", "tests/widgets/test_nodes.py"),
     Fault("station/alarms.py", "return shelved, self.acknowledged, self.is_over, _ORDER", "return shelved, self.acknowledged, False, _ORDER", "tests/station/test_alarms.py"),
     Fault("station/alarm_board.py", "monotonic >= alarm.shelf_ends:", "now >= (alarm.shelved_until or 0.0):", "tests/station/test_alarms.py"),
     Fault("station/alarm_board.py", "until = now + alarm.shelf_ends - monotonic", "until = alarm.shelved_until or 0.0", "tests/station/test_alarms.py"),

@@ -23,7 +23,7 @@ class Alarms(Verb):
     help = "List the alarms"
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if there is an alarm; that there is none is known only after a while."""
+        """Return True if there is an alarm: one may still appear until PATIENCE is over."""
         station.refresh()
         return bool(station.view.alarms)
 
@@ -33,21 +33,21 @@ class Alarms(Verb):
         return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return the alarms; None in place of an empty list while the robot is unknown."""
+        """Return the alarms; None instead of an empty list while nothing is known of the robot."""
         alarms = state(station)["alarms"]
         return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
 
 class _AlarmVerb(Verb):
-    """A verb for one alarm, named by its name or the beginning of it."""
+    """A verb for one alarm, which is typed as its name or the beginning of its name."""
 
-    def found(self, station: Station, name: str) -> Alarm:
+    def find_alarm(self, station: Station, name: str) -> Alarm:
         """Return the alarm that a name means.
 
         Raises:
             ArchoError: No alarm, or more than one, has a name that begins so.
         """
-        fitting = _fitting(station, name)
+        fitting = _matching_alarms(station, name)
         if len(fitting) == 1:
             return fitting[0]
         names = ", ".join(alarm.name for alarm in fitting or station.view.alarms)
@@ -56,16 +56,16 @@ class _AlarmVerb(Verb):
         raise ArchoError(f"no alarm begins with {name!r}; there is: {names}")
 
 
-def _fitting(station: Station, name: str) -> list[Alarm]:
+def _matching_alarms(station: Station, name: str) -> list[Alarm]:
     """Return the alarm of that name, or else all whose names begin with it."""
-    alarms, wanted = station.view.alarms, _typed(name)
+    alarms, wanted = station.view.alarms, _normalized(name)
     exact = [alarm for alarm in alarms if alarm.name.lower() == name.lower()]
-    exact = exact or [alarm for alarm in alarms if _typed(alarm.name) == wanted]
-    return exact or [alarm for alarm in alarms if _typed(alarm.name).startswith(wanted)]
+    exact = exact or [alarm for alarm in alarms if _normalized(alarm.name) == wanted]
+    return exact or [alarm for alarm in alarms if _normalized(alarm.name).startswith(wanted)]
 
 
-def _typed(name: str) -> str:
-    """Return a name as it may be typed: its quotes are lost, and its spaces counted as one."""
+def _normalized(name: str) -> str:
+    """Return a name in lower case, without quotes, and with single spaces, for comparison."""
     return " ".join(name.replace('"', "").lower().split())
 
 
@@ -83,7 +83,7 @@ class Acknowledge(_AlarmVerb):
     async def run(self, station: Station, values: Values) -> Outcome:
         name, alarms = values.get("alarm", ""), station.view.alarms
         if name and name != ALL:
-            alarms = (self.found(station, name),)
+            alarms = (self.find_alarm(station, name),)
         elif not name:
             alarms = alarms[:1]
         station.acknowledge(alarms)
@@ -91,7 +91,7 @@ class Acknowledge(_AlarmVerb):
 
 
 class Shelve(_AlarmVerb):
-    """The verb `shelve`: a second time for the same alarm, it takes it off the shelf."""
+    """The verb `shelve`, which takes an alarm that is shelved already off the shelf."""
 
     id, title, tells = "shelve", "Shelve", True
     help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min, with a reason; or end that early"
@@ -115,7 +115,7 @@ class Shelve(_AlarmVerb):
         """
         words = reason.split()
         for count in range(len(words), 0, -1):
-            fitting = _fitting(station, " ".join((name, *words[:count])))
+            fitting = _matching_alarms(station, " ".join((name, *words[:count])))
             if len(fitting) == 1:
                 return fitting[0], " ".join(words[count:])
-        return self.found(station, name), reason
+        return self.find_alarm(station, name), reason

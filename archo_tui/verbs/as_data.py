@@ -35,7 +35,7 @@ def state(station: Station) -> dict[str, Any]:
             "stopped": None if snapshot.latch is Latch.UNCERTAIN else _stopped(snapshot),
             "speed": _number(motion.speed),
             "time_factor": snapshot.time_factor,  # None for real seconds.
-            "word": _word(snapshot, now, 80),
+            "word": _motion_word(snapshot, now, 80),
             "age": _age(motion.received, now),
             "source": "measured",
         },
@@ -55,13 +55,13 @@ def state(station: Station) -> dict[str, Any]:
             }
             for alarm in station.view.alarms
         ],
-        "stop": _stop(snapshot),
+        "stop": _stop_state(snapshot),
         "line": in_line(station),
     }
 
 
 def _stopped(snapshot: Snapshot) -> bool | None:
-    """Return True if the robot reports that it is stopped, or a confirmed STOP implies it."""
+    """Return True if a confirmed STOP holds, else the robot's report; None if it has none."""
     return True if snapshot.stop_holds else snapshot.motion.stopped
 
 
@@ -80,15 +80,15 @@ def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
     }
 
 
-def _stop(snapshot: Snapshot) -> str:
-    """Return `open` while a STOP is not confirmed, `uncertain` if it is no longer certain."""
+def _stop_state(snapshot: Snapshot) -> str:
+    """Return `open` while a STOP is not confirmed, `uncertain` if it may no longer hold, or ""."""
     if snapshot.open_stop is not None:
         return "open"
     return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
 
 
 def in_line(station: Station) -> str:
-    """Return `ARCHO 87 % MOVING to 12, 9.0 m left` for a status line, with the worst alarms."""
+    """Return the state in one line, `ARCHO 87 % MOVING to 12, 9.0 m left`, with HIGH alarms."""
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
     parts = [snapshot.file.name]
@@ -99,7 +99,7 @@ def in_line(station: Station) -> str:
         left = remaining_text(goal)
         parts.append(f"{running_word(goal)}, {left}" if left else running_word(goal))
     else:
-        parts.append(_word(snapshot, now, 40))
+        parts.append(_motion_word(snapshot, now, 40))
     if station.queue.hold_reason:
         parts.append(f"held: {', '.join(wanted.text for wanted in station.queue.waiting)}")
     high = (alarm for alarm in station.view.alarms if alarm.priority == Priority.HIGH)
@@ -109,8 +109,8 @@ def in_line(station: Station) -> str:
     return " ".join(parts)
 
 
-def _word(snapshot: Snapshot, now: float, width: int) -> str:
-    """Return what the robot does, without a glyph."""
+def _motion_word(snapshot: Snapshot, now: float, width: int) -> str:
+    """Return the word for the motion without its glyph, at most `width` cells wide."""
     return spans_to_text(motion_word(snapshot, now, width))
 
 

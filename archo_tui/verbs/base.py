@@ -71,10 +71,10 @@ class Verb:
         acts: True if it changes something: it does not run while the console only watches.
         moves: True if it may set the robot in motion.
         urgent: True if it runs before verbs that wait.
-        survives_stop: True if it runs also if a STOP was read after it.
+        survives_stop: True if it runs even if a STOP was read after it.
         tells: True if the text of its outcome is what the person asked for, in lines.
         may_ask: True if `question` may return one.
-        started_text: What is shown at once, by a verb whose outcome takes seconds; "" for others.
+        started_text: The text that is shown at once if the outcome takes seconds; "" for others.
         has_goals: True if it sends goals, whose ends can be waited for.
         service: The service that a node must offer, as the robot file names it; "" for none.
     """
@@ -119,7 +119,7 @@ class Verb:
         return given
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return what a person may have meant by words that do not fit, or ""."""
+        """Return `: ` and the line that words which do not fit may have meant, or ""."""
         return ""
 
     @property
@@ -143,7 +143,7 @@ class Verb:
         return self.acts
 
     def tells_with(self, values: Values) -> bool:
-        """Return True if no event tells the outcome for these values."""
+        """Return True if the outcome of these values is an answer to print, and no event has it."""
         return self.tells
 
     def refusal(self, station: Station) -> str:
@@ -160,16 +160,16 @@ class Verb:
         return station.robot.snapshot.unavailable(self.service) if self.service else ""
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return False while the verb may still become possible, as the robot is being found.
+        """Return False if the verb cannot run yet, but could once more of the robot is found.
 
-        Frontends wait for it, until PATIENCE after the start at most.
+        Frontends wait for True, until PATIENCE after the start at most.
         """
         return not self.service or self.service in station.robot.snapshot.offered
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while an earlier request has no answer that decides about this verb.
+        """Return False while the answer to an earlier request may still allow or forbid the verb.
 
-        Frontends wait for it, for ANSWERS seconds at most.
+        Frontends wait for True, for ANSWERS seconds at most.
         """
         return True
 
@@ -189,7 +189,7 @@ class Verb:
         return None
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return what the verb tells, for `--json`, after `run`; None if it tells nothing."""
+        """Return the data of the verb for `--json`, after `run`; None if it has none."""
         return None
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:

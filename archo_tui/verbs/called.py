@@ -21,7 +21,7 @@ _ACTION_PART = "/_action/"  # Between an action's name and those of its services
 def choose_verb(
     verbs: Mapping[str, Verb], station: Station, word: str, words: Sequence[str]
 ) -> tuple[Verb, list[str]]:
-    """Return the verb that is meant, and the words that are its own.
+    """Return the verb for a typed word, and the words that are left for that verb.
 
     `call SERVICE` on a service of the robot file is the verb that calls this service: so it asks,
     refuses and checks as that verb does.

@@ -29,22 +29,22 @@ def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]
         return [verb for verb in verbs if verb.startswith(unfinished)]
     verb, number = verbs.get(before[0]), len(before) - 1
     if isinstance(verb, Go):
-        found = _of_goal(verb, station.robot.snapshot)
+        found = _goal_words(verb, station.robot.snapshot)
     else:
         sources = _SOURCES.get(before[0], ())
         found = sources[number](station, before[1:]) if number < len(sources) else ()
     if not unfinished.startswith("/"):
         found = (name.removeprefix("/") for name in found)
-    return sorted({name for name in found if name.startswith(unfinished)}, key=_order)
+    return sorted({name for name in found if name.startswith(unfinished)}, key=_sort_key)
 
 
-def _order(word: str) -> tuple[int, str]:
-    """Return a key that sorts numbers by their value, and before names."""
+def _sort_key(word: str) -> tuple[int, str]:
+    """Return the key by which numbers are sorted by value, and before names."""
     return (int(word), "") if word.isdecimal() else (_MOST_NUMBERS, word)
 
 
-def _of_goal(verb: Go, snapshot: Snapshot) -> Iterable[str]:
-    """Return the numbers of a goal that is one number, or `field=` for each field of another."""
+def _goal_words(verb: Go, snapshot: Snapshot) -> Iterable[str]:
+    """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field."""
     if len(verb.arguments) != 1 or not verb.arguments[0].many:
         return [f"{argument.name.lower()}=" for argument in verb.arguments]
     low, high = snapshot.limit(verb.arguments[0].low), snapshot.limit(verb.arguments[0].high)
@@ -90,7 +90,7 @@ def _parameters(station: Station, words: Sequence[str]) -> Iterable[str]:
 
 
 def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
-    """Return the values of a boolean parameter."""
+    """Return `true` and `false` for a boolean parameter, nothing for others."""
     kinds = [p.type for p in _parameters_of(station, words[0]) if p.name == words[1]]
     return ("true", "false") if kinds == ["bool"] else ()
 

@@ -29,10 +29,14 @@ async def robot_file_text(station: Station) -> str:
     view = station.view
     attach = " --engine ros2 --attach" if station.attached else ""
     # The more names are on the graph, the longer this takes.
-    return await in_daemon(_text, seen, view.namespace, view.engine, station.clock.now(), attach)
+    return await in_daemon(
+        _file_text, seen, view.namespace, view.engine, station.clock.now(), attach
+    )
 
 
-def _text(seen: Sequence[Sighting], namespace: str, engine: str, now: float, attach: str) -> str:
+def _file_text(
+    seen: Sequence[Sighting], namespace: str, engine: str, now: float, attach: str
+) -> str:
     """Return the text of the file, with the command line that uses it in its head."""
     proposal = propose(seen, namespace)
     day = time.strftime("%Y-%m-%d", time.localtime(now))

@@ -86,7 +86,11 @@ class Go(Verb):
         return super().is_ready(station, values) and heard
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Check numbers against the robot's limits; raise ValueError for one beyond them."""
+        """Check the values against their types and the robot's limits, and return them.
+
+        Raises:
+            ValueError: A value is beyond them.
+        """
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
             forms.check_ranges(self._fields or (), form, goal)
@@ -149,7 +153,7 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if a goal runs, or once the graph is known with other clients' goals."""
+        """Return True if a goal runs, or the graph is known, with the goals of other clients."""
         found = station.robot.snapshot.offered or station.robot.snapshot.actions
         return station.running_goal is not None or bool(found)
 
@@ -187,7 +191,7 @@ class ContinueQueue(Verb):
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while a release, or the end of a goal that will hold the queue, runs."""
+        """Return False while a release has no answer, or a goal ends that may hold the queue."""
         if station.ledger.is_pending(RELEASE):
             return False
         goal = station.robot.snapshot.goal

@@ -43,11 +43,11 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return True if it is known by now what serves a full name.
+    """Return True if a full name was found, or lies elsewhere and had time to be found.
 
     Args:
-        station: The station. Its snapshot says nothing of names outside of the namespace: they
-            have time to be found, and are then asked for by name.
+        station: The station. Its snapshot has no names outside of the robot's namespace: such a
+            name is looked up when it is used.
         name: The full name of a service or an action.
         found: The names of its kind in the robot's namespace.
     """
@@ -69,7 +69,7 @@ def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
 async def fields_of(
     station: Station, name: str, type_name: str, words: Sequence[str]
 ) -> dict[str, Any]:
-    """Return the values of `field=value ...`, or of one YAML mapping, by dotted path.
+    """Return the values that words give: `FIELD=VALUE ...` by dotted path, or a YAML mapping.
 
     Fields that are left out keep the message's defaults.
 

@@ -1,4 +1,4 @@
-"""The verbs that look at one topic: its last message, and how often messages come."""
+"""The verbs for the messages of one topic: the last message, and their rate."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class _TopicVerb(Verb):
     tells = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return False while the topic may still be found."""
+        """Return True if the topic was found, or had time enough to be."""
         snapshot = station.robot.snapshot
         found = _topics(snapshot)
         return full_name(snapshot, values["topic"], found) in found or station.age >= THERE
@@ -123,9 +123,9 @@ class Echo(_TopicVerb):
             station: The station.
             values: The values of the verb.
             show: Shows a message.
-            note: Called with why nothing comes.
-            for_program: True for data in the place of a text.
-            has_room: Returns False while whoever reads is behind: messages are left out then.
+            note: Called with the reason why no message comes.
+            for_program: True for messages as data, False for text.
+            has_room: Returns False while the reader is behind: messages are left out then.
 
         Raises:
             ArchoError: There is no such topic or field, or a message cannot be shown.
@@ -173,7 +173,10 @@ class Hz(_TopicVerb):
 
 
 def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
-    """Return the last message of a topic, or fields of it. It takes long for a large message."""
+    """Return the last message of a topic, or fields of it.
+
+    A large message takes long: not for the UI thread.
+    """
     message = inspection.decode(inspection.newest[1])
     text = message_text.as_text(message, paths)
     with suppress(ArchoError):  # It is too large for a program, which gets the text only.
@@ -184,7 +187,10 @@ def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
 def _text_or_data(
     inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
 ) -> tuple[str, Any]:
-    """Return a message as text for a person, or as data for a program. It takes long."""
+    """Return a message as text for a person and None, or as "" and data for a program.
+
+    A large message takes long: not for the UI thread.
+    """
     message = inspection.decode(data)
     if for_program:
         return "", message_text.as_data(message, paths)
@@ -196,7 +202,11 @@ def _topics(snapshot: Snapshot) -> list[str]:
 
 
 async def _topic_info(station: Station, topic: str) -> TopicInfo:
-    """Return the ends of a topic; raise ArchoError if the graph does not tell them."""
+    """Return the publishers and subscriptions of a topic.
+
+    Raises:
+        ArchoError: The console's node does not answer.
+    """
     info = await station.robot.topic_info(topic)
     if isinstance(info, Outcome):
         raise ArchoError(info.text)

@@ -37,7 +37,7 @@ def _types_on_graph(snapshot: Snapshot) -> list[str]:
 
 
 def _find(typed: str, known: list[str]) -> tuple[str, str]:
-    """Return the type that is meant, and its definition.
+    """Return the full name of a typed type, and its definition.
 
     Args:
         typed: `package/kind/Name`, `package/Name`, or a `Name` that the graph has once.
@@ -65,7 +65,7 @@ def _find(typed: str, known: list[str]) -> tuple[str, str]:
 
 
 def _candidates(typed: str, known: list[str]) -> list[str]:
-    """Return the full types that a typed one may mean."""
+    """Return the full type names `package/kind/Name` that a typed one may stand for."""
     if "/" not in typed:
         return [name for name in known if base_name(name) == typed]
     if typed.count("/") == 1:

@@ -46,7 +46,7 @@ class Lifecycle(Verb):
         if "transition" not in values:
             return None
         node, transition = values["node"], values["transition"]
-        reasons = list(_reasons(station.robot.snapshot, node))
+        reasons = list(_objections(station.robot.snapshot, node))
         if transition == "shutdown":
             reasons.append("a node that was shut down must be started anew")
         if not reasons:
@@ -84,8 +84,8 @@ def _managed(snapshot: Snapshot) -> dict[str, NodeState]:
     return {node.name: node for node in snapshot.nodes if node.lifecycle}
 
 
-def _reasons(snapshot: Snapshot, node: str) -> list[str]:
-    """Return why a transition of a node may be grave: it serves STOP, or a goal that runs.
+def _objections(snapshot: Snapshot, node: str) -> list[str]:
+    """Return why a transition of a node needs a question: it serves STOP or the running goal.
 
     While the graph does not tell which node serves them, it may be this one.
     """

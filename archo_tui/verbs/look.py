@@ -11,7 +11,7 @@ from archo_tui.words.domains import domains_text
 
 
 class Look(Verb):
-    """The verb that joins each domain for some seconds, in a process of its own."""
+    """The verb that joins each ROS 2 domain for some seconds, in a process of its own."""
 
     id, title, tells = "look", "Look", True
     help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"

@@ -57,9 +57,9 @@ class _NodeVerb(Verb):
     starts = False  # True if one more node is on the graph afterwards.
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        return {"node": self.found(station, values["node"]).name}
+        return {"node": self.find_node(station, values["node"]).name}
 
-    def found(self, station: Station, name: str) -> Hosted:
+    def find_node(self, station: Station, name: str) -> Hosted:
         """Return the node of that name; the namespace may be left out.
 
         Raises:
@@ -86,7 +86,7 @@ class _NodeVerb(Verb):
         return outcome
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
-        """Return the function that does the work on a thread of its own."""
+        """Return the function that does the work; it gets the node's name on a daemon thread."""
         raise NotImplementedError
 
 
@@ -108,11 +108,11 @@ class StopNode(_NodeVerb):
         return station.host.stop_node
 
     def question(self, station: Station, values: Values) -> Question | None:
-        goal, hosted = station.running_goal, self.found(station, values["node"])
+        goal, hosted = station.running_goal, self.find_node(station, values["node"])
         if goal is None or not hosted.life.is_running:
             return None
-        grave = (base_name(goal.kind.action), _stop(station))
-        needed = " and ".join(name for name in _served(hosted) if name in grave)
+        grave = (base_name(goal.kind.action), _stop_service(station))
+        needed = " and ".join(name for name in _served_names(hosted) if name in grave)
         if not needed:
             return None
         text = f"The robot is {activity(goal)}, and {hosted.name} serves {needed}. Stop the node?"
@@ -128,11 +128,11 @@ class DuplicateNode(_NodeVerb):
         return station.host.copy_node
 
     def question(self, station: Station, values: Values) -> Question | None:
-        hosted = self.found(station, values["node"])
+        hosted = self.find_node(station, values["node"])
         if not hosted.serves:
             return None
-        served = _served(hosted)
-        stop = " STOP must then be confirmed by both." if _stop(station) in served else ""
+        served = _served_names(hosted)
+        stop = " STOP must then be confirmed by both." if _stop_service(station) in served else ""
         text = (
             f"{hosted.name} serves {', '.join(served)}: a call reaches both, and both act.{stop} "
             "Run another copy?"
@@ -181,12 +181,12 @@ class LogLevel(Verb):
         return full_name(station.robot.snapshot, values["node"], self._nodes(station))
 
 
-def _served(hosted: Hosted) -> list[str]:
+def _served_names(hosted: Hosted) -> list[str]:
     """Return what a node serves, without the namespace."""
     return [base_name(name) for name in hosted.serves]
 
 
-def _stop(station: Station) -> str:
-    """Return the service of the robot's STOP, without the namespace."""
+def _stop_service(station: Station) -> str:
+    """Return the name of the STOP service without its namespace; "" if the robot has none."""
     stop = station.robot.file.stop
     return "" if stop is None else base_name(stop.service)

@@ -39,7 +39,7 @@ def are_reported(station: Station) -> bool:
 
 
 def _unreported(station: Station) -> list[str]:
-    """Return the nodes whose parameters are not known."""
+    """Return the names of the nodes that have not reported their parameters."""
     snapshot = station.robot.snapshot
     return sorted({n.name for n in snapshot.nodes} - {p.node for p in snapshot.parameters})
 
@@ -61,7 +61,7 @@ class _ParameterVerb(Verb):
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
 
-    def found(self, station: Station, values: Values) -> Parameter | None:
+    def find_parameter(self, station: Station, values: Values) -> Parameter | None:
         """Return the parameter that the values name, or None if no node has reported it."""
         wanted = self.node(station, values), values["name"]
         known = station.robot.snapshot.parameters
@@ -84,13 +84,13 @@ class Get(_ParameterVerb):
     arguments = (_NODE, _NAME)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        parameter = self.found(station, values)
+        parameter = self.find_parameter(station, values)
         if parameter is None:
             return self.missing_outcome(station, values)
-        return Outcome(Code.DONE, line(_for_requester(parameter)))
+        return Outcome(Code.DONE, parameter_line(_for_requester(parameter)))
 
     def data(self, station: Station, values: Values) -> Any:
-        parameter = self.found(station, values)
+        parameter = self.find_parameter(station, values)
         return None if parameter is None else as_data.parameter(_for_requester(parameter))
 
 
@@ -100,13 +100,13 @@ class Set(_ParameterVerb):
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return the line with the node, if only that is missing."""
+        """Return `: set NODE NAME VALUE` if only the node is missing and one has the parameter."""
         known = station.robot.snapshot.parameters
         nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
         return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        parameter = self.found(station, values)
+        parameter = self.find_parameter(station, values)
         if parameter is None:
             return values
         try:
@@ -116,7 +116,7 @@ class Set(_ParameterVerb):
         return {**values, "value": value}
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        parameter = self.found(station, values)
+        parameter = self.find_parameter(station, values)
         if parameter is None:
             return self.missing_outcome(station, values)
         changed = {parameter.name: values["value"]}
@@ -162,7 +162,7 @@ class Params(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         shown = map(_for_requester, station.robot.snapshot.parameters)
-        return Outcome(Code.DONE, "\n".join(map(line, shown)))
+        return Outcome(Code.DONE, "\n".join(map(parameter_line, shown)))
 
     def data(self, station: Station, values: Values) -> Any:
         shown = map(_for_requester, station.robot.snapshot.parameters)
@@ -170,18 +170,15 @@ class Params(Verb):
 
 
 def _for_requester(parameter: Parameter) -> Parameter:
-    """Return the parameter as whoever asks may see it: an assistant sees no secret."""
+    """Return the parameter; for an assistant with its value masked if that is a secret."""
     return parameter.masked if current_requester().is_assistant else parameter
 
 
 _LONGEST = 500  # Characters of a value in a line; --json has all of them.
 
 
-def line(parameter: Parameter) -> str:
-    """Return a parameter in a line.
-
-    An example is `motor_controller max_speed is 0.5, was 0.8 at the start, double`.
-    """
+def parameter_line(parameter: Parameter) -> str:
+    """Return `motor_controller max_speed is 0.5, was 0.8 at the start, double`."""
     value = text_of(parameter.value)
     if len(value) > _LONGEST:
         value = f"{value[:_LONGEST]} ... ({len(value)} characters)"
@@ -255,7 +252,7 @@ class Load(_FileVerb):
         return {"file": path, "plan": plan}
 
     def question(self, station: Station, values: Values) -> Question | None:
-        """Return the question, also if nothing can be changed: then its text says why."""
+        """Return the question, whose text lists the changes, or why nothing can be changed."""
         plan = values["plan"]
         count = len(plan.changes)
         go = f"Change {count} parameter{'' if count == 1 else 's'}"

@@ -17,14 +17,14 @@ _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 
 
 class UnknownVerbError(ValueError):
-    """A word that is no verb; the text has the nearest one."""
+    """The error for a word that is no verb; its text names the nearest verb."""
 
 
 def named(verbs: Mapping[str, Verb], word: str) -> Verb:
-    """Return the verb of that name.
+    """Return the verb that a word names.
 
     Raises:
-        UnknownVerbError: There is none.
+        UnknownVerbError: No verb has that name.
     """
     if word in verbs:
         return verbs[word]

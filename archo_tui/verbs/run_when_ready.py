@@ -1,4 +1,4 @@
-"""The run of a verb, from its values to its outcome: the same for every frontend."""
+"""The steps of running a verb, from its values to its outcome, for every frontend."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ Ask = Callable[[Question], Awaitable[None]]
 async def run_when_ready(
     station: Station, verb: Verb, values: Values, until: Until, ask: Ask | None
 ) -> Outcome:
-    """Run a verb, once the robot is found and earlier requests are answered.
-
-    Its question is asked first. If the verb cannot run, nothing is sent.
+    """Run a verb once the robot is found, earlier requests are answered, and the person agrees.
 
     Args:
         station: The station.
@@ -33,7 +31,7 @@ async def run_when_ready(
         The outcome; WATCHING or REFUSED with the reason if the verb cannot run.
 
     Raises:
-        ArchoError: A name means nothing, or a file is not valid.
+        ArchoError: A name means nothing, a file is not valid, or the answer is not yes.
         ValueError: A value does not fit.
         Void: A STOP was read meanwhile.
     """

@@ -1,4 +1,4 @@
-"""The verbs that tell what goes on: state, events, the last hour."""
+"""The verbs that show the state, events, and the last hour."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Status(Verb):
         """Create the verb.
 
         Args:
-            ask: How a goal is given, said while there is none.
+            ask: How to send a goal, as the line of the goal says while there is none.
             robot: The robot file.
         """
         self.ask = ask
@@ -52,9 +52,9 @@ class Status(Verb):
         return advice(alarm, remedy_hints(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if battery and motion were received, or are no longer waited for.
+        """Return True if battery and motion were received, or had time enough to be.
 
-        A topic that is not offered is waited for until THERE, any other until PATIENCE.
+        A topic without a publisher has until THERE, any other until PATIENCE.
         """
         snapshot, robot = station.robot.snapshot, station.robot.file
         missing = []
@@ -114,7 +114,7 @@ class Past(Verb):
     help = "Show the measured values of the last hour, and the results of the last goals"
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        lines = [_hour(station, quantity) for quantity in _NAMES]
+        lines = [_past_line(station, quantity) for quantity in _NAMES]
         lines += map(ended_goal_text, station.robot.snapshot.history)
         return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
 
@@ -140,7 +140,7 @@ _NAMES: dict[Quantity, str] = {
     "x": "x",
     "y": "y",
 }
-_PARTS = 60  # Parts of a span, of which the oldest is told.
+_PARTS = 60  # Parts of a span; the value of the oldest one is shown.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
@@ -155,7 +155,7 @@ def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, flo
         yield age, value if value is None or math.isfinite(value) else None
 
 
-def _hour(station: Station, quantity: Quantity) -> str:
+def _past_line(station: Station, quantity: Quantity) -> str:
     """Return `speed (m/s): now 0.80, 1 min ago 0.00`, or "" if nothing is known."""
     known = [
         f"{f'{age / 60:.0f} min ago' if age else 'now'} {value:.2f}"

@@ -48,7 +48,7 @@ class ReleaseStop(Verb):
         return unavailable or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True only when the robot has reported its state, or had time enough."""
+        """Return True if the release is offered and the robot has reported a stop or none."""
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         is_awaited = stopped is None and described is not None and described.reports_stop
         if _is_held_by_nobody(station.robot.snapshot):
@@ -66,7 +66,7 @@ class ReleaseStop(Verb):
 
 
 def _is_held_by_nobody(snapshot: Snapshot) -> bool:
-    """Return whether a release has no server, and nothing to do but to forget the STOP."""
+    """Return True if all nodes that held the STOP have ended: a release only forgets it."""
     return snapshot.stop_held_by_nobody and snapshot.open_stop is None
 
 
