@@ -53,7 +53,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         robot.StopKey(verbs["stop"]),
         VerbCommand(verbs["give_up_stop"]),
         robot.ReleaseKey(verbs["release"]),
-        *(robot.GiveKey(on, off) for on, off in _given(verbs)),
+        *(robot.GiveKey(on, off) for on, off in _robot_file_commands(verbs)),
         *(robot.FormGoalKey(goal) for goal in goals[1:]),
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
@@ -84,8 +84,8 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         events.ShowEvent(),
         events.SaveEvents(),
         history.ShowHistory(),
-        history.LookBack(-1),
-        history.LookBack(1),
+        history.ChangeSpan(-1),
+        history.ChangeSpan(1),
         graph.ShowResource(),
         console.ShowHelp(),
         console.ShowHelpEverywhere(),
@@ -99,8 +99,8 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
     )
 
 
-def _given(verbs: Mapping[str, Verb]) -> Iterator[tuple[Give, Give | None]]:
-    """Yield each command of the robot file, with the verb that switches a toggle off."""
+def _robot_file_commands(verbs: Mapping[str, Verb]) -> Iterator[tuple[Give, Give | None]]:
+    """Yield the verb of each command of the robot file, with its opposite for a toggle, or None."""
     for verb in verbs.values():
         if isinstance(verb, Give) and verb.id == verb.given.id:
             off = verbs.get(verb.given.off_word)

@@ -51,42 +51,42 @@ class Console(Protocol):
 
     @property
     def main(self) -> MainScreen:
-        """Return the screen beneath the dialogs."""
+        """The screen beneath the dialogs."""
 
     @property
     def repeated(self) -> bool:
-        """Return True while the command's key is held down."""
+        """True while the command's key is held down."""
 
     @property
     def input(self) -> InputTime | None:
-        """Return when the key or click that is being handled was read."""
+        """The time at which the key or click that is being handled was read; None for neither."""
 
     @property
     def registry(self) -> Sequence[Command]:
-        """Return every command."""
+        """All commands."""
 
     @property
     def screen(self) -> Screen[Any]:
-        """Return the dialog in front, or the main screen."""
+        """The dialog in front, or the main screen."""
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal does not show what was drawn."""
+        """True while the terminal has not read what was drawn."""
 
     def disabled_reason(self, command: Command) -> str:
         """Return why a command cannot run now, or ""."""
 
     def update_screen(self) -> None:
-        """Show a change of this process at once, instead of with the next message of the robot."""
+        """Refresh the screen at once, instead of with the next message of the robot."""
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console, which goes on."""
+        """Show a recording over the live console, which keeps running."""
 
     def end_replay(self) -> None:
-        """Lead back to the live console."""
+        """Close the recording, and show the live console again."""
 
     def opening(self) -> AbstractContextManager[None]:
         """Return a context in which keys wait for the dialog that is about to be opened."""
@@ -108,10 +108,10 @@ class Console(Protocol):
         """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
 
     def dialog_gone(self, why: str) -> None:
-        """Drop the keys typed for a dialog that closed by itself, and say why it did."""
+        """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification of something that is not visible otherwise."""
+        """Show a notification."""
 
     def copy(self, text: str) -> None:
         """Put a text on the clipboard."""
@@ -121,11 +121,11 @@ class Console(Protocol):
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """Return the main screen and the dialogs over it."""
+        """The main screen and the dialogs over it."""
 
     @property
     def available_themes(self) -> Mapping[str, Theme]:
-        """Return all themes by name."""
+        """All themes by name."""
 
     def write_screenshot(self) -> None:
         """Save the screen as SVG."""
@@ -134,23 +134,24 @@ class Console(Protocol):
         """Run a command by its id, or say why it cannot run."""
 
     def action_suspend_process(self) -> None:
-        """Suspend to the shell."""
+        """Suspend the console, as ctrl+z does to a program."""
 
     def leave(self) -> None:
         """End the console when every command has its answer."""
 
 
-def write_file(
+def file_writer(
     console: Console, text: str | Callable[[], Awaitable[str]], what: str
 ) -> Callable[[Path], Awaitable[str]]:
     """Return the function with which a file dialog saves a text.
 
-    It asks before it replaces a file, and returns "" or what to show instead of closing the dialog.
+    The function gets the path. It returns "" if the file was written, or the text to show while
+    the dialog stays open: an error, or a warning that the file exists; a second call replaces it.
 
     Args:
         console: The console.
         text: The text to save, or a function that makes it; the error to show is an ArchoError.
-        what: The action, for the event that tells of it.
+        what: The action, as the event names it: `save events`.
     """
     warned: set[Path] = set()  # Existing files that the operator was warned about.
 
@@ -181,8 +182,9 @@ class Command:
         footer_key: The key shown in the footer if that stands for several commands.
         where: Where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
         panel: The panel's number, for IN_PANEL.
-        runs_disabled: True if `run` is called also while the command is disabled, after saying why.
-        always_tried: True if the command runs although it seems disabled, which may be over by now.
+        runs_disabled: True if `run` is called even while the command is disabled, after the reason
+            was shown.
+        always_tried: True if the command runs although the last snapshot disables it.
         waits_for_answer: True if it does not run again before its answer or for a held key.
         resend_after: Seconds after which a held key runs it again.
         verbs: The words of the verbs that it runs.
@@ -207,12 +209,12 @@ class Command:
 
     @property
     def where_text(self) -> str:
-        """Return where the key works, in words."""
+        """The place where the key works, in words: `in Nodes`, `not while typing`."""
         return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
 
     @property
     def title(self) -> str:
-        """Return the first words of its help, as lists have room for."""
+        """The help up to the first `:` or `;`, as a title in lists."""
         words = re.split("[:;]", self.help)[0]
         return f"{words[0].upper()}{words[1:]}"
 
@@ -226,7 +228,7 @@ class Command:
 
 
 class VerbCommand(Command):
-    """A command that runs a verb."""
+    """The base of commands that run a verb, by default without values."""
 
     def __init__(self, verb: Verb) -> None:
         self.verb = verb

@@ -102,7 +102,7 @@ class OperateOtherRobot(Command):
         console.open(Choose("Operate another robot", choices))
 
     def _operate(self, console: Console, namespace: str) -> None:
-        """Start again for a namespace, unless this robot is needed here since the list opened."""
+        """Restart for a namespace, or show what of this robot forbids that by now."""
         reason = self.disabled_reason(console)
         if reason:
             console.show_message(reason)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, write_file
+from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, file_writer
 from archo_tui.widgets.events_panel import event_details, events_as_text
 
 
@@ -59,7 +59,7 @@ class SaveEvents(_InEvents):
         from archo_tui.screens.ask_path import AskPath
 
         text = events_as_text(console.main.events.shown)
-        write = write_file(console, text, "save events")
+        write = file_writer(console, text, "save events")
         console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 

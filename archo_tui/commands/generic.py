@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.commands.base import Command, Console, VerbCommand, Work, write_file
+from archo_tui.commands.base import Command, Console, VerbCommand, Work, file_writer
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from archo_tui.screens.choose import Choice
 
 
-class _AnyOf(VerbCommand):
+class _GenericCommand(VerbCommand):
     """A command that lists actions or services, and opens a form for the chosen one."""
 
     def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
@@ -69,13 +69,20 @@ class _AnyOf(VerbCommand):
         console.open(MessageForm(f"{name}  {kind}", message_fields, send, typed))
 
     async def send(
-        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
-        """Send the values of the form, and return the outcome."""
+        """Send a goal or a service request, and return the outcome.
+
+        Args:
+            console: The console.
+            name: The full name of the action or service.
+            type_name: Its type.
+            values: The values of the form.
+        """
         raise NotImplementedError
 
 
-class AnyGoal(_AnyOf):
+class AnyGoal(_GenericCommand):
     """The command that sends a goal to any action on the graph."""
 
     key = "G"
@@ -94,10 +101,10 @@ class AnyGoal(_AnyOf):
         return console.view.snapshot.actions
 
     async def send(
-        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
         short = base_name(name)
-        goal = GoalKind(id=_unused_id(console, name), title=short, action=name, type=kind)
+        goal = GoalKind(id=_unused_id(console, name), title=short, action=name, type=type_name)
         outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
         console.update_screen()  # The goal may wait in the queue.
         if outcome.ok:
@@ -107,13 +114,13 @@ class AnyGoal(_AnyOf):
         return outcome
 
 
-class AnyService(_AnyOf):
+class AnyService(_GenericCommand):
     """The command that calls any service on the graph."""
 
     key = "C"
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return a row for each verb of the robot file that calls the service, or else its form."""
+        """Return a row for each verb that calls the service, or else the row that opens a form."""
         from archo_tui.screens.choose import Choice
 
         verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
@@ -133,7 +140,7 @@ class AnyService(_AnyOf):
 
     @staticmethod
     def _run_verb(console: Console, verb: Verb) -> Work | None:
-        """Run a verb of the robot file, with its question or its refusal."""
+        """Run a verb of the robot file after its question, or show why it cannot run."""
         if verb.urgent:
             console.action_command(verb.id)
             return None
@@ -147,9 +154,9 @@ class AnyService(_AnyOf):
         return console.view.snapshot.services
 
     async def send(
-        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
-        given = {"service": name, "type": kind, "fields": values}
+        given = {"service": name, "type": type_name, "fields": values}
         outcome = await self.verb.run(console.station, given)
         if outcome.ok:
             console.show_message(outcome.text, name)
@@ -162,7 +169,7 @@ class AnyService(_AnyOf):
 
 
 def _unused_id(console: Console, name: str) -> str:
-    """Return an id for an action or service that is kept for a robot file.
+    """Return an unused id for an action or service in the robot file of this session.
 
     The id is the last part of the name, numbered if it is a reserved word or the id of another goal
     or command.
@@ -196,7 +203,7 @@ class WriteRobotFile(Command):
         used, station = console.used, console.station
         if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
             used = without(used, station.robot.snapshot.unavailable_names)
-        write = write_file(console, dump(used), "save a robot file")
+        write = file_writer(console, dump(used), "save a robot file")
         console.open(AskPath("Save a robot file", "Robot file", "robot.yaml", write))
 
 
@@ -217,6 +224,6 @@ class DescribeRobot(Command):
             except TimeoutError:
                 raise ArchoError("the console's own node does not answer") from None
 
-        write = write_file(console, text, "describe this robot")
+        write = file_writer(console, text, "describe this robot")
         listens = f"Robot file (listens for {LISTENING:g} s first)"
         console.open(AskPath("Describe this robot", listens, "robot.yaml", write))

@@ -39,7 +39,10 @@ class ShowResource(Command):
 
 
 def _step_in_graph(console: Console, by: int) -> WatchedTopic | None:
-    """Move the cursor of the Graph to the topic above or below; None if there is none."""
+    """Move the cursor of the Graph to the next topic (1) or the one before (-1), and return it.
+
+    None if there is no topic that way.
+    """
     row = console.main.graph.step(by, TOPIC)
     return None if row is None else _watched(console, row.resource.name, row.resource.types)
 
@@ -50,13 +53,13 @@ def show_topic(
     types: Sequence[str],
     step: Callable[[Console, int], WatchedTopic | None] = lambda *_: None,
 ) -> None:
-    """Open the dialog that looks into a topic.
+    """Open the dialog of a topic, with its messages, definition and QoS.
 
     Args:
         console: The console.
         name: The full name of the topic.
         types: Its types, whose definitions can be shown.
-        step: Returns the next topic (1) or the one before (-1); None where there is none.
+        step: Returns the next topic (1) or the one before (-1), or None: the default has none.
     """
     from archo_tui.screens.topic import TopicDialog
 

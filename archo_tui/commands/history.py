@@ -13,10 +13,11 @@ class ShowHistory(Command):
         console.main.toggle_full(console.main.history)
 
 
-class LookBack(Command):
-    """A command that shows the next longer (1) or shorter (-1) time."""
+class ChangeSpan(Command):
+    """A command that shows the next longer or shorter time span of the history."""
 
     def __init__(self, by: int) -> None:
+        """Create the command: 1 for the longer span, -1 for the shorter one."""
         self._by = by
         self._word, self._most = ("longer", "longest") if by > 0 else ("shorter", "shortest")
         self.id = self._word

@@ -158,7 +158,7 @@ def _types_a_character(name: str) -> bool:
 
 
 def _overlap(first: Command, second: Command) -> bool:
-    """Return True if there is a place in which both commands would get their key."""
+    """Return True if both commands are active in some place, so that one key cannot serve both."""
     both = first.where == second.where == IN_PANEL
     return not both or first.panel == second.panel
 

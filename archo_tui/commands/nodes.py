@@ -14,7 +14,7 @@ from archo_tui.words.nodes import NodeRow, node_rows
 _GONE = "? not on the graph any more"
 
 
-class _InNodes(Command):
+class _NodeCommand(Command):
     where, panel = IN_PANEL, NODES
     waits_for_answer = True
 
@@ -33,14 +33,14 @@ class _InNodes(Command):
         return console.run_verb(console.verbs[verb], {"node": hosted.name})
 
     def _selected(self, console: Console) -> Hosted:
-        """Return the selected node of this process; without one the command is disabled."""
+        """Return the selected node, which is of this process: else the command is disabled."""
         row = console.main.nodes.selected
         assert row is not None
         assert row.hosted is not None
         return row.hosted
 
 
-class StartStop(_InNodes):
+class StartStop(_NodeCommand):
     id, key, verbs = "start_stop", "s", ("start", "halt")
     help = "Start or stop the selected node"
 
@@ -49,7 +49,7 @@ class StartStop(_InNodes):
         return self.run_verb(console, "halt" if hosted.life.is_running else "start", hosted)
 
 
-class CopyNode(_InNodes):
+class CopyNode(_NodeCommand):
     id, key, verbs = "copy", "plus", ("copy",)
     help = "Start another copy of the selected node"
 
@@ -69,10 +69,10 @@ class ShowNode(Command):
     def run(self, console: Console) -> None:
         row = console.main.nodes.selected
         assert row is not None
-        show(console, row)
+        open_node_dialog(console, row)
 
 
-def show(console: Console, row: NodeRow) -> None:
+def open_node_dialog(console: Console, row: NodeRow) -> None:
     """Open the dialog with everything about a node."""
     from archo_tui.screens.node import NodeDialog
 

@@ -160,12 +160,12 @@ def _parameter_choices(console: Console) -> Iterator[Choice]:
     reason = edit.disabled_reason(console)
     for parameter in console.view.snapshot.parameters:
         title = f"Set {parameter.node.lstrip('/')} {parameter.name}"
-        act = partial(_edit, console, parameter.node, parameter.name)
+        act = partial(_edit_parameter, console, parameter.node, parameter.name)
         yield Choice(title, act, text_of(parameter.value), reason, "parameter change")
 
 
-def _edit(console: Console, node: str, name: str) -> None:
-    """Open the dialog for a parameter with its current value: the palette may be open for long."""
+def _edit_parameter(console: Console, node: str, name: str) -> None:
+    """Open the dialog for a parameter with its value of now, not of when the row was made."""
     edit, now = parameters.Edit(), console.view.snapshot.parameters
     found = next(
         (parameter for parameter in now if (parameter.node, parameter.name) == (node, name)), None
@@ -179,7 +179,7 @@ def _edit(console: Console, node: str, name: str) -> None:
 
 def _node_choices(console: Console) -> Iterator[Choice]:
     for row in node_rows(console.view):
-        act = partial(nodes.show, console, row)
+        act = partial(nodes.open_node_dialog, console, row)
         yield Choice(f"Node {row.name.lstrip('/')}", act, words="info details")
 
 

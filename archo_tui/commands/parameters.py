@@ -22,7 +22,7 @@ class _InParameters(Command):
         return "" if console.view.snapshot.parameters else NOBODY
 
 
-class _Sets(_InParameters):
+class _SetCommand(_InParameters):
     """A command that sets the selected parameter."""
 
     verbs = ("set",)
@@ -36,7 +36,7 @@ class _Sets(_InParameters):
         return await console.verbs["set"].run(console.station, given)
 
 
-class Edit(_Sets):
+class Edit(_SetCommand):
     id, key = "edit", "enter"
     help = "Edit the selected parameter"
 
@@ -51,10 +51,10 @@ class Edit(_Sets):
         from archo_tui.screens.edit_parameter import EditParameter
 
         send = partial(self.set, console, parameter)
-        console.open(EditParameter(parameter, send, self.offered(parameter)))
+        console.open(EditParameter(parameter, send, self.initial_value(parameter)))
 
-    def offered(self, parameter: Parameter) -> Any:
-        """Return the value with which the field is filled."""
+    def initial_value(self, parameter: Parameter) -> Any:
+        """Return the value that the field of the dialog has at first."""
         return parameter.value
 
 
@@ -62,11 +62,11 @@ class EditWithInitial(Edit):
     id, key = "restore", "backspace"
     help = "Restore the selected parameter: opens its dialog with the value at the start"
 
-    def offered(self, parameter: Parameter) -> Any:
+    def initial_value(self, parameter: Parameter) -> Any:
         return parameter.initial
 
 
-class SwitchBoolean(_Sets):
+class SwitchBoolean(_SetCommand):
     id, key = "switch", "space"
     help = "Toggle the selected boolean parameter"
     waits_for_answer = True

@@ -33,7 +33,7 @@ class ShowRecordings(Command):
             return
 
         def play(recording: Recording) -> Work:
-            return _play(console, recording, dialog)
+            return _open_replay(console, recording, dialog)
 
         def copy(recording: Recording) -> None:
             command = f"archo-tui replay {recording.name}"
@@ -62,8 +62,8 @@ class ShowRecordings(Command):
             dialog.show_recordings(found)
 
 
-async def _play(console: Console, recording: Recording, dialog: RecordingList) -> None:
-    """Open a recording beside the event loop, and show it in place of the list."""
+async def _open_replay(console: Console, recording: Recording, dialog: RecordingList) -> None:
+    """Load a recording on another thread, and show it in place of the list, or show an error."""
     try:
         player = await in_daemon(_open, recording, console.station.clock)
     except ArchoError as error:

@@ -1,4 +1,4 @@
-"""The commands of a replay: those that only show, and those of its time line."""
+"""The commands of a replay: those that change nothing, and those of its time line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _HARMLESS = frozenset(
 def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
     """Return the commands of a replay that is a program of its own."""
     return (
-        *showing_commands(player, commands),
+        *read_only_commands(player, commands),
         RefuseStop(),
         CopySelection(),
         QuitReplay(),
@@ -32,8 +32,8 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
     )
 
 
-def showing_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return those of the console's commands that only show, and those of the time line."""
+def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
+    """Return the commands of the time line, and those of `commands` that change nothing."""
     shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
     panels.footer_key = "1-9"
@@ -69,7 +69,7 @@ class _TimeLineCommand(Command):
         return None
 
     def move(self, console: Console) -> None:
-        """Move the position, or change how it moves."""
+        """Change the position, speed or playing state of the player, as the command says."""
         raise NotImplementedError
 
 

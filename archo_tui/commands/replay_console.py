@@ -14,7 +14,7 @@ from textual.theme import Theme
 from archo_tui.commands.base import EVERYWHERE, Answers, Command, Console, Work
 from archo_tui.commands.footer import blocked_commands, keys_of_footer
 from archo_tui.commands.keymap import readable_keys
-from archo_tui.commands.replay import CopySelection, showing_commands
+from archo_tui.commands.replay import CopySelection, read_only_commands
 from archo_tui.replay.player import Player
 from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
@@ -32,7 +32,7 @@ _LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another on
 class ReplayConsole:
     """The console of a recording, on a screen over the live one. Event loop only.
 
-    Of the live console it uses what only shows: dialogs, notifications, the clipboard.
+    Dialogs, notifications and the clipboard are those of the live console.
 
     Attributes:
         registry: The commands of the replay. The one of STOP is the live console's.
@@ -64,7 +64,7 @@ class ReplayConsole:
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
         self.typed: dict[str, dict[str, str]] = {}
         self.used = snapshot.file
-        shown = [c for c in showing_commands(player, commands) if c.id not in _LIVE_ONLY]
+        shown = [c for c in read_only_commands(player, commands) if c.id not in _LIVE_ONLY]
         stop = next(command for command in live.registry if command.id == "stop")
         own = BackToLive(), StopLive(live, stop), CopyFromReplay(), QuitBoth(live)
         self.registry: Sequence[Command] = (*own[:2], *shown, *own[2:])
@@ -88,12 +88,12 @@ class ReplayConsole:
 
     @property
     def repeated(self) -> bool:
-        """Return True while the command's key is held down."""
+        """True while the command's key is held down."""
         return self._live.repeated
 
     @property
     def input(self) -> InputTime | None:
-        """Return when the key or click that is being handled was read."""
+        """The time at which the key or click that is being handled was read; None for neither."""
         return self._live.input
 
     @property
@@ -107,22 +107,22 @@ class ReplayConsole:
 
     @property
     def screen(self) -> Screen[Any]:
-        """Return the dialog in front, or the screen of the replay."""
+        """The dialog in front, or the screen of the replay."""
         return self._live.screen
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """Return all screens, the live one first."""
+        """All screens, the live one first."""
         return self._live.screens
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal does not show what was drawn."""
+        """True while the terminal has not read what was drawn."""
         return self._live.is_stuck
 
     @property
     def available_themes(self) -> Mapping[str, Theme]:
-        """Return all themes by name."""
+        """All themes by name."""
         return self._live.available_themes
 
     def disabled_reason(self, command: Command) -> str:
@@ -137,7 +137,7 @@ class ReplayConsole:
         """Do nothing: a replay lists no recordings."""
 
     def end_replay(self) -> None:
-        """Lead back to the live console."""
+        """Show the live console again."""
         self._live.end_replay()
 
     def opening(self) -> AbstractContextManager[None]:
@@ -145,7 +145,7 @@ class ReplayConsole:
         return self._live.opening()
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Refuse: no verb of a replay acts on a robot."""
+        """Do nothing but show that no verb of a replay acts on a robot."""
         self.report_failure(Outcome(Code.REFUSED, f"REPLAY: {verb.id} was not sent"))
         return None
 
@@ -159,11 +159,11 @@ class ReplayConsole:
             self._live.show_message(outcome.text, "Replay")
 
     def dialog_gone(self, why: str) -> None:
-        """Drop the keys typed for a dialog that closed by itself, and say why it did."""
+        """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
         self._live.dialog_gone(why)
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification of something that is not visible otherwise."""
+        """Show a notification."""
         self._live.show_message(text, title)
 
     def copy(self, text: str) -> None:
@@ -186,7 +186,7 @@ class ReplayConsole:
         """Do nothing: the live console asks first."""
 
     def leave(self) -> None:
-        """Lead back to the live console."""
+        """Show the live console again."""
         self.end_replay()
 
 

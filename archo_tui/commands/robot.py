@@ -149,9 +149,10 @@ class SkipKey(VerbCommand):
 
 
 class GiveKey(VerbCommand):
-    """A command of the robot file; a toggle inverts what the robot reports.
+    """The command for a service of the robot file, or for the two services of a toggle.
 
-    If the robot does not report it, a question asks which way: a guess could be the wrong one.
+    A toggle calls the opposite of the state that the robot reports, and asks which one to call if
+    the robot reports none.
     """
 
     waits_for_answer = True
@@ -185,10 +186,10 @@ class GiveKey(VerbCommand):
 
 
 def _reading(console: Console, name: str) -> bool | None:
-    """Return the reading that a toggle inverts, or None if it is not reported.
+    """Return the state that a toggle inverts, or None if it is not reported.
 
     Args:
-        console: Shows what was received last.
+        console: The console, whose view has the last report.
         name: `battery.charging`, `motion.moving`, `motion.stopped`, or `ask` for none.
     """
     if name == "ask":
