@@ -84,7 +84,7 @@ class CheckRunner:
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
 
     def unrun_lines(self) -> list[str]:
-        """Return a line for each file whose `main()` does more than make nodes."""
+        """Return a line for each file whose `main()` does more than make nodes: it is not run."""
         files = dict.fromkeys(hosted.file for hosted in self._host.nodes)
         return [file.not_run for file in files if file is not None and file.not_run]
 
@@ -95,7 +95,7 @@ class CheckRunner:
             self.spin_until(lambda: False, self._began + _MIN_RUN - self.now(), nodes)
 
     def all_crashes(self) -> list[str]:
-        """Return each crash once, those of threads that nodes have started included."""
+        """Return a line for each different crash, also of threads that nodes have started."""
         self.restart_crashed()
         for number, line in enumerate(self.printed):
             if line.startswith(_THREAD_CRASH):
@@ -103,7 +103,7 @@ class CheckRunner:
         return list(self._crashes)
 
     def busy_line(self, nodes: Sequence[HostedNode]) -> str:
-        """Return `FILE:LINE`, and the line, that a callback executes now; "" if all nodes wait."""
+        """Return place and text of the line that a callback executes now; "" if none runs."""
         for hosted in nodes:
             for thread in hosted.threads():
                 if hosted.file is not None:

@@ -27,7 +27,7 @@ _ENDINGS = (".launch.py", "_launch.py")  # As the names of launch files end.
 
 
 def is_launch_file(given: str) -> bool:
-    """Return whether a name is that of a launch file in Python."""
+    """Return True if a name is that of a launch file in Python."""
     return given.endswith(_ENDINGS)
 
 
@@ -35,10 +35,10 @@ def launch_checks(given: str) -> Iterator[Result]:
     """Yield the outcome of each check of a launch file.
 
     Args:
-        given: Its path as the user typed it.
+        given: The path of the launch file as the user typed it.
     """
     try:
-        plan = _plan(given, {})
+        plan = _evaluate(given, {})
     except ArchoError as error:
         yield Result(_READ, str(error))
         for name in (_THREE, _LOADED, _DEFAULT, _SIMULATED):
@@ -46,13 +46,13 @@ def launch_checks(given: str) -> Iterator[Result]:
         return
     yield Result(_READ)
     programs = _by_name(plan)
-    yield Result(_THREE, "\n".join(_missing(plan, programs)))
-    yield _loaded(programs)
+    yield Result(_THREE, "\n".join(_missing_node_lines(plan, programs)))
+    yield _parameter_file_result(programs)
     yield Result(_DEFAULT, _default_hint(plan, programs))
-    yield _simulated(given, plan)
+    yield _simulation_result(given, plan)
 
 
-def _plan(given: str, arguments: Mapping[str, str]) -> LaunchPlan:
+def _evaluate(given: str, arguments: Mapping[str, str]) -> LaunchPlan:
     with tempfile.TemporaryDirectory(prefix="archo-check-") as prefix:
         return evaluate(given, Workspace.around(Path(given)), Path(prefix), arguments)
 
@@ -62,7 +62,7 @@ def _by_name(plan: LaunchPlan) -> dict[str, LaunchedProgram]:
     return {program.name or program.executable: program for program in plan.programs}
 
 
-def _missing(plan: LaunchPlan, programs: Mapping[str, LaunchedProgram]) -> Iterator[str]:
+def _missing_node_lines(plan: LaunchPlan, programs: Mapping[str, LaunchedProgram]) -> Iterator[str]:
     missing = [name for name in _NODES if name not in programs]
     others = [name for name in programs if name not in _NODES]
     for name in missing:
@@ -71,7 +71,7 @@ def _missing(plan: LaunchPlan, programs: Mapping[str, LaunchedProgram]) -> Itera
         yield from (str(note) for note in plan.notes if note.level == "WARN")
 
 
-def _loaded(programs: Mapping[str, LaunchedProgram]) -> Result:
+def _parameter_file_result(programs: Mapping[str, LaunchedProgram]) -> Result:
     motor = programs.get("motor_controller")
     if motor is None:
         return Result(_LOADED, skipped="it starts no motor_controller")
@@ -96,11 +96,11 @@ def _default_hint(plan: LaunchPlan, programs: Mapping[str, LaunchedProgram]) -> 
     return ""
 
 
-def _simulated(given: str, plan: LaunchPlan) -> Result:
+def _simulation_result(given: str, plan: LaunchPlan) -> Result:
     if not any(argument.name == "use_sim" for argument in plan.arguments):
         return Result(_SIMULATED, skipped="use_sim is not declared")
     try:
-        simulated = _plan(given, {"use_sim": "true"})
+        simulated = _evaluate(given, {"use_sim": "true"})
     except ArchoError as error:
         return Result(_SIMULATED, str(error))
     if _DRAIN in _by_name(simulated):

@@ -87,7 +87,7 @@ def _fields(action_class: Any, part: str) -> set[str]:
 
 
 class _MoveProbe:
-    """A client that sends goals and examines what comes back."""
+    """An action client that sends goals, and checks feedback and results."""
 
     def __init__(
         self, runner: CheckRunner, nodes: Sequence[HostedNode], client: Any, action_class: Any
@@ -203,7 +203,7 @@ class _MoveProbe:
         return "" if words == wanted else f"the result says {words!r} instead of {wanted!r}"
 
     def _missing_callback_hint(self) -> str:
-        """Return the line that lacks a cancel_callback, with advice, or ""."""
+        """Return where an ActionServer without cancel_callback is made, with advice, or ""."""
         for hosted in self._nodes:
             found = hosted.file.source.action_server() if hosted.file is not None else None
             if found is not None and not found[1]:

@@ -22,13 +22,13 @@ _ROBOT_NAMES = {
 def missing_result(
     runner: CheckRunner, title: str, wanted: str, verb: str, kind: str, others: Collection[str]
 ) -> Result:
-    """Return the outcome of a check for something that no node offers.
+    """Return the outcome of a check of something that no node offers.
 
     The check fails if another name was meant to be the wanted one, and is skipped otherwise.
 
     Args:
-        runner: Finds the name's line.
-        title: The check.
+        runner: Finds the line of the name in the nodes' files.
+        title: The title of the check.
         wanted: The chapter's name.
         verb: What a node does with it, such as `publish`.
         kind: What it is, such as `topic`.

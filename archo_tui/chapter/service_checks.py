@@ -84,7 +84,7 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 
 
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
-    """Call reset_encoder, and see whether its answer is right and a counter of the node is zero."""
+    """Call reset_encoder, and check that it succeeds and that a counter of the node is zero."""
     type_name = message_classes.name_of(client.srv_type)
     if base_name(type_name) != "ResetEncoder":
         called = runner.find_text("reset_encoder")
@@ -128,7 +128,7 @@ def _number_attributes(node: Any) -> dict[str, Any]:
 def _check_stop_answer(
     runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str
 ) -> Result:
-    """Call emergency_stop, and see whether it answers True; what it stops is not examined."""
+    """Call emergency_stop, and check that it answers True; what it stops is not checked."""
     answer, why = _call(runner, nodes, client)
     if answer is None:
         return Result(_STOP, why)

@@ -22,7 +22,7 @@ class Result(NamedTuple):
     skipped: str = ""
 
     def lines(self, number: int) -> Iterator[str]:
-        """Yield the outcome as TAP lines."""
+        """Yield the outcome as TAP lines; `number` is that of the check, from 1."""
         if self.skipped:
             yield f"ok {number} - {self.name} # SKIP {safe(self.skipped)}"
         else:
@@ -32,7 +32,7 @@ class Result(NamedTuple):
 
 
 class TapReport:
-    """The lines of a run of checks, as they are printed.
+    """The printer of the outcomes of a run of checks as TAP.
 
     Attributes:
         has_failed: True if a check failed.
@@ -40,7 +40,11 @@ class TapReport:
     """
 
     def __init__(self, print_line: Callable[[str], None]) -> None:
-        """Print nothing yet."""
+        """Create a report that has printed nothing.
+
+        Args:
+            print_line: Prints a line, which has no line feed.
+        """
         self._print_line = print_line
         self._count = 0
         self._has_begun = False
@@ -61,7 +65,7 @@ class TapReport:
         self._print_line(line)
 
     def comment(self, text: str) -> None:
-        """Print a line that is no outcome."""
+        """Print a comment line of TAP."""
         self._print(f"# {safe(text)}")
 
     def bail_out(self) -> None:

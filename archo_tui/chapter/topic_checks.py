@@ -96,7 +96,7 @@ def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Resu
 def _silence_hint(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, count: int, seconds: float
 ) -> str:
-    """Return why there are too few messages."""
+    """Return that too few messages came, with the likely cause."""
     hint = f"{count} messages in {seconds:g} s"
     busy = runner.busy_line(nodes)
     if busy:
@@ -109,7 +109,7 @@ def _silence_hint(
 
 
 def _level_range_hint(levels: Sequence[float]) -> str:
-    """Return why the levels are no battery's that drains, or ""."""
+    """Return what is wrong with the levels of a draining battery, or ""."""
     hint = f"heard {', '.join(f'{level:g}' for level in levels)}"
     if all(level == 0.0 for level in levels):
         return f"{hint}: the message's data is never set: message.data = self.level"
@@ -191,9 +191,9 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
 def _first_warning(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float, seconds: float
 ) -> str:
-    """Publish a level repeatedly until a node warns, and return the warning, or "" if none comes.
+    """Publish a battery level until a node warns; return the warning, or "" if none comes in time.
 
-    A single message could get lost, since the publisher may not be matched yet.
+    It is published repeatedly, because subscriptions may not be matched yet.
     """
     message = publisher.msg_type()
     setattr(message, "percentage" if hasattr(message, "percentage") else "data", level)
