@@ -29,7 +29,8 @@ class Reply(NamedTuple):
     Attributes:
         value: The answer, as JSON has it; None if the process ended without one.
         printed: What the code printed, up to 100 kB.
-        exit_code: How the process ended; negative for a signal, as of the kill after its time.
+        exit_code: The exit code of the process; negative for a signal, such as the kill when its
+            time was over.
     """
 
     value: Any
@@ -38,9 +39,9 @@ class Reply(NamedTuple):
 
 
 def ask(module: str, request: Any, seconds: float) -> Reply:
-    """Let `main()` of a module answer a request in a new process.
+    """Run `main()` of a module in a new process, send it a request, and return its reply.
 
-    The process, and what it has started, is killed in the end. This blocks: not for the UI thread.
+    Afterwards the process, and what it has started, is killed. This blocks: not for the UI thread.
 
     Args:
         module: The module, whose `main()` calls `serve`.
@@ -90,9 +91,9 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end, and keep its first `limit` bytes and one more.
+    """Read a pipe to its end, and append its first `limit` + 1 bytes to `kept`.
 
-    The one more tells that there were too many.
+    The last byte shows that there were too many.
     """
     with pipe, contextlib.suppress(OSError, ValueError):
         while chunk := os.read(pipe.fileno(), 65_536):

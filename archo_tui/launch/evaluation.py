@@ -16,7 +16,7 @@ from archo_tui.launch.stand_ins.action import LaunchDescription
 from archo_tui.launch.stand_ins.arguments import DeclaredArgument, declared_arguments
 from archo_tui.launch.stand_ins.context import LaunchContext
 from archo_tui.launch.stand_ins.failures import SubstitutionFailure
-from archo_tui.launch.stand_ins.modules import installed
+from archo_tui.launch.stand_ins.modules import importable_stand_ins
 from archo_tui.launch.stand_ins.places import Place
 from archo_tui.launch.stand_ins.sources import load_launch_file, loaded_files
 from archo_tui.launch.stand_ins.visiting import visit, visit_delayed
@@ -41,12 +41,16 @@ def _is_own(filename: str) -> bool:
 
 
 def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a launch file would start, or its error.
+    """Return what a launch file would start, or the error.
 
     Args:
         request: `file`, the path of the launch file; `arguments`, values by their names;
             `packages`, the folders of the workspace's packages; `prefix`, a folder for files that
             are made; `only_arguments`, true to perform nothing.
+
+    Returns:
+        `programs`, `notes` and `arguments` as lists of objects, and `environment`, the variables
+        that differ; or only `error`, a UserError.
     """
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
@@ -56,10 +60,10 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
     # Built packages are on Python's path, so a launch file can import their modules.
     sys.path += map(str, _own_folders)
     try:
-        with installed():
+        with importable_stand_ins():
             return _evaluate(request, context)
     except BaseException as error:
-        return {"error": _described(error, context)}
+        return {"error": _user_error_of(error, context)}
     finally:
         sys.path[:] = before
 
@@ -119,7 +123,7 @@ def _as_json(found: DeclaredArgument) -> dict[str, Any]:
     }
 
 
-def _described(error: BaseException, context: LaunchContext) -> user_errors.UserError:
+def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.UserError:
     """Describe an error by the line in its traceback, or by that of the action being performed."""
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)

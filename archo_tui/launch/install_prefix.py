@@ -44,8 +44,8 @@ def share_folder(prefix: Path, package: Package) -> Path:
     return share
 
 
-def forgotten_file(prefix: Path, package: Package, path: Path) -> str:
-    """Return why a file is missing in a share folder, or "" if nothing is known of it.
+def missing_file_text(prefix: Path, package: Package, path: Path) -> str:
+    """Return why a file is missing in a share folder; "" if it is not in that of the package.
 
     Args:
         prefix: The prefix of the share folder.
@@ -64,7 +64,7 @@ def forgotten_file(prefix: Path, package: Package, path: Path) -> str:
 
 
 def _installed_files(package: Package) -> Iterator[tuple[Path, Path]]:
-    """Yield each file that is installed, from the package's folder, and its place in a prefix."""
+    """Yield each installed file: its path in the package's folder, and that below the prefix."""
     if package.build_type == AMENT_PYTHON:
         for folder, names in run_setup(package).data_files:
             for name in names:

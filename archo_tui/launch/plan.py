@@ -18,11 +18,11 @@ class LaunchedProgram:
         entry_point: The function that the executable runs.
         name: The name that the node gets; "" if it keeps the one in its code.
         namespace: The namespace with a leading `/`; "" if none is given.
-        ros_args: What follows `--ros-args`: `-r`, `-p` and `--params-file` options with values.
-        arguments: What precedes `--ros-args`.
+        ros_args: The words after `--ros-args`: `-r`, `-p` and `--params-file` options with values.
+        arguments: The words before `--ros-args`.
         respawn: True if it is started again after it has ended.
-        respawn_delay: Seconds before that.
-        start_delay: Seconds after the start of the launch, as a timer says.
+        respawn_delay: Seconds between its end and the next start.
+        start_delay: Seconds between the start of the launch and that of the program.
         output: `screen`, `log` or `both`.
         environment: Variables that differ from this process's; None for one that is unset.
         file: The path of the launch file.

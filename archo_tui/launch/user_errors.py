@@ -32,7 +32,7 @@ def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
 
     Args:
         error: The error.
-        is_own: Returns True for the path of a file of the person's.
+        is_own: Returns True for the path of one of the person's files.
     """
     name, why = type(error).__name__, first_line(error)
     report = _own_traceback(error, is_own)
@@ -60,7 +60,7 @@ def describe_hang(
     Args:
         frame: The frame that runs now.
         seconds: How long it was given.
-        is_own: Returns True for the path of a file of the person's.
+        is_own: Returns True for the path of one of the person's files.
     """
     while frame is not None and not is_own(frame.f_code.co_filename):
         frame = frame.f_back

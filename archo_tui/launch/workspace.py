@@ -39,7 +39,7 @@ class EntryPoint:
     source: Path | None
 
     def make_importable(self) -> None:
-        """Let Python import the module in this process."""
+        """Add the source folder to `sys.path`, so that this process can import the module."""
         if self.source is not None and str(self.source) not in sys.path:
             sys.path.insert(0, str(self.source))
 
@@ -70,10 +70,10 @@ class Workspace:
 
     @classmethod
     def below(cls, folder: Path) -> Workspace:
-        """Return the packages of a workspace's folder.
+        """Return the workspace with all packages below a folder.
 
         Raises:
-            ArchoError: There is none, or the folder is too large for a workspace.
+            ArchoError: The folder has no package, or is too large for a workspace.
         """
         found = cls(_package_folders(folder))
         if not found.packages:
@@ -83,10 +83,10 @@ class Workspace:
 
     @classmethod
     def around(cls, file: Path) -> Workspace:
-        """Return the packages that a file of a package can use.
+        """Return the workspace around a file, with the packages that the file can use.
 
-        These are those of the workspace, if the package is below its `src/`; else those beside the
-        package.
+        These are the packages of the workspace if the file's package is below its `src/`, else
+        the packages beside it.
 
         Args:
             file: A file, such as a launch file; none of its folders needs to be a package.

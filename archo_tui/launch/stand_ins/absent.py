@@ -1,4 +1,4 @@
-"""The parts of launch that are not done here: they are left out, with a line that says so."""
+"""The parts of launch that are not supported: each is left out, with a note that says why."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _COMMANDS = "no command is run here: what needs its output is left out"
 _NEWER = "Jazzy has no such action: an OpaqueFunction returns several, too"
 _PACKAGE = "its package is not here: what needs it is left out"
 
-# What each name of a module would need; None stands for every other name.
+# The reason why each name of a module is not supported; None stands for every other name.
 REASONS: dict[str, dict[str | None, str]] = {
     "launch": {
         "LaunchService": "this console performs the launch: leave it under __main__",
@@ -70,9 +70,10 @@ REASONS: dict[str, dict[str | None, str]] = {
 
 
 class Absent(Action, Substitution):
-    """The stand-in for a part of launch that is not done here, whatever arguments it gets.
+    """The stand-in for a part of launch that is not supported, with any arguments.
 
-    It stands for an action, a substitution, a condition, and what a function of it returns.
+    Its objects can be used as an action, substitution, condition or included file, called, and
+    asked for any attribute; using one in the evaluation raises NotHereError.
     """
 
     reason = ""
@@ -87,11 +88,11 @@ class Absent(Action, Substitution):
         raise self._error(is_value=True)
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Raise NotHereError: it was used as a condition."""
+        """Raise NotHereError: the object was used as a condition."""
         raise self._error(is_value=True)
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Raise NotHereError: it was used as an included file."""
+        """Raise NotHereError: the object was used as an included file."""
         raise self._error()
 
     def _error(self, is_value: bool = False) -> NotHereError:
@@ -107,7 +108,7 @@ class Absent(Action, Substitution):
 
 
 def absent_class(module: str, name: str) -> type[Absent] | None:
-    """Return the stand-in for a name of a module; None for a name that is not known."""
+    """Return the stand-in class for a name in a module; None for a name that launch lacks."""
     reasons = REASONS.get(module, {})
     reason = reasons.get(name, reasons.get(None))
     if reason is None or name.startswith("_"):

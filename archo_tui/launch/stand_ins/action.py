@@ -1,4 +1,4 @@
-"""Actions as such, and the description that a launch file returns."""
+"""The base of actions, and the description that a launch file returns."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from archo_tui.launch.stand_ins.places import calling_place
 
 
 class LaunchDescriptionEntity:
-    """The base of what a launch description is made of.
+    """The base of everything that a launch description contains.
 
     Attributes:
         declares_argument: True for an argument of the launch file.
-        resets_arguments: True if no argument that follows can be given.
-        is_conditional: True if it is not known before the evaluation whether it is performed.
+        resets_arguments: True if arguments that are declared after it get no values.
+        is_conditional: True if only the evaluation decides whether it is performed.
     """
 
     declares_argument = resets_arguments = is_conditional = False
@@ -25,15 +25,15 @@ class LaunchDescriptionEntity:
         self.place = calling_place()
 
     def visit(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Do what the entity is for, and return the entities that come of it."""
+        """Perform the entity, and return the entities to perform next."""
         raise NotImplementedError
 
     def sub_entities(self) -> Iterable[Any]:
-        """Return the entities that are known before the evaluation."""
+        """Return the contained entities that are known before the evaluation."""
         return ()
 
     def given_names(self) -> set[str]:
-        """Return the names of the arguments that it gives to its sub-entities."""
+        """Return the names of the arguments that this entity gives to its sub-entities."""
         return set()
 
 
@@ -51,12 +51,12 @@ class Action(LaunchDescriptionEntity):
         return None
 
     def execute(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Do what the action is for, and return the entities that come of it."""
+        """Perform the action, whose condition holds, and return the entities to perform next."""
         raise NotImplementedError
 
 
 class LaunchDescription(LaunchDescriptionEntity):
-    """The result of `generate_launch_description()`."""
+    """The entities that `generate_launch_description()` returns."""
 
     def __init__(
         self, initial_entities: Iterable[Any] | None = None, *, deprecated_reason: str | None = None

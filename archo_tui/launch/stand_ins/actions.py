@@ -93,7 +93,7 @@ class DeclareLaunchArgument(Action):
 
 
 class _SetVariable(Action):
-    """Sets a launch configuration, or a variable of the environment."""
+    """The base of the actions that set a launch configuration or an environment variable."""
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -110,7 +110,7 @@ class _SetVariable(Action):
 
 
 class _UnsetVariable(Action):
-    """Removes a launch configuration, or a variable of the environment."""
+    """The base of the actions that remove a launch configuration or an environment variable."""
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -123,19 +123,19 @@ class _UnsetVariable(Action):
 
 
 class SetLaunchConfiguration(_SetVariable):
-    """Sets a launch configuration."""
+    """The action that sets a launch configuration."""
 
     _variables = attrgetter("launch_configurations")
 
 
 class UnsetLaunchConfiguration(_UnsetVariable):
-    """Removes a launch configuration."""
+    """The action that removes a launch configuration."""
 
     _variables = attrgetter("launch_configurations")
 
 
 class ResetLaunchConfigurations(Action):
-    """Removes every launch configuration but those given."""
+    """The action that removes every launch configuration but those given."""
 
     resets_arguments = True
 
@@ -152,54 +152,54 @@ class ResetLaunchConfigurations(Action):
 
 
 class PushLaunchConfigurations(Action):
-    """Begins a scope of launch configurations."""
+    """The action that begins a scope of launch configurations."""
 
     def execute(self, context: LaunchContext) -> None:
         context.push_configurations()
 
 
 class PopLaunchConfigurations(Action):
-    """Ends a scope of launch configurations."""
+    """The action that ends a scope of launch configurations."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_configurations()
 
 
 class PushEnvironment(Action):
-    """Begins a scope of environment variables."""
+    """The action that begins a scope of environment variables."""
 
     def execute(self, context: LaunchContext) -> None:
         context.push_environment()
 
 
 class PopEnvironment(Action):
-    """Ends a scope of environment variables."""
+    """The action that ends a scope of environment variables."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_environment()
 
 
 class ResetEnvironment(Action):
-    """Makes the environment what it was at the start."""
+    """The action that restores the environment of the start."""
 
     def execute(self, context: LaunchContext) -> None:
         context.reset_environment()
 
 
 class SetEnvironmentVariable(_SetVariable):
-    """Sets an environment variable of the programs that are started afterwards."""
+    """The action that sets an environment variable of the programs that are started afterwards."""
 
     _variables = attrgetter("environment")
 
 
 class UnsetEnvironmentVariable(_UnsetVariable):
-    """Removes an environment variable."""
+    """The action that removes an environment variable."""
 
     _variables = attrgetter("environment")
 
 
 class AppendEnvironmentVariable(Action):
-    """Appends to an environment variable, or sets it if there is none."""
+    """The action that appends to an environment variable, or sets it if there is none."""
 
     def __init__(
         self,
@@ -306,7 +306,7 @@ class IncludeLaunchDescription(Action):
 
 
 class LogInfo(Action):
-    """Prints a message for the person who launches."""
+    """The action that prints a message for the person who launches."""
 
     def __init__(self, *, msg: SomeSubstitutionsType, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)

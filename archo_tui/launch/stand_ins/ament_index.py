@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from archo_tui.launch.install_prefix import forgotten_file, share_folder
+from archo_tui.launch.install_prefix import missing_file_text, share_folder
 from archo_tui.launch.stand_ins.places import Place, calling_place
 from archo_tui.launch.workspace import Workspace
 
@@ -13,7 +13,7 @@ _INDEX = Path("share", "ament_index", "resource_index", "packages")
 
 
 class PackageNotFoundError(KeyError):
-    """No package has this name; a package that is not here gets a folder without files."""
+    """The error of ament_index_python for an unknown package; it is never raised here."""
 
 
 class PackageIndex:
@@ -37,9 +37,9 @@ class PackageIndex:
         self.missing: dict[str, Place] = {}
 
     def prefix_of(self, name: str) -> Path:
-        """Return the install prefix of a package; one without files if it is not here.
+        """Return the install prefix of a package, or an empty one if the package is not here.
 
-        A launch file for more than this workspace can be evaluated so, as far as it is here.
+        So a launch file that also needs packages of other workspaces is evaluated all the same.
 
         Raises:
             ArchoError: The package has a mistake in its setup.py.
@@ -55,16 +55,16 @@ class PackageIndex:
         return self._absent / name
 
     def missing_package(self, path: str) -> str:
-        """Return the package that is not here, if a path is below its folder; else ""."""
+        """Return the name of the missing package whose empty prefix has the path; "" for none."""
         try:
             return Path(path).relative_to(self._absent).parts[0]
         except (ValueError, IndexError):
             return ""
 
     def why_missing(self, path: str) -> str:
-        """Return the reason why a path has no file, and what to do."""
+        """Return the reason why there is no file at a path, and what to do."""
         known = (
-            forgotten_file(self.prefix, package, Path(path))
+            missing_file_text(self.prefix, package, Path(path))
             for package in self.workspace.packages.values()
         )
         return next(filter(None, known), f"no file {path}")
@@ -78,7 +78,7 @@ index = PackageIndex(Workspace(()), Path(os.devnull))
 
 
 def use(packages: PackageIndex) -> None:
-    """Make an index the one that launch files find their packages in."""
+    """Set the index in which launch files find their packages."""
     global index
     index = packages
 
@@ -104,6 +104,6 @@ def get_packages_with_prefixes() -> dict[str, str]:
 
 
 def has_resource(resource_type: str, resource_name: str) -> str | bool:
-    """Return the prefix of a package that is here; else False, as for resources of other kinds."""
+    """Return the prefix of a package that is here; False if it is not, or for other resources."""
     found = get_package_prefix(resource_name) if resource_type == "packages" else ""
     return found if found and resource_name not in index.missing else False

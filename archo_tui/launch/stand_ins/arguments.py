@@ -28,7 +28,7 @@ class DeclaredArgument(NamedTuple):
 
 
 def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
-    """Return the arguments of some entities; of several of a name the first."""
+    """Return the arguments that entities declare; of several with the same name, the first."""
     found: dict[str, DeclaredArgument] = {}
     for declared in _walk(entities, False, frozenset()):
         found.setdefault(declared.argument.name, declared)

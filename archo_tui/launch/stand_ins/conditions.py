@@ -30,12 +30,12 @@ class Condition:
         self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Return whether the condition holds."""
+        """Return True if the condition holds."""
         return self._predicate(context)
 
 
 class IfCondition(Condition):
-    """True if an expression is `true` or `1`, false if it is `false` or `0`."""
+    """The condition that an expression is `true` or `1`, and not `false` or `0`."""
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
         super().__init__(predicate=self._holds)
@@ -57,7 +57,7 @@ class UnlessCondition(IfCondition):
 
 
 class LaunchConfigurationEquals(Condition):
-    """True if a launch configuration has a value; for None, if it is not set."""
+    """The condition that a launch configuration has a value; for None, that it is not set."""
 
     def __init__(
         self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None

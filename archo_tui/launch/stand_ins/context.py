@@ -1,4 +1,4 @@
-"""The state of an evaluation: what launch keeps, and what is found to be started."""
+"""The state of an evaluation: what launch keeps, and the programs and notes so far."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 class Delayed(NamedTuple):
-    """The actions of a timer; several of these sort by their time."""
+    """The actions of a timer; objects sort by their time."""
 
     time: float  # Seconds after the start.
     number: int
@@ -24,12 +24,12 @@ class LaunchContext:
 
     Attributes:
         locals: The path and the folder of the launch file, as ThisLaunchFile reads them.
-        programs: What nodes are to be started, as JSON objects.
-        notes: A JSON object for each line that the person is told.
-        delayed: The actions of timers that are not due yet.
-        time: Seconds after the start at which actions are performed now.
+        programs: A JSON object for each program to start, as `LaunchedProgram` has it.
+        notes: A JSON object for each note, as `LaunchNote` has it.
+        delayed: The actions of timers that are not due yet, as a heap.
+        time: The time that the evaluation has reached, in seconds after the start.
         read: The names of the launch configurations that were read.
-        failed_at: The line of the action whose performance raised; None if none has.
+        failed_at: The line of the action that raised an error; None if none has.
     """
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:

@@ -18,14 +18,14 @@ class SubstitutionFailure(RuntimeError):
 
 
 class InvalidLaunchFileError(SubstitutionFailure):
-    """A launch file, or an argument given to it, is wrong."""
+    """The error for a launch file, or an argument given to it, that is wrong."""
 
 
 class NotHereError(Exception):
-    """The error for what is not done here; only the action that needs it is left out.
+    """The error for a part of launch that is not supported: the action that needs it is left out.
 
     Attributes:
-        place: Where it was written.
+        place: Where the part was written.
         is_value: True for a value that an action needs, which may be written elsewhere.
     """
 

@@ -92,8 +92,8 @@ _SPLIT = (
 
 
 @contextmanager
-def installed() -> Iterator[None]:
-    """Let imports find the stand-ins, in front of whatever is installed."""
+def importable_stand_ins() -> Iterator[None]:
+    """Let imports inside this context find the stand-ins instead of installed packages."""
     modules = {name: _module(name, name) for name in dict.fromkeys([*_CONTENTS, *REASONS])}
     for package in _SPLIT:
         for name in vars(modules[package])["__all__"]:
@@ -119,7 +119,7 @@ def _is_of(name: str, families: tuple[str, ...]) -> bool:
 
 
 def _snake_case(name: str) -> str:
-    """Return the module of a class: `set_environment_variable` of `SetEnvironmentVariable`."""
+    """Return the name of a class's module: `set_remap` for `SetRemap`."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
 
 

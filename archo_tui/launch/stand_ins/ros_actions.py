@@ -280,7 +280,7 @@ def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
 
 
 def _namespace(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:
-    """Return the full namespace of a node or scope; None if nobody gives one."""
+    """Return the full namespace of a node or scope; None if neither it nor its scopes give one."""
     around: str | None = context.launch_configurations.get("ros_namespace")
     own = None if given is None else perform(context, given)
     if own is None:
@@ -320,7 +320,7 @@ def _in_one_line(value: Any) -> str:
 
 
 def _output(context: LaunchContext, given: Any) -> str:
-    """Return where the output goes, in one word of launch: `log`, `screen` or `both`."""
+    """Return where the output of a program goes: `log`, `screen` or `both`."""
     if isinstance(given, Mapping):
         words = {perform(context, word) for word in given.values()}
         return "both" if {"both"} & words or len(words) > 1 else "".join(words)

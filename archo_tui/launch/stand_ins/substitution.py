@@ -1,4 +1,4 @@
-"""Substitutions as such: texts that are computed when a launch file is evaluated."""
+"""The base of substitutions: texts that are computed when a launch file is evaluated."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ class TextSubstitution(Substitution):
 
 
 def normalize_to_list_of_substitutions(given: SomeSubstitutionsType) -> list[Substitution]:
-    """Return the parts of a text: what a launch file gives, as a list of substitutions.
+    """Return a text, a path, a substitution, or several of them, as a list of substitutions.
 
     Raises:
-        TypeError: It is neither a text nor a substitution, nor several of them.
+        TypeError: `given` is something else.
     """
     if isinstance(given, (str, os.PathLike, Substitution)):
         return [_part(given)]

@@ -132,7 +132,7 @@ class PathSubstitution(PathJoinSubstitution):
 
 
 class PythonExpression(Substitution):
-    """The result of an expression as text."""
+    """The result of a Python expression as text."""
 
     def __init__(
         self, expression: SomeSubstitutionsType, python_modules: Iterable[Any] = ("math",)
@@ -188,7 +188,7 @@ class NotSubstitution(_Boolean):
 
 
 class AnySubstitution(_Boolean):
-    """True if one of several booleans is."""
+    """A boolean that is true if one of several is."""
 
     def __init__(self, *args: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -199,28 +199,28 @@ class AnySubstitution(_Boolean):
 
 
 class AllSubstitution(AnySubstitution):
-    """True if all of several booleans are."""
+    """A boolean that is true if all of several are."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return all([self._as_bool(context, part) for part in self.args])
 
 
 class OrSubstitution(AnySubstitution):
-    """True if one of two booleans is."""
+    """A boolean that is true if one of two is."""
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
 
 
 class AndSubstitution(AllSubstitution):
-    """True if both of two booleans are."""
+    """A boolean that is true if both of two are."""
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
 
 
 class EqualsSubstitution(_Boolean):
-    """True if two values are equal; numbers are compared as numbers, booleans as booleans."""
+    """A boolean that is true if two values are equal, as numbers or booleans if both are such."""
 
     def __init__(self, left: Any, right: Any) -> None:
         super().__init__()
@@ -239,7 +239,7 @@ class EqualsSubstitution(_Boolean):
 
 
 class NotEqualsSubstitution(EqualsSubstitution):
-    """True if two values differ."""
+    """A boolean that is true if two values differ."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return not super()._holds(context)
@@ -288,7 +288,7 @@ class FileContent(Substitution):
 
 
 class AnonName(Substitution):
-    """A unique name that begins with a given name; an equal name gets the same one again."""
+    """A unique name that begins with a given name: always the same for the same name."""
 
     def __init__(self, name: SomeSubstitutionsType) -> None:
         super().__init__()
