@@ -39,7 +39,7 @@ class GlobalExecutor(SingleThreadedExecutor):
 
 
 def use(executor: Executor) -> None:
-    """Make an executor the global one of the calling thread."""
+    """Set the global executor of the calling thread."""
     _of_thread.set(executor)
 
 

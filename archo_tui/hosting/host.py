@@ -67,7 +67,7 @@ class Host:
             make_program,
             on_event,
             self._report_gone,
-            self._give_place,
+            self._make_way_for_program_node,
             lambda: bool(early_stop_request()[0]),
         )
 
@@ -272,19 +272,20 @@ class Host:
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
     def _carry_out_stop_early(self, new: HostedNode) -> None:
-        """Make a node carry out a STOP that is not released before its constructor spins it.
+        """Make a node whose constructor is about to spin it carry out a STOP that is not released.
 
-        This is done at the first spin behind that STOP; later the node gets the request itself.
+        Only the first spin after a STOP does so; from then on the node receives requests itself.
         """
         is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
             self._carry_out_stop(new)
 
     def _on_made_late(self, hosted: HostedNode) -> None:
-        """Start a late node, which may replace a node of the robot's own of the same name.
+        """Start a late node, one whose constructor has returned after `HostedNode.wait` gave up.
 
-        It runs in the node's thread. A caller that stops the node holds the lock and waits for this
-        thread, which therefore never waits for the lock without checking that.
+        The node replaces a node of the robot's own of the same name. This is called on the node's
+        thread: a caller that stops the node holds the lock and waits for this thread, which
+        therefore never waits for the lock without checking `is_stopping`.
         """
         if not self._acquire_unless(lambda: hosted.is_stopping):
             return
@@ -297,13 +298,13 @@ class Host:
         finally:
             self._changing.release()
 
-    def _give_place(self, name: str, is_stopping: Callable[[], bool]) -> None:
-        """Stop a node of the robot's own, whose place a program's node of the same name takes.
+    def _make_way_for_program_node(self, name: str, is_stopping: Callable[[], bool]) -> None:
+        """Remove the node of the robot's own, if any, that a node of a program replaces.
 
-        It runs in a thread of the program, as `_on_made_late` does in the node's.
+        This is called on a thread of the program.
 
         Args:
-            name: The full name of the node.
+            name: The full name of both nodes.
             is_stopping: Returns True if the program is to end.
         """
         if self._acquire_unless(is_stopping):
@@ -329,7 +330,7 @@ class Host:
             self._report_ended(own)
 
     def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
-        """Construct nodes again; an event names each that cannot be, which is left out."""
+        """Construct nodes again, and return the new ones; an event names each that fails."""
         made = []
         for old in olds:
             try:
@@ -363,7 +364,7 @@ class Host:
                 self._on_event("WARN", hosted.name.lstrip("/"), text)
 
     def _abandon(self, old: HostedNode) -> str:
-        """Go on without a stuck node, and return what is left of it, as `, the one before ...`."""
+        """Abandon a stuck node, and return `, the one before ...` about what of it still runs."""
         if old.abandon():
             return ", the one before did not return and was interrupted"
         return ", the one before is stuck: its callback still runs"

@@ -48,10 +48,10 @@ class HostedNode:
 
     Attributes:
         node: The node; not set until its constructor has returned.
-        make: What makes the node.
+        make: The function or FileNode that makes the node.
         file: The node file; None for a node of the robot's own.
         operator_values: Returns the parameters that the operator has set on a node, by its name.
-        state: How the node is doing; `current_state` is more precise while it is constructed.
+        state: The state of the node; `current_state` is more precise while it is constructed.
         was_stopped_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
     """
@@ -136,7 +136,7 @@ class HostedNode:
         return self._stopping
 
     def current_state(self) -> Hosted:
-        """Return how the node is doing; while it is constructed, with the line it is at."""
+        """Return the state of the node; while it is constructed, with the line that runs."""
         state = self.state
         if state.life is not Life.STARTING or self.file is None:
             return state
@@ -179,7 +179,7 @@ class HostedNode:
         return time.monotonic() - self._began >= CONSTRUCTION_TIME
 
     def lateness_text(self) -> str:
-        """Return in words where the constructor of a late node is, and what it waits for."""
+        """Return the line at which the constructor of a late node is, and why it waits."""
         assert isinstance(self.make, FileNode)
         where, line = self.make.file.code.place(stack_of(self._thread))
         limit = f"did not return within {CONSTRUCTION_TIME:g} s"
@@ -272,12 +272,12 @@ class HostedNode:
         self._on_event("WARN", name, f"{where}: {what}: pass executor=self.executor{line}")
 
     def start(self) -> None:
-        """Let the thread spin the node, which is made."""
+        """Let the thread spin the node, whose constructor has returned."""
         self._thread.name = self.name
         self._may_spin.set()
 
     def serves(self, service: str) -> bool:
-        """Return whether the node has a service, also while it is constructed.
+        """Return True if the node has a service, also while it is constructed.
 
         Args:
             service: The full name of the service.
@@ -425,7 +425,7 @@ class HostedNode:
         """Take a node off the graph whose callback does not return, and interrupt its threads.
 
         Returns:
-            Whether all of them have ended.
+            True if all threads have ended.
         """
         ended = all([interrupt(thread) for thread in self.threads()])
         self._leave_graph()
@@ -438,7 +438,7 @@ def _end_spinning() -> NoReturn:
 
 
 def waits_for_others(thread: threading.Thread) -> bool:
-    """Return whether a thread is in a function of rclpy that waits for other nodes."""
+    """Return True if a thread is in a function of rclpy that waits for other nodes."""
     frame = sys._current_frames().get(thread.ident or 0)
     while frame is not None:
         module = frame.f_globals.get("__name__", "")

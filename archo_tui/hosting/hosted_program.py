@@ -27,10 +27,10 @@ class Program(NamedTuple):
         file: Its file.
         ros_args: The words from `--ros-args` on that `rclpy.init` gets.
         arguments: The words before them.
-        name: The full name of its node, where that is known before it runs; "" if not.
+        name: The full name of its node, if that is known before the program runs; else "".
         domain_id: The ROS domain; None for that of the environment.
-        respawn_delay: Seconds after which it is run again when it has ended; None for never.
-        start_delay: Seconds before it is run first.
+        respawn_delay: Seconds between its end and the next run; None to run it only once.
+        start_delay: Seconds before the first run.
     """
 
     file: ProgramFile
@@ -43,12 +43,12 @@ class Program(NamedTuple):
 
 
 class ProgramEnd(NamedTuple):
-    """The end of a program.
+    """The result of a run of a program.
 
     Attributes:
-        code: Its exit code; 1 after an exception.
-        error: What it raised, in one line that begins with the file; "" if it raised nothing.
-        traceback: The traceback of that; "" if there is none.
+        code: The exit code; 1 after an exception.
+        error: The exception in one line, which begins with the file; "" for none.
+        traceback: The traceback of the exception; "" for none.
     """
 
     code: int
@@ -57,22 +57,21 @@ class ProgramEnd(NamedTuple):
 
 
 class HostedProgram(ABC):
-    """A program of the user's own, from its start to its end.
+    """The base of a program of the user's own, and the thread that runs it, again if it respawns.
 
-    The two kinds are a thread with a context of its own (the embedded engine), and a child process
-    (ROS 2).
+    On the embedded engine it is a `ProgramThread` of this process, on ROS 2 a `ProgramChild`.
 
     Attributes:
-        program: What runs.
-        file: Its file.
-        state: How it is doing.
+        program: The program to run.
+        file: The file of the program.
+        state: The state of the program; `current_states` has one for each of its nodes.
         crash: `FILE:LINE` and the error after a crash; "" otherwise.
-        has_name: True once it has made a node.
-        was_refused: True if it was ended at its first node, since a STOP was not released by then.
+        has_name: True once it has made a node, in this run or before.
+        was_refused: True if this run was ended at its first node because a STOP was not released.
         served: The full names of the services and actions that it was last known to serve.
     """
 
-    thread_class: type[threading.Thread] = threading.Thread  # Of the thread that runs it.
+    thread_class: type[threading.Thread] = threading.Thread  # Of the thread of the program.
 
     def __init__(
         self,
@@ -81,12 +80,13 @@ class HostedProgram(ABC):
         on_node: Callable[[HostedProgram, str], None],
         may_run: Callable[[], bool],
     ) -> None:
-        """Create it, without running it.
+        """Create the hosted program; `begin` runs it.
 
         Args:
-            program: What is to run.
-            on_end: Called when it has ended by itself, in a thread of its own.
-            on_node: Called with the full name of each node that it makes, in a thread of its own.
+            program: The program to run.
+            on_end: Called when the program has ended by itself, in a thread of the program.
+            on_node: Called with the full name of each node that the program makes, in a thread of
+                the program.
             may_run: Returns False while a STOP is not released.
         """
         self.program, self.file = program, program.file
@@ -102,44 +102,44 @@ class HostedProgram(ABC):
 
     @property
     def name(self) -> str:
-        """The full name of its first node; before that, the name of the file."""
+        """The full name of the program's first node; before there is one, its planned name."""
         return self.names[0]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The full names of its nodes; while there are none, its first one or the file's name."""
+        """The full names of the program's nodes; while it has none, the name in `state`."""
         return self.node_names() or (self.state.name,)
 
     @property
     def is_stopping(self) -> bool:
-        """True if it has been asked to end."""
+        """True if the program has been asked to end."""
         return self._stopping.is_set()
 
     def current_states(self) -> tuple[Hosted, ...]:
-        """Return how it is doing, once for each of its nodes."""
+        """Return the state of each node of the program; one state if it has no node."""
         state = self.state
         if state.life is Life.UP:
             self.served = self.serves_now()
         return tuple(state._replace(name=name, serves=self.served) for name in self.names)
 
     def begin(self) -> None:
-        """Run the compiled file, in threads or a process of its own."""
+        """Start the thread that runs the compiled file."""
         self.state = self.state._replace(saved=self.file.saved)
         self._thread.start()
 
     def wait(self) -> None:
-        """Wait until it spins or waits for other nodes, has ended, or has taken its time."""
+        """Wait until the program is at rest or has ended, at most CONSTRUCTION_TIME."""
         end = time.monotonic() + CONSTRUCTION_TIME
         while self._thread.is_alive() and time.monotonic() < end and not self.is_at_rest():
             time.sleep(CONSTRUCTOR_POLL)
 
     def report_not_restarted(self, error: NodeFileError) -> None:
-        """Show why the saved text does not run, beside the one that runs on."""
+        """Put the error of the saved text into `state`, while the text before runs on."""
         text = without_file_name(self.file, str(error))
         self.state = self.state._replace(error=text, traceback=error.report)
 
     def _run(self) -> None:
-        """Run it until it has ended, and again if it is to be respawned."""
+        """Run the program until it has ended, and again if it is to be respawned."""
         with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
             self._run_and_respawn()
 
@@ -149,13 +149,13 @@ class HostedProgram(ABC):
         while not self._stopping.is_set():
             self.state = self.state._replace(life=Life.UP, error="", traceback="")
             self._has_node = self.was_refused = False
-            self._take_end(self.run_once())
+            self._record_end(self.run_once())
             delay = self.program.respawn_delay
             if delay is None or not self._may_run_after(max(delay, LEAST_RESPAWN_DELAY)):
                 return
 
     def _may_run_after(self, delay: float) -> bool:
-        """Wait that long, and until no STOP is unreleased; return False if it is to end."""
+        """Wait for `delay` seconds, and until no STOP holds; return False if asked to end."""
         if self._stopping.wait(delay):
             return False
         while not self._may_run():
@@ -163,8 +163,8 @@ class HostedProgram(ABC):
                 return False
         return True
 
-    def _take_end(self, end: ProgramEnd) -> None:
-        """Note how it has ended; unless it was stopped, report that."""
+    def _record_end(self, end: ProgramEnd) -> None:
+        """Set `state` from a run's result, and call `on_end` unless the program was stopped."""
         name = self.state.name
         if self._stopping.is_set():
             self.state = self.state._replace(name=name, life=Life.STOPPED, error="")
@@ -184,16 +184,16 @@ class HostedProgram(ABC):
         self._on_end(self)
 
     def accept_node(self, name: str) -> bool:
-        """Take note of a node that it makes, whose name the program has from then on.
+        """Record a node that the program has made, and decide whether the program may go on.
 
-        A STOP that was sent since the program was started has not reached its nodes. So it may go
-        on only if there is none when its first node is made: before that it moves nothing.
+        A STOP that was sent since the program was started has not reached its nodes. So the program
+        must end if a STOP holds when its first node is made; before that it moves nothing.
 
         Args:
             name: The full name of the node.
 
         Returns:
-            False if the program must end instead.
+            False if the program must end.
         """
         if not self._has_node and not self._may_run():
             self.was_refused = True
@@ -210,7 +210,7 @@ class HostedProgram(ABC):
         return True
 
     def begin_to_stop(self) -> None:
-        """Ask it to end as Ctrl-C does, without waiting for it."""
+        """Interrupt the program once, as Ctrl-C does, without waiting for its end."""
         if self._stopping.is_set():
             return
         self._stopping.set()
@@ -218,20 +218,20 @@ class HostedProgram(ABC):
             self.interrupt()
 
     def join(self, timeout: float) -> bool:
-        """Wait until it has ended, at most that many seconds, and return whether it has."""
+        """Wait for the end of the program, at most `timeout` seconds; return True if it ended."""
         if self._thread.ident is not None:
             self._thread.join(max(timeout, 0.0))
         return not self._thread.is_alive()
 
     def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
-        """End it.
+        """End the program, by force if it takes too long.
 
         Args:
             timeout: Seconds to wait before it is ended by force.
             kill_timeout: Seconds to wait after that.
 
         Returns:
-            False if it did not end; it is marked as stuck then.
+            False if the program did not end; it is marked as stuck then.
         """
         self.begin_to_stop()
         if not self.join(timeout):
@@ -246,30 +246,30 @@ class HostedProgram(ABC):
 
     @abstractmethod
     def run_once(self) -> ProgramEnd:
-        """Run the program until it has ended."""
+        """Run the program until it has ended, in the calling thread, and return the result."""
 
     @abstractmethod
     def node_names(self) -> tuple[str, ...]:
-        """Return the full names of its nodes that are on the graph, the oldest first."""
+        """Return the full names of the program's nodes on the graph, the oldest first."""
 
     @abstractmethod
     def serves_now(self) -> tuple[str, ...]:
-        """Return the full names of the services and actions of its nodes, as far as known."""
+        """Return the full names of the services and actions that its nodes are known to serve."""
 
     @abstractmethod
     def is_at_rest(self) -> bool:
-        """Return True if it waits for other nodes or for messages."""
+        """Return True if the program waits for other nodes or for messages."""
 
     @abstractmethod
     def interrupt(self) -> None:
-        """Do to it what Ctrl-C does. Any thread; it may be called again."""
+        """Interrupt the program as Ctrl-C does; may be called again, and on any thread."""
 
     @abstractmethod
     def force_end(self) -> None:
-        """End it by force if it runs, without waiting. Any thread."""
+        """End the program by force if it runs, without waiting; may be called on any thread."""
 
     def release(self) -> None:  # noqa: B027
-        """Take off the graph what is left of it there, once it has ended."""
+        """Take the nodes that an ended program has left off the graph."""
 
 
 def exit_code(error: SystemExit) -> tuple[int, str]:

@@ -28,7 +28,7 @@ class NothingRunsError(ArchoError):
     """The error of a launch file of which no part can run here.
 
     Attributes:
-        notes: What it would start, and why that is not here.
+        notes: The notes about what it would start, and why that does not run here.
     """
 
     def __init__(self, path: Path, notes: Sequence[LaunchNote]) -> None:
@@ -43,7 +43,7 @@ class LaunchFile:
     Attributes:
         path: Its path.
         workspace: The packages that it can use.
-        notes: What it says, and what of it does not run here.
+        notes: The messages of the file, and a note for each part that does not run here.
     """
 
     def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
@@ -133,7 +133,7 @@ class LaunchFile:
 
 
 class HostedLaunchFile:
-    """A watched launch file: the console restarts with it when it was saved."""
+    """A watched launch file: the console restarts when it, or a file that it reads, is saved."""
 
     def __init__(
         self,

@@ -230,7 +230,7 @@ class MainFunction(ast.NodeVisitor):
         return ast.literal_eval(expression)
 
     def _concerns_node(self, call: ast.Call) -> bool:
-        """Return whether a call is of a method of a node, or has a node as an argument."""
+        """Return True if a call is of a method of a node, or has a node as an argument."""
         words = {*_words(call.func)}
         if words & _NOT_MISSED:
             return False

@@ -133,7 +133,7 @@ class FileNode:
 
 
 def _is_made(node: Node) -> bool:
-    """Return whether rclpy's own `__init__` has run."""
+    """Return True if rclpy's own `Node.__init__` has run."""
     try:
         node.get_name()
     except AttributeError:
@@ -181,7 +181,7 @@ class NodeFile(UserFile):
             A maker for each of its nodes.
 
         Raises:
-            NodeFileError: It cannot be imported; the modules of the text before stay in force.
+            NodeFileError: The file cannot be imported; the previous modules stay in place.
         """
         before = {name: sys.modules.pop(name) for name in self._modules if name in sys.modules}
         known = set(sys.modules)
@@ -202,7 +202,7 @@ class NodeFile(UserFile):
         return nodes
 
     def restore(self) -> None:
-        """Put the modules of the text before in force again, since the new nodes cannot be made."""
+        """Put the modules of the previous text back, whose nodes are constructed again."""
         for name in self._modules:
             sys.modules.pop(name, None)
         sys.modules.update(self._before)

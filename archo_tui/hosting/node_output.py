@@ -21,7 +21,7 @@ _OWNER = "owner of output"  # Of a thread's attributes.
 
 
 def share_output(thread: threading.Thread, owner: threading.Thread) -> None:
-    """Let what a thread prints be known by the name of another thread, and counted with its."""
+    """Attribute the output of a thread to another one: its name, and its limit per period."""
     vars(thread)[_OWNER] = owner
 
 
@@ -36,7 +36,7 @@ class _Printed:
 
 
 class _Output(io.TextIOBase):
-    """A stream in front of another one, which it equals in all but `write`."""
+    """The base of a stream in front of another one, with a `write` of its own."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -55,7 +55,7 @@ class _Output(io.TextIOBase):
 
 
 class HarmlessOutput(_Output):
-    """Standard error without anything that a terminal acts on, whoever prints there."""
+    """A standard error that makes control characters visible, for all threads."""
 
     def write(self, text: str) -> int:
         """Write text with its control characters made visible."""
@@ -64,17 +64,17 @@ class HarmlessOutput(_Output):
 
 
 class NodeOutput(_Output):
-    """A standard output that makes events of what other threads than the main one print.
+    """A standard output that turns lines of other threads than the main one into events.
 
     The console itself prints in the main thread only. The threads of a node have its name; others
     were started by a node.
     """
 
     def __init__(self, stream: TextIO, note: Callable[[str, str, str], None]) -> None:
-        """Stand in front of a stream.
+        """Create the stream in front of another one.
 
         Args:
-            stream: Gets what the main thread prints.
+            stream: Gets the text that the main thread prints.
             note: Gets level, source and text of each line that another thread prints. It is called
                 in that thread.
         """
@@ -96,7 +96,7 @@ class NodeOutput(_Output):
         return len(text)
 
     def _lines(self, name: str, text: str) -> list[str]:
-        """Take in text of a thread, and return the lines to be shown.
+        """Add text of a thread, and return the complete lines to show.
 
         Of a flood, _MAX_LINES in a period are shown, and later how many were left out.
         """

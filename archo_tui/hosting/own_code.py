@@ -20,7 +20,7 @@ class OwnCode:
     """
 
     def __init__(self, given: str, path: Path) -> None:
-        """Create it.
+        """Create the description of a file.
 
         Args:
             given: The file as the user typed it.
@@ -33,7 +33,7 @@ class OwnCode:
         return self._given
 
     def is_own(self, filename: str) -> bool:
-        """Return whether a path is the file itself, or in its folder and not a part of Python."""
+        """Return True if a path is the file itself, or in its folder and not a part of Python."""
         if not filename:  # Built-in code has none.
             return False
         if filename not in self._known:
@@ -49,7 +49,7 @@ class OwnCode:
         return self._given if path == self.path else path.name
 
     def place(self, stack: StackSummary) -> tuple[str, str]:
-        """Return where the file's code is in a stack.
+        """Return the line of the file or its modules that a stack is at.
 
         Returns:
             `FILE:LINE` of the last frame of the file or its modules, and `, in: x = y + 1` with the

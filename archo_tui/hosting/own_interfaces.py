@@ -14,10 +14,10 @@ from archo_tui.hosting.watch import Stamps, stamps
 
 
 class Found(NamedTuple):
-    """The interface packages of some folders.
+    """The interface packages that were found in folders.
 
     Attributes:
-        packages: Their folders, by name.
+        packages: The folders of the packages, by name.
         warnings: A line for each package with a mistake, which names file and line.
     """
 
@@ -102,7 +102,7 @@ def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
 
 
 class OwnInterfaces:
-    """The files of the user's packages: the console restarts when they were saved."""
+    """The watched files of the user's interface packages: the console restarts with new ones."""
 
     def __init__(
         self,
@@ -113,7 +113,7 @@ class OwnInterfaces:
         """Watch packages.
 
         Args:
-            packages: Their folders, by name.
+            packages: The folders of the packages, by name.
             note: Gets level, source and text of an event about a file that cannot be read. The
                 console goes on with the old types then.
             restart: Restarts the console, given the reason.

@@ -1,4 +1,4 @@
-"""The `ament_index_python` of a workspace's nodes as they run, where none is installed."""
+"""The stand-in for `ament_index_python` that running nodes import where none is installed."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _NAME = "ament_index_python"
 
 
 class PackageNotFoundError(KeyError):
-    """No package has this name."""
+    """The error of ament_index_python for an unknown package."""
 
 
 class PackageShares:
-    """The share folders of the packages of some workspaces, which are made when they are asked for.
+    """The share folders of the packages of workspaces, each made when a node first asks for it.
 
-    A node may ask for one in any of its threads; it runs the setup.py of the package.
+    This runs the setup.py of the package, in the thread of the node that asks.
     """
 
     def __init__(self, workspaces: Iterable[Workspace]) -> None:
-        """Let imports find the stand-in, until `close`, unless there is a real one."""
+        """Make `ament_index_python` importable until `close`, unless it is installed."""
         self._workspaces = list(workspaces)
         self._prefix: tempfile.TemporaryDirectory[str] | None = None
         if self._workspaces and importlib.util.find_spec(_NAME) is None:

@@ -22,12 +22,12 @@ class ProgramChild(HostedProgram):
     """A program in a child process, without a standard input."""
 
     def __init__(self, program: Program, *callbacks: Any, output: NodeOutput) -> None:
-        """Create it, without running it.
+        """Create the hosted program.
 
         Args:
-            program: What is to run.
-            *callbacks: Those of `HostedProgram`.
-            output: Gets what it prints, in threads with the name of its node.
+            program: The program to run.
+            *callbacks: The callbacks of `HostedProgram`.
+            output: Gets the lines that the program prints, in threads named like its node.
         """
         super().__init__(program, *callbacks)
         self._output = output
@@ -75,7 +75,7 @@ class ProgramChild(HostedProgram):
         return ProgramEnd(code, end.get("error", ""), end.get("traceback", ""))
 
     def _started(self) -> tuple[subprocess.Popen[str], IO[str], IO[str]]:
-        """Start the process; return it, the stream of its reports, and that of the answers."""
+        """Start the process, and return it with the streams of its reports and of our answers."""
         receiver, sender = os.pipe()
         heard, answerer = os.pipe()
         environment = dict(os.environ)
@@ -116,7 +116,7 @@ class ProgramChild(HostedProgram):
         self._signal(signal.SIGKILL)
 
     def _write_lines(self, stream: IO[str]) -> None:
-        """Pass on what comes from a stream, in the calling thread, whose name says whose it is."""
+        """Copy a stream of the program to the output, in a thread that is named like its node."""
         with stream:
             for line in stream:
                 self._output.write(line)
@@ -128,7 +128,7 @@ class ProgramChild(HostedProgram):
 
 
 def _end_group(process: subprocess.Popen[str]) -> None:
-    """Wait until a program has ended, and end what it has started: that may have its output."""
+    """Wait for the end of a process, then end its group: children may hold its output open."""
     process.wait()
     with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
         os.killpg(process.pid, signal.SIGKILL)

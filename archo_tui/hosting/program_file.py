@@ -128,13 +128,13 @@ class ProgramFile(UserFile):
         _run_files.add(self)
 
     def explain(self, error: BaseException) -> tuple[str, str]:
-        """Return what an error of the program means in one line, and its traceback."""
+        """Return an error of the program in one line, with its place, and the traceback."""
         if isinstance(error, ArchoError):
             return str(error), ""
         return explain(error, self.code, self.source)
 
     def note_imports(self) -> None:
-        """Add what is imported by now to `imported`."""
+        """Add the modules of the file's folder that are imported by now to `imported`."""
         self.imported.update(self.own_modules().values())
 
     def own_modules(self) -> dict[str, Path]:

@@ -1,4 +1,4 @@
-"""A program on the embedded engine: threads whose rclpy is as apart as that of a process."""
+"""A program on the embedded engine: threads with an rclpy state of their own."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _OWN_END = 0.2  # Seconds in which its threads end by themselves once its contex
 
 
 class _Process(_process.Process):
-    """The state of rclpy of one program, with its nodes."""
+    """The rclpy state of one program, as if it were a process, with its nodes and threads."""
 
     def __init__(self, program: Program, accept_node: Callable[[str], bool]) -> None:
         arguments = [str(program.file.path), *program.arguments, *program.ros_args]
@@ -40,7 +40,7 @@ class _Process(_process.Process):
         self.pools: weakref.WeakSet[ThreadPoolExecutor] = weakref.WeakSet()
 
     def use_as_main(self, module: ModuleType) -> None:
-        """Let `sys.modules` have a module as `__main__` in the threads of this program."""
+        """Make a module the `__main__` that the threads of this program see."""
         self.main = module
 
     def add_node(self, node: Node) -> None:
@@ -49,18 +49,18 @@ class _Process(_process.Process):
             raise KeyboardInterrupt
 
     def living_nodes(self) -> list[Node]:
-        """Return its nodes that are on the graph."""
+        """Return the program's nodes that are on the graph."""
         nodes = [node for reference in list(self.nodes) if (node := reference()) is not None]
         return [node for node in nodes if node in node._graph.nodes]
 
     def contexts(self) -> set[Context]:
-        """Return the contexts that it uses."""
+        """Return the rclpy contexts that the program uses."""
         used = {node.context for reference in list(self.nodes) if (node := reference())}
         return used | ({self.default_context} if self.default_context is not None else set())
 
 
 class _MainModule(ModuleType):
-    """The `__main__` of `sys.modules`: in each program's threads the module of that program.
+    """The stand-in for `__main__`, which in the threads of a program acts as its main module.
 
     Dataclasses with postponed annotations look for their module there, and so does pickle.
     """
@@ -76,7 +76,10 @@ class _MainModule(ModuleType):
 
 
 class _MainThread(threading.Thread):
-    """The thread of a program, which is no daemon for the threads that it starts in its turn."""
+    """The daemon thread of a program, which appears as no daemon to the program itself.
+
+    So the threads that the program starts are no daemons either, unless it says so.
+    """
 
     @property
     def daemon(self) -> bool:
@@ -93,7 +96,7 @@ class ProgramThread(HostedProgram):
     thread_class = _MainThread
 
     def __init__(self, program: Program, *callbacks: Any) -> None:
-        """Create it, without running it; the callbacks are those of `HostedProgram`."""
+        """Create the hosted program; the callbacks are those of `HostedProgram`."""
         super().__init__(program, *callbacks)
         self._process = self._new_process()
         self._serves_read = 0.0
@@ -116,7 +119,7 @@ class ProgramThread(HostedProgram):
         except (Interrupted, KeyboardInterrupt):
             return ProgramEnd(130)  # 128 and the number of SIGINT, as a shell says it.
         finally:
-            self._clean_up()
+            self._leave_graph()
             self._end_other_threads()
 
     def _run_main(self) -> ProgramEnd:
@@ -136,7 +139,7 @@ class ProgramThread(HostedProgram):
         return [t for t in threads if t is not self._thread and t.is_alive()]
 
     def _end_other_threads(self) -> None:
-        """End the threads that it has started, as the end of a process does; wait for none long."""
+        """End the threads that the program has started: interrupt them after `_OWN_END`."""
         for pool in list(self._process.pools):
             pool.shutdown(wait=False, cancel_futures=True)
         end = time.monotonic() + _OWN_END
@@ -145,8 +148,8 @@ class ProgramThread(HostedProgram):
         for thread in self._other_threads():
             raise_in(thread)
 
-    def _clean_up(self) -> None:
-        """Take off the graph what it left there, as the end of a process does."""
+    def _leave_graph(self) -> None:
+        """Destroy the program's nodes and shut down its contexts, as the end of a process does."""
         self.served = self._read_serves() or self.served
         for node in self._process.living_nodes():
             with contextlib.suppress(Exception):
@@ -182,11 +185,11 @@ class ProgramThread(HostedProgram):
                 context.try_shutdown()
 
     def release(self) -> None:
-        self._clean_up()
+        self._leave_graph()
 
     def force_end(self) -> None:
         if self._thread.is_alive():
-            self._clean_up()
+            self._leave_graph()
             for thread in (*self._other_threads(), self._thread):
                 raise_in(thread)
 
@@ -197,12 +200,12 @@ def _adopt(thread: threading.Thread, process: _Process) -> None:
 
 
 def in_program() -> bool:
-    """Return whether the calling thread belongs to a program."""
+    """Return True if the calling thread belongs to a program."""
     return isinstance(_process.current(), _Process)
 
 
 def install() -> Callable[[], None]:
-    """Let each thread and pool of threads that a program makes belong to that program.
+    """Patch Python's threading so that threads and pools belong to the program that makes them.
 
     Returns:
         A function that restores Python's own behaviour.

@@ -16,7 +16,7 @@ _BEHIND_STOP = "is not started behind a STOP that is not released: release it fi
 
 
 class Programs:
-    """The programs, which each may be ended and run again.
+    """The user's programs of this console, each of which can be ended and run again.
 
     `states` and `names` may be called on any thread. All else may block for seconds, so it is never
     called on the UI thread.
@@ -30,7 +30,7 @@ class Programs:
         on_node: Callable[[str, Callable[[], bool]], None],
         has_stop: Callable[[], bool],
     ) -> None:
-        """Create it without programs.
+        """Create the collection without programs.
 
         Args:
             make: Makes a hosted program, which is not begun yet.
@@ -48,10 +48,10 @@ class Programs:
         self._adding: HostedProgram | None = None  # Whose early crash `add` raises.
 
     def add(self, program: Program) -> None:
-        """Run a program, and wait until it waits for others, has ended, or has taken its time.
+        """Run a program, and wait until it is at rest or has ended, at most CONSTRUCTION_TIME.
 
         Raises:
-            NodeFileError: Its text is not Python, or it has crashed by then without a node.
+            NodeFileError: Its text is not Python, or it crashed by then without a node.
         """
         hosted = self._new(program)
         self._adding = hosted
@@ -85,19 +85,24 @@ class Programs:
             self._on_event("INFO", state.name.lstrip("/"), f"{file} has ended")
 
     def states(self) -> tuple[Hosted, ...]:
-        """Return how each program is doing, once for each of its nodes."""
+        """Return the state of each node of each program; one state for a program without nodes."""
         return tuple(state for hosted in list(self._hosted) for state in hosted.current_states())
 
     def names(self) -> list[str]:
-        """Return the full names of their nodes; of one without nodes, the name of its file."""
+        """Return the full names of all nodes; for a program without nodes, its own name."""
         return [name for hosted in list(self._hosted) for name in hosted.names]
 
     def find(self, name: str) -> HostedProgram | None:
-        """Return the program that has a node of that full name; None if there is none."""
+        """Return the program with a node of that full name, or None."""
         return next((h for h in list(self._hosted) if name in h.names), None)
 
     def start(self, hosted: HostedProgram) -> Outcome:
-        """Run a program again that has ended, in any way."""
+        """Run a stopped, ended or crashed program again.
+
+        Returns:
+            The outcome; REFUSED if the program runs, a STOP is not released, or the text of its
+            file is not Python.
+        """
         with self._changing:
             if hosted.state.life.is_running:
                 return Outcome(Code.REFUSED, f"{hosted.name} is running")
@@ -113,7 +118,7 @@ class Programs:
         return Outcome(Code.DONE, text)
 
     def stop(self, hosted: HostedProgram) -> Outcome:
-        """End a program as Ctrl-C does, and by force after JOIN_TIMEOUT."""
+        """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; TIMEOUT if that fails."""
         with self._changing:
             name = hosted.name
             if not hosted.stop():
@@ -122,7 +127,10 @@ class Programs:
         return Outcome(Code.DONE, f"{name} stopped")
 
     def reload(self, file: ProgramFile) -> None:
-        """Run the programs of a saved file as it is now; one that has ended stays so."""
+        """Restart the running and crashed programs of a saved file with its new text.
+
+        If the text is not Python, or a STOP is not released, they are left as they are.
+        """
         with self._changing:
             ours = [h for h in self._hosted if h.file is file]
             olds = [h for h in ours if h.state.life in (Life.UP, Life.STARTING, Life.CRASHED)]
@@ -154,7 +162,7 @@ class Programs:
         self._on_event("YOU", "console", f"{file} was saved: {names} restarted")
 
     def _run_again(self, old: HostedProgram) -> None:
-        """Run a program anew in the place of its earlier run.
+        """Run a program again, as a new object in the place of the old one.
 
         Raises:
             NodeFileError: Its text is not Python.
@@ -166,19 +174,19 @@ class Programs:
             new.begin()
 
     def begin_to_end(self) -> None:
-        """Ask all of them to end, without waiting."""
+        """Ask all programs to end, without waiting, and start none from now on."""
         self._is_over = True
         for hosted in self._hosted:
             hosted.begin_to_stop()
 
     def end(self, seconds: Callable[[], float]) -> list[str]:
-        """End all of them.
+        """Wait for the end of all programs, then end them by force.
 
         Args:
-            seconds: Returns how long may still be waited.
+            seconds: Returns the number of seconds that are left for waiting.
 
         Returns:
-            The names of those that did not end.
+            The names of the programs that did not end.
         """
         for hosted in self._hosted:
             hosted.join(seconds())

@@ -90,7 +90,7 @@ def main() -> int:
 
 
 def _end_with_console(descriptor: int) -> None:
-    """Wait until nobody reads the reports any more, since the console was killed, and end."""
+    """Wait until the console no longer reads the reports, because it was killed; then exit."""
     poller = select.poll()
     poller.register(descriptor, 0)  # Only POLLERR, which is always told.
     poller.poll()

@@ -46,7 +46,7 @@ class Source:
         return 0 if self._is_named(roots, MULTI_THREADED) else None
 
     def has_executor(self) -> bool:
-        """Return whether `main()` or a function that it calls names an executor's class."""
+        """Return True if `main()` or a function that it calls names an executor's class."""
         roots = [*self._main()]
         return any(self._is_named(roots, name) for name in _EXECUTORS)
 
@@ -54,7 +54,7 @@ class Source:
         return any(self._is_of_rclpy(node, name) for root in roots for node in ast.walk(root))
 
     def _is_of_rclpy(self, node: ast.AST, name: str) -> bool:
-        """Return whether a node of the tree is the name of a class, or its `import ... as` name."""
+        """Return True if a node of the tree is the name of an rclpy class, or its alias."""
         aliases = {
             alias.asname
             for imported in ast.walk(self.tree)

@@ -22,10 +22,10 @@ class Interrupted(BaseException):
 
 
 class TookTooLong(Exception):
-    """Work exceeded its time limit.
+    """The error for work that took longer than its time limit.
 
     Attributes:
-        stack: The place at which it was by then.
+        stack: The stack of the work when its time was over.
     """
 
     def __init__(self, text: str, stack: StackSummary) -> None:
@@ -82,7 +82,7 @@ def interrupt(thread: threading.Thread) -> bool:
     """Interrupt a thread and wait half a second for its end.
 
     Returns:
-        Whether it has ended. A thread that does not run Python code, as in a long `sleep`, has not.
+        True if the thread has ended; False for one that runs no Python code, as in a long `sleep`.
     """
     if thread.ident is not None and thread.is_alive():
         raise_in(thread)

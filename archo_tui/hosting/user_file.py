@@ -15,7 +15,7 @@ OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the f
 
 
 class NodeFileError(UserFileError):
-    """A file cannot be run, or a node of it cannot be constructed."""
+    """The error for a file that cannot be run, or a node of it that cannot be constructed."""
 
 
 class UserFile:
@@ -38,7 +38,7 @@ class UserFile:
             NodeFileError: There is no such file or module.
         """
         self._given = given
-        self.path, self._name = _find(given)
+        self.path, self._name = _find_file(given)
         self.code = OwnCode(given, self.path)
         self.loaded: Stamps = {}
         self.source = Source(b"")
@@ -55,11 +55,11 @@ class UserFile:
             return 0.0
 
 
-def _find(given: str) -> tuple[Path, str]:
+def _find_file(given: str) -> tuple[Path, str]:
     """Return the path of a file or module, and the name that its module gets.
 
     Raises:
-        NodeFileError: There is none.
+        NodeFileError: There is no such Python file or module.
     """
     path = Path(given)
     dotted = given.replace(".", "_").isidentifier() and path.suffix != ".py" and not path.exists()

@@ -45,7 +45,7 @@ class Watched(Stamped, Protocol):
     """Files that are reloaded together."""
 
     def reload(self) -> None:
-        """Load the files as they are now; an event says what is wrong with them."""
+        """Load the files as they are now; report a mistake in them as an event."""
 
 
 class WatchedFile:
@@ -56,7 +56,7 @@ class WatchedFile:
 
         Args:
             file: The file.
-            reload: Runs it as it is now, in the place of what runs of it.
+            reload: Runs the saved file in the place of its nodes or program.
         """
         self._file, self.reload = file, reload
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class WorkspaceNodes(NamedTuple):
-    """The given node files, with what the given workspaces have in their place.
+    """The node files of a command line, with each workspace replaced by its modules.
 
     Attributes:
         names: The files, and the dotted names of modules.
@@ -28,7 +28,7 @@ class WorkspaceNodes(NamedTuple):
 
 
 def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
-    """Return node files, with the modules of a workspace's executables in its place.
+    """Return the given files, with each workspace replaced by the modules of its executables.
 
     The source folders of the workspace's packages can be imported from afterwards.
 
