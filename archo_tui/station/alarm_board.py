@@ -226,7 +226,7 @@ class AlarmBoard:
             alarm: The alarm as the operator saw it; its state by now decides what changes.
             monotonic: The time now, in monotonic seconds.
             now: The same as a Unix time.
-            reason: Why it is shelved, for the list and the journal.
+            reason: The reason for shelving it, for the list and the journal.
 
         Returns:
             The alarm if its state has changed, else an empty list.

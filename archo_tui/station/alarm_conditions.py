@@ -61,13 +61,12 @@ def conditions(
     CONTACT_LOST stands for them. Diagnostics that are still heard have their alarms.
 
     Args:
-        snapshot: What is known of the robot.
+        snapshot: The state of the robot.
         now: Monotonic time in seconds.
         hosted: The nodes that this process runs.
-        journal_failure: Why the journal cannot be written; "" if it can.
-        recorder_trouble: What the operator has to know about recordings; "" if nothing.
-        unseen: Where no node was found and what to try, as the alarm's text goes on; "" if no
-            alarm is wanted then.
+        journal_failure: The reason why the journal cannot be written; "" if it can.
+        recorder_trouble: The failure of recordings that the operator has to know; "" for none.
+        unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
         earlier_stop: Unix time of a STOP from before the start of this console that the journal
             has no release of; None if there is none.
 
@@ -133,7 +132,7 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
-    """Return whether the robot has reported motion 1 s or more after a STOP was sent."""
+    """Return True if the robot has reported motion 1 s or more after a STOP was sent."""
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
         return False
@@ -191,12 +190,12 @@ def _offset_text(source: str, offset: float) -> str:
 
 
 def _has_reported(snapshot: Snapshot) -> bool:
-    """Return whether a message about battery or motion was received since the start."""
+    """Return True if a message about battery or motion was received since the start."""
     return snapshot.battery.received is not None or snapshot.motion.received is not None
 
 
 def _is_contact_lost(snapshot: Snapshot, now: float) -> bool:
-    """Return whether everything that the robot reported before is silent now."""
+    """Return True if everything that the robot reported before is silent now."""
     battery, motion = snapshot.battery, snapshot.motion
     return (
         _has_reported(snapshot)
@@ -276,7 +275,7 @@ _GRAVITY = (
 
 
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
-    """Yield an alarm for each part that is not OK; one for all if nothing is heard any more."""
+    """Yield an alarm for each part that is not OK; only one if all diagnostics are silent."""
     bad = [s for s in worst_diagnostics(snapshot, now) if s.level is not DiagnosticLevel.OK]
     is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)
     if len(bad) > 1 and is_silent:
@@ -310,7 +309,7 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
     """Return the state of a STOP that the robot has not confirmed, in words.
 
     Args:
-        snapshot: What is known of the robot.
+        snapshot: The state of the robot.
         stop: The STOP.
         now: Monotonic time in seconds.
 
@@ -333,7 +332,7 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:
-    """Return whether the battery is low by the health it reports, or by its percentage.
+    """Return True if the battery is low by the health it reports, or by its percentage.
 
     A percentage below the threshold counts even if the robot calls the battery good.
     """
@@ -343,7 +342,7 @@ def is_battery_low(snapshot: Snapshot) -> bool:
 
 
 def battery_health(snapshot: Snapshot) -> str:
-    """Return what the reported battery health means by the robot file.
+    """Return the meaning of the reported battery health by the robot file.
 
     Returns:
         `good`, `low` or `replace`; "" if no health was reported, or one that the file does not

@@ -143,7 +143,7 @@ class Alarm(NamedTuple):
 
 
 def any_urgent(alarms: Iterable[Alarm]) -> bool:
-    """Return whether an active alarm of high priority is not acknowledged."""
+    """Return True if an active alarm of high priority is not acknowledged."""
     return any(
         alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED
         for alarm in alarms
@@ -163,5 +163,5 @@ def kind_of(name: str) -> str:
 
 
 def is_diagnostic(alarm: Alarm) -> bool:
-    """Return whether an alarm is about a part that the robot reports by diagnostics."""
+    """Return True if an alarm is about a part that the robot reports by diagnostics."""
     return kind_of(alarm.name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)

@@ -48,7 +48,7 @@ class ApprovalRequest(NamedTuple):
     Attributes:
         number: Counts from 1; persons and assistants name the request by it.
         requester: The assistant.
-        goal: What is sent if a person allows it.
+        goal: The goal to send if a person allows it.
         text: The goal in words, as `go to shelf 12`.
         requested: When it was made, in monotonic seconds.
         stop_count: STOPs read by then, at this and other consoles; a further one voids it.
@@ -82,7 +82,7 @@ class ApprovalRequests:
     """The requests that wait for a person, and the last ones that are closed."""
 
     def __init__(self) -> None:
-        """Start without requests."""
+        """Create the collection without requests."""
         self._all: dict[int, ApprovalRequest] = {}
         self._last_number = 0
         self._last_denial = -PAUSE  # Monotonic seconds.
@@ -95,7 +95,7 @@ class ApprovalRequests:
         )
 
     def get(self, number: int) -> ApprovalRequest | None:
-        """Return the request of that number; None if there was none, or it is kept no more."""
+        """Return the request of that number; None if there is none, or none any more."""
         return self._all.get(number)
 
     def add(
@@ -105,7 +105,7 @@ class ApprovalRequests:
 
         Args:
             requester: The assistant.
-            goal: What is sent if a person allows it.
+            goal: The goal to send if a person allows it.
             text: The goal in words.
             now: Monotonic time in seconds.
             stop_count: STOPs read by now, at this and other consoles.
@@ -168,7 +168,7 @@ class ApprovalRequests:
         """Record how a goal ended; one that no request asked for is ignored.
 
         Args:
-            goal_end: What tells the goal from others: see `ApprovalRequest.goal_end`.
+            goal_end: The future by which the goal is recognized: see `ApprovalRequest.goal_end`.
             goal: The goal as it ended.
         """
         for request in self._all.values():
@@ -184,7 +184,7 @@ class ApprovalRequests:
         Args:
             now: Monotonic time in seconds.
             stop_count: STOPs read by now, at this and other consoles.
-            busy_reason: What the robot does instead, which voids all requests; "" if nothing.
+            busy_reason: The reason why no goal can be sent, which voids all requests; "" for none.
 
         Returns:
             The requests that were closed.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Approvals:
-    """The way of an approval request: asked, shown, and answered, withdrawn or outdated.
+    """The handling of approval requests: made, answered, withdrawn or outdated.
 
     Used on the event loop of the frontend only.
     """
@@ -36,7 +36,7 @@ class Approvals:
         goals: GoalDriver,
         refresh: Callable[[], object],
     ) -> None:
-        """Create the way of the requests in `requests`.
+        """Create the handling of the requests in `requests`.
 
         Args:
             requests: Keeps the requests and their states.
@@ -61,7 +61,7 @@ class Approvals:
         """Ask a person at this console to allow a goal of the assistant that asks now.
 
         Args:
-            goal: What is sent if the person allows it.
+            goal: The goal to send if the person allows it.
             text: The goal in words, as `go to shelf 12`.
 
         Raises:

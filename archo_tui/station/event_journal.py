@@ -20,14 +20,14 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class EventJournal:
-    """The journal of one console's events."""
+    """The part that writes the important events of a console to the journal."""
 
     def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
-        """Create it.
+        """Create the recorder of a console's events.
 
         Args:
-            journal: Gets a line for each event that is chosen.
-            place: What tells which robot a STOP or a release was for.
+            journal: Gets a line for each chosen event.
+            place: The keys that tell which robot a STOP or a release was for: see `Session`.
         """
         self._journal, self._place = journal, place
         self._repeat_filter = RepeatFilter()

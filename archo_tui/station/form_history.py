@@ -36,9 +36,9 @@ def load(form: str) -> list[list[str]]:
 
 
 def add(form: str, typed: list[str]) -> None:
-    """Keep an entry as the newest of its form; an equal older one is removed.
+    """Add an entry as the newest of its form, and remove an equal older one.
 
-    A disk that is full or read-only keeps nothing, and nobody is told.
+    Errors of the disk are ignored.
 
     Args:
         form: The id of the goal, or of the dialog.
@@ -53,12 +53,12 @@ def add(form: str, typed: list[str]) -> None:
 
 
 def has_sent_goal() -> bool:
-    """Return whether this user has ever sent a goal; False also if the file cannot be read."""
+    """Return True if this user has ever sent a goal; False also if the file cannot be read."""
     return os.path.exists(state_file(_GOAL_SENT_FILE))
 
 
 def note_sent_goal() -> None:
-    """Note that this user has sent a goal; a disk that is full or read-only keeps nothing."""
+    """Record that this user has sent a goal; errors of the disk are ignored."""
     path = state_file(_GOAL_SENT_FILE)
     with contextlib.suppress(OSError):
         make_folder(path)

@@ -1,4 +1,4 @@
-"""The station's way of goals: sent one after the other, cancelled, and told how they ended."""
+"""The sending of goals, one after the other, their cancelling, and their outcomes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class GoalDriver:
     Attributes:
         queue: The goals that wait.
         ledger: The requests without an answer.
-        frontend: What runs the sending; None before the first frontend, while nothing is sent.
+        frontend: The frontend that runs the sending; None before the first one: nothing is sent.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class GoalDriver:
         """Settle the goals that have ended, and send the goal that is due.
 
         Args:
-            snapshot: What is known of the robot from now on.
+            snapshot: The state of the robot from now on.
             alarms: All alarms that are on the board.
         """
         self._snapshot = snapshot
@@ -95,7 +95,7 @@ class GoalDriver:
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
         """Send goals one after the other, behind a goal that runs or is being sent.
 
-        They belong to whoever asks now (see robot/requester.py). Call it on the event loop.
+        Their requester is the current one (see robot/requester.py). Called on the event loop.
 
         Args:
             goals: At least one.
@@ -199,7 +199,7 @@ class GoalDriver:
         return min(since, key=lambda goal: goal.number, default=None)
 
     def _settle_ended_goals(self) -> None:
-        """Give those that wait for a goal its outcome, for each goal that has ended."""
+        """Set the outcome of each goal that has ended, for those that wait for it."""
         for queued, before in list(self._underway):
             goal = self._goal_after(before)
             outcome = None if goal is None else goal.outcome_at(self._clock.monotonic())
@@ -247,8 +247,8 @@ class GoalDriver:
         Args:
             frontend: Shows the answer to a goal of the queue.
             goal: The goal.
-            before: The number of the newest goal before it.
-            answer: As for `_start_sending`.
+            before: The number of the newest goal of this console before this one is sent.
+            answer: Gets the robot's answer; None for a goal of the queue.
         """
         is_queued = answer is None
         if self.ledger.is_cancelled:
@@ -298,6 +298,6 @@ def _with_pending_end(goal: QueuedGoal) -> QueuedGoal:
 
 
 def _set_outcome(goal: QueuedGoal, outcome: Outcome) -> None:
-    """Give those that wait for a goal its outcome."""
+    """Set the outcome of a goal, for those that wait for it."""
     if goal.end is not None and not goal.end.done():
         goal.end.set_result(outcome)

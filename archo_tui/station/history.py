@@ -28,7 +28,7 @@ def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | Non
     """Return the value of each quantity; None for one that is silent or that no robot reports.
 
     Args:
-        snapshot: What is known of the robot.
+        snapshot: The state of the robot.
         now: Monotonic time in seconds.
     """
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
@@ -60,7 +60,7 @@ class History:
         self._ends: dict[tuple[int, float], Goal] = {}  # By number and time.
 
     def observe(self, snapshot: Snapshot, now: float) -> None:
-        """Note the values of a snapshot, so that a peak between two samples is not lost."""
+        """Widen the range of the next sample by a snapshot, and keep the goals that have ended."""
         for name, value in current_values(snapshot, now).items():
             if value is not None and not math.isnan(value):
                 least, greatest = self._since.get(name, (value, value))
@@ -71,7 +71,7 @@ class History:
             del self._ends[next(iter(self._ends))]
 
     def add_sample(self, snapshot: Snapshot, now: float) -> None:
-        """Keep a sample: the values now, and their range since the last sample."""
+        """Add a sample: the values now, and their range since the last sample."""
         self.observe(snapshot, now)
         self._times.append(now)
         for name, value in current_values(snapshot, now).items():
@@ -120,7 +120,7 @@ class History:
         The columns begin at multiples of their length, so that a column that is past never changes.
 
         Args:
-            quantity: What is plotted.
+            quantity: The quantity that is plotted.
             span: Seconds that all columns together stand for.
             count: Number of columns.
             now: The time of the newest column.

@@ -43,7 +43,7 @@ def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> fl
 
     Args:
         file: The journal; the older one beside it is read, too.
-        place: What a line's `place` must be, see `Session`.
+        place: The value that a line's `place` must have, see `Session`.
         since: Unix time; older lines do not count.
 
     Returns:
@@ -96,7 +96,7 @@ class RepeatFilter:
         self._counts: dict[tuple[str, str], int] = {}  # The kind that was counted last comes last.
 
     def passes(self, source: str, text: str) -> bool:
-        """Count a line, and return whether it is to be written.
+        """Count a line, and return True if it is to be written.
 
         Of lines that differ in numbers only, the first 100 are written, then one in 1000.
 
@@ -115,7 +115,7 @@ class Journal:
     """The journal: takes entries from any thread without waiting, and writes them on its own.
 
     Attributes:
-        failure: Why the last entry could not be written; "" if it was.
+        failure: The reason why the last entry could not be written; "" if it was.
     """
 
     def __init__(self, file: Path) -> None:
@@ -142,7 +142,7 @@ class Journal:
 
         Args:
             unix_time: When it happened, in seconds.
-            kind: What kind of thing happened, as `alarm` or `event`.
+            kind: The kind of the entry, such as `alarm` or `event`.
             **what: Its further keys, with values that JSON has.
         """
         at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")

@@ -41,10 +41,10 @@ class Ledger:
         Args:
             kind: The robot file's entry for it.
             values: Its values, by dotted path in the goal message.
-            snapshot: What is known of the robot before it is sent.
+            snapshot: The state of the robot before the goal is sent.
         """
         self.goal = Goal(kind, values, Phase.SENT, 0.0, 0.0)
-        self.newest_before = max((goal.number for goal in _goals(snapshot)), default=0)
+        self.newest_before = max((goal.number for goal in _goals_shown(snapshot)), default=0)
         self.is_handed_over = self.is_cancelled = False
 
     def remove_goal(self) -> None:
@@ -52,8 +52,8 @@ class Ledger:
         self.goal = None
 
     def remove_goal_if_shown(self, snapshot: Snapshot) -> None:
-        """Remove the goal if the snapshot shows it, from where on the snapshot counts."""
-        if any(goal.mine and goal.number > self.newest_before for goal in _goals(snapshot)):
+        """Remove the goal if the snapshot shows it: from then on the snapshot tells its state."""
+        if any(goal.mine and goal.number > self.newest_before for goal in _goals_shown(snapshot)):
             self.goal = None
 
     def running_goal(self, snapshot: Snapshot) -> Goal | None:
@@ -74,10 +74,10 @@ class Ledger:
             self._pending[request] -= 1
 
     def is_pending(self, request: str) -> bool:
-        """Return whether a request of that name has no answer yet."""
+        """Return True if a request of that name has no answer yet."""
         return self._pending[request] > 0
 
 
-def _goals(snapshot: Snapshot) -> list[Goal]:
+def _goals_shown(snapshot: Snapshot) -> list[Goal]:
     """Return the goal of a snapshot, and those that have ended."""
     return [goal for goal in (snapshot.goal, *snapshot.history) if goal is not None]

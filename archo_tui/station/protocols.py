@@ -24,14 +24,14 @@ class Frontend(Protocol):
         """Start work of another program; no front end waits for it before it ends."""
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
-        """Show how the robot answered a goal of the queue, which no verb waits for any more."""
+        """Show the robot's answer to a goal of the queue: the verb that sent it has returned."""
 
     @property
     def has_person(self) -> bool:
         """True if somebody sees the requests of assistants and can answer them."""
 
     def close_questions(self) -> None:
-        """Close what the operator is being asked: a STOP from elsewhere came in between."""
+        """Close the questions to the operator, because another console sent a STOP."""
 
     def restart(self, why: str) -> None:
         """End the process and start it again with the same arguments.

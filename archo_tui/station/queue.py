@@ -22,7 +22,7 @@ class QueuedGoal(NamedTuple):
 
     Attributes:
         kind: The robot file's entry for it.
-        values: What is sent, by dotted path in the goal message.
+        values: The values of the goal, by dotted path in the goal message.
         stop_count: STOPs that had been read when it was typed, or when the queue was resumed.
         requester: Who requested it.
         end: Set to the goal's outcome when it has ended; None if nobody waits for that.
@@ -45,7 +45,7 @@ class GoalQueue:
 
     Attributes:
         waiting: The goals, the next one first.
-        hold_reason: Why the queue is held, in words; empty if it is not.
+        hold_reason: The reason why the queue is held, in words; "" if it is not.
     """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
@@ -61,7 +61,7 @@ class GoalQueue:
 
     @property
     def is_going(self) -> bool:
-        """True if a goal is on its way, or the next one will be sent without the operator."""
+        """True if a goal is being sent, or goals wait and the queue is not held."""
         return self._ledger.goal is not None or (bool(self.waiting) and not self.hold_reason)
 
     def submit(self, goals: Sequence[QueuedGoal], snapshot: Snapshot) -> QueuedGoal | None:
@@ -69,7 +69,7 @@ class GoalQueue:
 
         Args:
             goals: At least one.
-            snapshot: What is known of the robot.
+            snapshot: The state of the robot.
 
         Returns:
             The first goal, which is to be sent now and does not wait; None if a goal is running.
@@ -81,7 +81,7 @@ class GoalQueue:
         return self._send(goals[0], snapshot)
 
     def resume(self, stop_count: int = 0) -> None:
-        """Go on, whatever held the queue.
+        """End the hold of the queue, whatever its reason.
 
         Args:
             stop_count: STOPs that had been read when the operator resumed. The goals count as
@@ -91,7 +91,7 @@ class GoalQueue:
         self.waiting = [goal._replace(stop_count=stop_count) for goal in self.waiting]
 
     def put_back(self, goal: QueuedGoal) -> None:
-        """Put a goal back in front that a STOP kept from being sent, and hold the queue."""
+        """Put a goal that was not sent because of a STOP back in front, and hold the queue."""
         self._ledger.remove_goal()
         self.waiting.insert(0, goal)
         self.hold("STOP")
@@ -112,11 +112,11 @@ class GoalQueue:
             self.hold_reason = reason
 
     def on_answer(self, *, ok: bool, reason: str = "refused") -> None:
-        """Take in the robot's answer to the goal that was sent last.
+        """Record the robot's answer to the goal that was sent last, and hold the queue if refused.
 
         Args:
-            ok: Whether the robot accepted it; if not, the rest is held.
-            reason: Why the rest is held then.
+            ok: True if the robot accepted it; if not, the rest is held.
+            reason: The reason of that hold.
         """
         if not ok:
             self._ledger.remove_goal()
@@ -125,13 +125,13 @@ class GoalQueue:
     def take_due(
         self, snapshot: Snapshot, alarms: Iterable[Alarm], stop_count: int = 0
     ) -> QueuedGoal | None:
-        """Take the goal out of the queue that is to be sent now.
+        """Remove and return the goal that is to be sent now.
 
         The queue is held here if the last goal did not arrive, the robot is stopped, a STOP was
         read since a goal was typed, or an alarm holds every queue.
 
         Args:
-            snapshot: What is known of the robot.
+            snapshot: The state of the robot.
             alarms: All alarms that are on the board.
             stop_count: STOPs that have been read by now.
 
@@ -158,7 +158,7 @@ class GoalQueue:
         return self._send(self.waiting.pop(0), snapshot)
 
     def _mark_past_alarm(self, alarms: Iterable[Alarm]) -> None:
-        """Mark in the reason whether the alarm that holds the queue is over.
+        """Update the reason of the hold: `was: NAME` once the alarm that holds the queue is over.
 
         The queue stays held: only the operator resumes it.
         """

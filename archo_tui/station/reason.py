@@ -1,4 +1,4 @@
-"""The time for which a shown reason holds: until something that it may be about has ended. Pure.
+"""The end of a shown reason of a refusal: when one of its possible causes is over. Pure.
 
 The robot refuses in its own words, which the console does not understand. The text is shown until
 one of the facts has ended that may have been its cause.
@@ -15,20 +15,19 @@ Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it fro
 
 
 class Reason:
-    """The facts behind a reason that is shown, of which one may be its cause."""
+    """The possible causes of a refusal whose reason is shown, as facts in a snapshot."""
 
     def __init__(self, facts: Callable[[Snapshot], Facts]) -> None:
         """Create a reason that holds until one of its facts is over.
 
         Args:
-            facts: A function that returns everything that the reason may be about, as it is in a
-                snapshot: `obstacles` or `limits`.
+            facts: Returns the possible causes in a snapshot: `obstacles` or `limits`.
         """
         self._facts = facts
         self._before: Facts = frozenset()
 
     def is_over(self, snapshot: Snapshot) -> bool:
-        """Return whether a fact that held at the last call has ended.
+        """Return True if a fact that held at the last call has ended.
 
         The first call only remembers the facts and returns False. A fact that is new ends
         nothing: a topic may report the cause after the refusal.

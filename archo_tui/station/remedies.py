@@ -30,10 +30,10 @@ def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
 
 
 def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str, str]:
-    """Choose how to give the commands that help against alarms.
+    """Return how to give each command that helps against alarms.
 
     Args:
-        snapshot: What is known of the robot: a command that no node offers is left out.
+        snapshot: The state of the robot: a command that no node offers is left out.
         hints_by_id: How to give each command by its id, as `press R` or `type release`.
 
     Returns:

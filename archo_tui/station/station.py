@@ -49,15 +49,15 @@ class Station:
 
     Attributes:
         robot: The robot's side of the ROS graph.
-        host: What runs nodes in this process.
-        clock: What every decision about time asks.
+        host: The host of the nodes in this process.
+        clock: The clock of every decision about time.
         recorder: The black box.
         attached: True if the robot lives on without this process.
-        on_disconnect: What happens to a running goal at the end: see shutdown.py.
+        on_disconnect: The policy for a running goal at the end: see shutdown.py.
         quiet: True if new alarms ring no bell and send no notification.
-        unseen: Where no node was found and what to try; "" if that is no alarm.
+        unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
         file_is_default: True if no robot file was given, so that ARCHO's is used for any robot.
-        bell: What has rung. It is kept here, so that a restarted screen does not ring again.
+        bell: The alarms that have rung, kept here so that a restarted screen does not ring again.
         earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
             is none.
         next_namespace: The namespace of the robot to operate after a restart; "" for the same one.
@@ -69,7 +69,7 @@ class Station:
         approvals: Asks the operator about these requests, and carries out the answers.
         clients: The programs that are connected, by their names for people.
         history: The curves of the last hour.
-        view: What is to be shown now.
+        view: The view to show now.
     """
 
     def __init__(
@@ -92,16 +92,16 @@ class Station:
 
         Args:
             robot: The robot's side of the ROS graph.
-            host: What runs nodes in this process.
+            host: The host of the nodes in this process.
             journal: Gets each change of an alarm.
             recorder: Gets each view.
-            clock: What every decision about time asks.
+            clock: The clock of every decision about time.
             engine: The engine in words, to be shown.
             namespace: The robot's, to be shown.
             attached: True if the robot lives on without this process.
-            on_disconnect: What happens to a running goal at the end: see shutdown.py.
+            on_disconnect: The policy for a running goal at the end: see shutdown.py.
             quiet: True if new alarms ring no bell and send no notification.
-            unseen: Where no node was found and what to try, as the alarm's text; "" for no alarm.
+            unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
             file_is_default: True if no robot file was given.
         """
         self.quiet, self.unseen = quiet, unseen
@@ -137,11 +137,11 @@ class Station:
 
     @property
     def age(self) -> float:
-        """Seconds since the start of the console, or of the node that was started here last."""
+        """Seconds since the start of the console, or since `node_started` was last called."""
         return self.clock.monotonic() - self._begun
 
     def node_started(self) -> None:
-        """Count `age` anew, since a node that was just started may not be found yet."""
+        """Restart `age` from 0, since a node that was just started may not be found yet."""
         self._begun = self.clock.monotonic()
 
     @property
@@ -150,18 +150,18 @@ class Station:
         return self.ledger.running_goal(self.robot.snapshot)
 
     def attach(self, frontend: Frontend) -> None:
-        """Let a frontend run what is sent and posted from now on; call it on its event loop."""
+        """Let a frontend send goals and run posted work from now on; call it on its event loop."""
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
         self.goals.frontend = frontend
         self.ledger.remove_goal()  # A goal that an earlier frontend did not begin to send.
         self._begin_posted()
 
     def detach(self) -> None:
-        """Let what is posted from now on wait for the next frontend, as this one ends."""
+        """Let posted work wait for the next frontend from now on, since this one ends."""
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Let the frontend start work beside all else; without a frontend, let the next one do so.
+        """Let the frontend start work in the background, or the next frontend if none is attached.
 
         May be called on any thread.
         """
@@ -176,7 +176,7 @@ class Station:
             self._frontend.run_in_background(self._posted.popleft())
 
     def close_questions(self) -> None:
-        """Close what the operator is being asked: a STOP from elsewhere came in between."""
+        """Close the questions to the operator, because another console sent a STOP."""
         if self._frontend is not None:
             self._frontend.close_questions()
 
@@ -197,7 +197,7 @@ class Station:
         self.restart(f"operate the robot in {namespace}")
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Take in a new snapshot of the robot.
+        """Set the newest snapshot of the robot, and refresh.
 
         Returns:
             The alarms whose state has changed.
@@ -210,7 +210,7 @@ class Station:
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Take a sample for the history; called once a second.
+        """Add a sample to the history, and refresh; called once a second.
 
         Returns:
             The alarms whose state has changed.
@@ -221,7 +221,7 @@ class Station:
         return self.refresh()
 
     def _offer_description(self) -> None:
-        """Say once how a robot file is written, if none was given and the robot is not ARCHO."""
+        """Write an event, once, on how to make a robot file, if that of ARCHO does not fit."""
         snapshot = self._snapshot
         is_other = snapshot.nodes and not snapshot.offered
         if is_other and self._may_offer and self.age >= _OFFER_AFTER:
@@ -263,7 +263,7 @@ class Station:
 
         Args:
             alarm: The alarm.
-            reason: Why it is shelved, for the list and the journal.
+            reason: The reason for shelving it, for the list and the journal.
         """
         times = self.clock.monotonic(), self.clock.now()
         self._record(self._board.shelve(alarm, *times, reason))

@@ -16,7 +16,7 @@ class View:
     """Everything that a frontend shows at one moment.
 
     Attributes:
-        snapshot: What is known of the robot.
+        snapshot: The state of the robot.
         now: Monotonic time in seconds.
         second: The same at the last tick of the clock, for ages that need not be livelier.
         time: Unix time in seconds.
@@ -27,7 +27,7 @@ class View:
         hosted: The nodes of this process.
         watching: True if nothing can be commanded from here.
         queue: The goals that wait, the next one first.
-        held: Why the queue is held, in words; "" if it is not.
+        held: The reason why the queue is held, in words; "" if it is not.
         changing: True while a change of parameters from here has no answer.
         clients: The programs that are connected, by their names for people.
         requests: The requests of assistants that wait for a person, the oldest first.
