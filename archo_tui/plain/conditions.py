@@ -1,4 +1,4 @@
-"""Waiting for conditions of the loop that no single event announces."""
+"""The waiting for conditions that no single event announces."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from archo_tui.clock import Clock
 
 
 class Conditions:
-    """Waits until conditions hold, each checked again after every change.
+    """The waiting tasks of a loop, whose conditions are checked again after every change.
 
     All methods are called on the running loop.
     """
 
     def __init__(self, clock: Clock) -> None:
-        """Bind to the running loop; `clock` measures the timeouts."""
+        """Create it for the running loop; `clock` measures the timeouts."""
         self._clock = clock
         self._changed = asyncio.Event()
 
     def check_again(self) -> None:
-        """Have every condition that is waited for checked once more: something changed."""
+        """Check every condition that is waited for again, because something has changed."""
         self._changed.set()
 
     async def wait(self, condition: Callable[[], object]) -> None:
-        """Return as soon as the condition holds; never, if it never does."""
+        """Wait until the condition holds, for any time."""
         while not condition():
             self._changed.clear()
             await self._changed.wait()
@@ -33,7 +33,7 @@ class Conditions:
     async def wait_at_most(
         self, condition: Callable[[], object], timeout: float | None = None
     ) -> None:
-        """Return as soon as the condition holds, or the time has passed.
+        """Wait until the condition holds or the time has passed.
 
         Args:
             condition: The condition; a true value ends the wait.

@@ -1,4 +1,4 @@
-"""The reader of what is typed into `--plain`.
+"""The reader of the lines that are typed into `--plain`.
 
 It never pauses: a STOP may be behind the line that is being carried out.
 """
@@ -30,7 +30,7 @@ class TypedLine(NamedTuple):
     Attributes:
         text: The line without its end; empty if it has a fault.
         stops_before: STOPs that had been read when it was read.
-        fault: Why it cannot be carried out; empty if it can.
+        fault: The reason why it cannot be carried out; "" if it can.
     """
 
     text: str
@@ -46,24 +46,24 @@ class Input:
 
     Attributes:
         is_terminal: True if a person types, as far as the system knows.
-        last: When the last line was read (monotonic seconds), and the seconds since the line
-            before it.
+        last: The monotonic time in seconds at which the last line was read, and the seconds
+            between it and the line before.
         unanswered: The numbers (by `Stops.count`) of the STOPs read here that the robot has not
             answered. The thread appends; whoever sends STOPs removes them.
         has_ended: True after the end of the input; lines may still wait.
-        overflows: How many times lines began to be refused because too many waited.
+        overflows: The number of times that lines began to be refused because too many waited.
     """
 
     def __init__(
         self, descriptor: int | None, stops: Stops, on_input: Callable[[], None], clock: Clock
     ) -> None:
-        """Read nothing yet.
+        """Create the input; `start` begins to read.
 
         Args:
-            descriptor: What is read, and stays open; None if there is no input.
+            descriptor: The file descriptor to read, which stays open; None for no input.
             stops: The counter of STOPs.
             on_input: Called on the running loop after something was read, and after the end.
-            clock: Tells when a line was read.
+            clock: The clock for the times in `last`.
         """
         self._descriptor, self._stops, self._on_input = descriptor, stops, on_input
         self._clock = clock
@@ -194,7 +194,7 @@ class Input:
                     self._size += size
 
     def _announce(self) -> None:
-        """Have the loop call `on_input`, unless it is about to."""
+        """Call `on_input` on the loop, unless that call is due already."""
         if not self._is_announced:
             self._is_announced = True
             with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for input.

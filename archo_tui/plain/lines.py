@@ -48,7 +48,7 @@ def shell_words(line: bytes) -> list[str]:
 
 
 class LineSplitter:
-    """Splits a stream of chunks into lines, in time linear in its length whatever it contains."""
+    """A splitter of a stream into lines, in time linear in the stream's length."""
 
     def __init__(self) -> None:
         self._rest = bytearray()  # The beginning of a line whose end was not read yet.

@@ -52,7 +52,7 @@ def is_goal_news(before: Goal | None, goal: Goal) -> bool:
 
 
 def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
-    """Return what differs between two states that each deserve a line; 0 to 3 are quarters."""
+    """Return the part of a goal's state whose changes are printed; the number is the quarter."""
     quarter = min(int(goal.fraction() * 4), 3)
     return goal.phase, bool(goal.unreadable), _has_feedback(goal), quarter
 

@@ -26,10 +26,10 @@ class Output:
     """
 
     def __init__(self, descriptor: int, on_change: Callable[[], None]) -> None:
-        """Write nothing yet.
+        """Create the output; `start` begins to write.
 
         Args:
-            descriptor: Where the lines are written; it stays open.
+            descriptor: The file descriptor to write to; it stays open.
             on_change: Called on the running loop when `has_room` or `is_done` may be true again.
         """
         self._descriptor, self._on_change = descriptor, on_change
@@ -45,7 +45,7 @@ class Output:
         threading.Thread(target=self._run, name="stdout", daemon=True).start()
 
     def put(self, lines: bytes) -> None:
-        """Append lines to what is to be written; return at once.
+        """Add lines to be written, and return at once.
 
         Args:
             lines: Whole lines, each with its end.
@@ -60,16 +60,16 @@ class Output:
 
     @property
     def has_room(self) -> bool:
-        """True if less than half of what may wait does, or nothing can be written any more."""
+        """True while less than half of MAX_WAITING bytes wait, or after a write has failed."""
         return self.is_broken or len(self._waiting) < MAX_WAITING // 2
 
     @property
     def is_done(self) -> bool:
-        """True if everything is written, or nothing can be written any more."""
+        """True while no bytes wait to be written, or after a write has failed."""
         return self.is_broken or not (self._waiting or self._dropped or self._is_writing)
 
     def close(self) -> None:
-        """Have the thread end once it has written what waits; nothing may be put any more."""
+        """Let the thread end once it has written the waiting lines; call `put` no more."""
         with self._condition:
             self._is_closed = True
             self._condition.notify()
@@ -77,7 +77,7 @@ class Output:
     # Called on the thread.
 
     def _run(self) -> None:
-        """Write what is put, until the end or an error."""
+        """Write lines until `close()` or an error; the target of the thread."""
         try:
             while chunk := self._next_chunk():
                 self._write(chunk)
@@ -106,15 +106,15 @@ class Output:
         return f"... {lines} left out: the reader was too slow\n".encode() + chunk
 
     def _announce(self) -> None:
-        """Have the loop call `on_change`."""
+        """Call `on_change` on the loop."""
         with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for it.
             self._loop.call_soon_threadsafe(self._on_change)
 
     def _write(self, data: bytes) -> None:
-        """Write all of it, however long the reader takes.
+        """Write all bytes, however long the reader takes.
 
         Raises:
-            OSError: Nothing can be written any more.
+            OSError: The reader has left, or the disk is full.
         """
         while data:
             try:

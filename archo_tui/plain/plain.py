@@ -63,7 +63,7 @@ class Plain:
     """
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
-        """Read and write nothing yet.
+        """Create the frontend; `run` reads and writes.
 
         Args:
             station: The station that is operated.
@@ -130,7 +130,7 @@ class Plain:
         self._start_task(work)
 
     def _start_task(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
-        """Do the same as `_start`, and return the task."""
+        """Run a coroutine as `_start` does, and return its task."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
 
@@ -144,7 +144,7 @@ class Plain:
         return task
 
     def _finish(self, code: int) -> None:
-        """End `run` with an exit code, unless it ends with an earlier one."""
+        """End `run` with an exit code, unless it is ending already."""
         if not self._exit_code.done():
             self._exit_code.set_result(code)
 
@@ -162,7 +162,7 @@ class Plain:
         self._conditions.check_again()
 
     async def _tick(self) -> None:
-        """Bring alarms and the requests of assistants up to date each second, for ever."""
+        """Update and print alarms and the requests of assistants each second, for ever."""
         while True:
             await self._clock.sleep(1.0)
             self._printer.print_alarms(self._station.tick())
@@ -226,7 +226,7 @@ class Plain:
         await wait(lambda: self._output.is_done)
 
     def _goals_have_ended(self) -> bool:
-        """Return True if no goal from here runs and none is about to be sent, or it is lost."""
+        """Return True if no goal of this console runs or is about to be sent, or it is lost."""
         is_running = self._goal is not None and self._goal.is_running and self._goal.mine
         is_due = is_running or self._station.queue.is_going
         return self._lost_goal_outcome is not None or not is_due
@@ -238,7 +238,7 @@ class Plain:
 
     @property
     def _lost_goal_outcome(self) -> Outcome | None:
-        """The outcome of a running goal whose end is no longer waited for; None if it is."""
+        """The outcome of a running goal that counts as lost by now; None for any other goal."""
         goal = self._goal
         if goal is None or not (goal.is_running and goal.mine):
             return None
@@ -246,14 +246,14 @@ class Plain:
 
     @property
     def _is_goal_silent(self) -> bool:
-        """True while nothing is received about the goal, so that its end may never be."""
+        """True while nothing is received about the goal, so that its end may never be reported."""
         return self._goal is not None and self._goal.phase in (Phase.UNKNOWN, Phase.LOST)
 
     async def _carry_out(self, line: TypedLine) -> None:
         """Carry out a line and wait for its answer, with two exceptions.
 
-        Each `cancel` directly behind it is carried out meanwhile. A `call` whose service has not
-        answered after SLOW_CALL goes on beside the later lines.
+        Each `cancel` directly behind the line is carried out meanwhile. A `call` whose service has
+        not answered after SLOW_CALL goes on beside the later lines.
         """
         with self._robot.stops.typed_at(line.stops_before):
             running = asyncio.ensure_future(self._execute(line))
@@ -285,7 +285,7 @@ class Plain:
 
     @property
     def _is_cancel_next(self) -> bool:
-        """True if the next line is `cancel` and means a goal: it is no answer to a question."""
+        """True if the next line is `cancel`, a goal runs, and no question waits for an answer."""
         has_goal = self._station.running_goal is not None
         return has_goal and self._input.is_cancel_next and not self._is_asking
 
@@ -302,7 +302,7 @@ class Plain:
         running.add_done_callback(on_end)
 
     async def _execute(self, line: TypedLine) -> None:
-        """Do what a line says, and print why if that fails; raise nothing that was foreseen."""
+        """Carry out one line, and print the reason if it fails; expected errors are not raised."""
         if line.fault:
             self._printer.print_failure(line.fault)
             return
@@ -326,11 +326,14 @@ class Plain:
             self._printer.print_failure(f"{word}: {outcome.text}")
 
     async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
-        """Run the verb that a line names, and print what it tells.
+        """Run the verb that a line names, and print the text of an outcome that is the answer.
 
         Args:
             word: The first word of the line.
             rest: The other words.
+
+        Returns:
+            The outcome; DONE at once for `help`, a followed topic, and verbs that take seconds.
 
         Raises:
             ArchoError: A name means nothing, or a question was not answered with yes.
@@ -416,7 +419,7 @@ class Plain:
             self._following = None
 
     def _on_snapshot(self, snapshot: Snapshot) -> None:
-        """Take in a snapshot, and print what is new in it."""
+        """Pass a snapshot to the station, and print what is new in it."""
         self._printer.print_news(snapshot)
         self._printer.print_alarms(self._station.on_snapshot(snapshot))
         self._printer.print_requests()
@@ -495,11 +498,11 @@ class Plain:
         self._start(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work exactly as `carry_out` does."""
+        """Run work as `carry_out` does."""
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print why a goal of the queue was refused, which no line waits to hear."""
+        """Print the reason if a goal of the queue was refused: its line is done already."""
         if not outcome.ok:
             self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()
@@ -511,10 +514,10 @@ class Plain:
         return self._input.is_terminal
 
     def close_questions(self) -> None:
-        """Do nothing: `_ask` compares the STOPs itself, after the answer was read."""
+        """Do nothing: `_ask` itself checks for a STOP after it has read the answer."""
 
     def restart(self, why: str) -> None:
-        """Only print why a restart is due, since it would lose the lines that were read already."""
+        """Only print why a restart is due: restarting would lose lines that were read already."""
         self._robot.note("WARN", "console", f"{why}: they count from the next start on")
 
 

@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 
 class Printer:
-    """The printer of what happens, each event, goal, alarm and request once. Running loop only.
+    """The printer of events, goals, alarms and requests, each once. Running loop only.
 
     Attributes:
         goal: The goal in the last snapshot that was printed; None if there was none.
         has_failed: True once a failure was printed, or a goal of this console did not arrive.
-        requests_shown_at: When each request of an assistant was printed, in monotonic seconds,
-            by its number.
+        requests_shown_at: The monotonic time in seconds at which each request of an assistant was
+            printed, by its number.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Printer:
         Args:
             station: The station whose news are printed.
             output: Takes the lines.
-            status: Knows what is typed for a goal, or about an alarm.
+            status: The verb whose hints say what to type for a goal or about an alarm.
             is_ending: Returns True while this program ends, which makes fewer events news.
         """
         self._station, self._output, self._status = station, output, status
@@ -61,7 +61,7 @@ class Printer:
         self._print_goal(snapshot)
 
     def _print_goal(self, snapshot: Snapshot) -> None:
-        """Print the state of the goal if it is news, and note each goal that did not arrive."""
+        """Print the state of the goal if it is news, and set `has_failed` if one did not arrive."""
         goal, before = snapshot.goal, self.goal
         self.goal = goal
         if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):
@@ -91,7 +91,7 @@ class Printer:
                 self.print_timed(f"{request.requester.source} wants: {request.text} ({ways})")
 
     def print_failure(self, text: str) -> None:
-        """Print that something failed, and have the exit code be 1."""
+        """Print the text of a failure, and set `has_failed`: the exit code will be 1."""
         self.print_timed(f"failed: {text}")
         self.has_failed = True
 

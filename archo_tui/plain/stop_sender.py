@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class StopSender:
-    """Sends a STOP to the robot for all STOPs that were read and not sent yet.
+    """The sender of one STOP to the robot for all STOPs that were read and not sent yet.
 
     All methods are called on the running loop.
     """
@@ -33,7 +33,7 @@ class StopSender:
         start: Callable[[Coroutine[None, None, None]], None],
         on_failure: Callable[[str], None],
     ) -> None:
-        """Send nothing yet.
+        """Create the sender; `run` sends.
 
         Args:
             station: The station, whose robot is stopped.
@@ -77,10 +77,10 @@ class StopSender:
         self._conditions.check_again()
 
     def are_answered(self, up_to: int | None = None) -> bool:
-        """Return True if the robot answered every STOP that was typed, or its time to is over.
+        """Return True if the robot has answered every typed STOP, or its time for that is over.
 
         Args:
-            up_to: Ask for the STOPs up to this number (by `Stops.count`) only; None for all.
+            up_to: The number (by `Stops.count`) of the last STOP that matters; None for all.
         """
         unanswered = self._typed.unanswered
         return not unanswered or (up_to is not None and unanswered[0] > up_to)
