@@ -31,11 +31,11 @@ _FRAME = re.compile(r'  File "(.+)", line (\d+), in ')
 
 
 class CrashedError(Exception):
-    """A node crashed during a check; the text is the mistake with its line."""
+    """The error for a node that crashed during a check; its text has the mistake and its line."""
 
 
 class CheckRunner:
-    """The means of every check: queries the nodes of a session, and restarts those that crash."""
+    """The tools of every check: they query the nodes of a session, and restart crashed ones."""
 
     def __init__(self, session: Session, radius: float, printed: Sequence[str]) -> None:
         """Create the checker's node beside the nodes of a session.
@@ -157,7 +157,7 @@ class CheckRunner:
                 where = ""
 
     def logs_of(self, nodes: Sequence[HostedNode], since: int) -> Iterator[Log]:
-        """Yield what some nodes have logged.
+        """Yield the log lines of some nodes.
 
         Args:
             nodes: The nodes.

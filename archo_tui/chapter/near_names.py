@@ -30,8 +30,8 @@ def missing_result(
         runner: Finds the line of the name in the nodes' files.
         title: The title of the check.
         wanted: The chapter's name.
-        verb: What a node does with it, such as `publish`.
-        kind: What it is, such as `topic`.
+        verb: The verb for a node that has it, such as `publish`.
+        kind: The kind of thing, such as `topic`.
         others: The names that the nodes offer.
     """
     others = sorted(name for name in others if name.strip("/") not in _ROBOT_NAMES)

@@ -13,8 +13,8 @@ class Result(NamedTuple):
 
     Attributes:
         name: The check.
-        hint: What is wrong, where, and what to do, in lines; "" if the check passed.
-        skipped: Why there was nothing to check; "" if there was.
+        hint: The mistake, its place, and what to do, in lines; "" if the check passed.
+        skipped: The reason why nothing was checked; "" if something was.
     """
 
     name: str

@@ -28,8 +28,8 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
     """Return every command of the console for a robot.
 
     Args:
-        described: The robot.
-        spoken: The robot's verbs by word; None makes verbs for keys and help texts only.
+        described: The robot file.
+        spoken: The robot's verbs by word; None makes verbs that serve for keys and help only.
     """
     verbs = vocabulary(described, {}) if spoken is None else spoken
     goals = [verb for verb in verbs.values() if isinstance(verb, Go)]

@@ -101,7 +101,7 @@ class Console(Protocol):
             title: The title of the dialog.
             question: The question.
             safe: The answer that changes nothing.
-            answers: What each other answer does, by its words.
+            answers: The work of each other answer, by its words.
         """
 
     def report_failure(self, outcome: Outcome) -> None:
@@ -180,7 +180,7 @@ class Command:
         help: One sentence for `?`, the palette and docs/keys.md.
         footer: Its word in the footer; "" keeps it out of the footer.
         footer_key: The key shown in the footer if that stands for several commands.
-        where: Where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
+        where: The place where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
         panel: The panel's number, for IN_PANEL.
         runs_disabled: True if `run` is called even while the command is disabled, after the reason
             was shown.

@@ -77,7 +77,7 @@ def open_node_dialog(console: Console, row: NodeRow) -> None:
     from archo_tui.screens.node import NodeDialog
 
     def tell(view: View) -> str:
-        now = next((one for one in node_rows(view) if one.name == row.name), None)
+        now = next((new for new in node_rows(view) if new.name == row.name), None)
         return _GONE if now is None else now.details(view.second, view.snapshot)
 
     robot, verb, station = console.station.robot, console.verbs["log_level"], console.station

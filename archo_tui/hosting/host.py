@@ -78,7 +78,7 @@ class Host:
             make: Makes the node, given the context by that name.
 
         Raises:
-            Exception: What the constructor raises.
+            Exception: The exception that the constructor raises.
         """
         with self._changing:
             hosted = self._hosted(make)
@@ -93,7 +93,7 @@ class Host:
         """Wait for a node; write an event if it is late.
 
         Raises:
-            Exception: What the constructor raises.
+            Exception: The exception that the constructor raises.
         """
         if not hosted.wait():
             level = "WARN" if hosted.is_overdue else "INFO"
@@ -111,10 +111,10 @@ class Host:
         """Wait for the nodes that are late.
 
         Args:
-            seconds: How long at most, for all of them.
+            seconds: The time limit for all of them together.
 
         Returns:
-            Where each constructor is that has not returned, or what it raised.
+            The place of each constructor that has not returned, or the error that it raised.
         """
         end = time.monotonic() + seconds
         late = [hosted for hosted in self.nodes if hosted.is_late]
@@ -122,7 +122,7 @@ class Host:
         return [wrong for wrong in waited if wrong]
 
     def states(self) -> tuple[Hosted, ...]:
-        """Return how each node is doing; may be called on any thread."""
+        """Return the state of each node; may be called on any thread."""
         nodes = tuple(hosted.current_state() for hosted in self.nodes)
         return nodes + self.programs.states()
 
@@ -248,7 +248,7 @@ class Host:
         """Spin a new node; if a STOP is not released, the node carries it out first.
 
         Returns:
-            What became of the STOP; the text goes on after `NODE started`.
+            The outcome of the STOP, whose text goes on after `NODE started`.
         """
         outcome = self._carry_out_stop(new)
         new.start()
@@ -258,7 +258,7 @@ class Host:
         """Make a new node carry out a STOP that is not released, if it serves it.
 
         Returns:
-            What became of the STOP; the text goes on after `NODE started`.
+            The outcome of the STOP, whose text goes on after `NODE started`.
         """
         service, request = self._early_stop_request()
         if not service or not new.serves(service):
@@ -353,7 +353,7 @@ class Host:
         self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
 
     def _restore_parameters(self, hosted: HostedNode) -> None:
-        """Set what the operator has set before on a new node, which does not spin yet.
+        """Set the operator's parameter values on a new node, which does not spin yet.
 
         An event names each parameter that the node refuses.
         """

@@ -161,7 +161,7 @@ class HostedNode:
             than CONSTRUCTION_TIME; it goes on then, and the node is late.
 
         Raises:
-            Exception: What the constructor raises.
+            Exception: The exception that the constructor raises.
         """
         while not self._is_over.wait(None if self.file is None else CONSTRUCTOR_POLL):
             if not (self.is_overdue or waits_for_others(self._thread)):
@@ -190,10 +190,10 @@ class HostedNode:
         """Wait for a node that is late.
 
         Args:
-            seconds: How long at most.
+            seconds: The time limit.
 
         Returns:
-            Where its constructor is, or what it raised; "" if the node is made.
+            The place of its constructor, or the error that it raised; "" if the node is made.
         """
         self._is_over.wait(seconds)
         if self._failure is not None:
@@ -297,7 +297,7 @@ class HostedNode:
             request: The values of the request; it must have exactly these fields.
 
         Returns:
-            Why the STOP is not confirmed; "" if it is.
+            The reason why the STOP is not confirmed; "" if it is.
         """
         served = self._service(service)
         kind = served.srv_type
@@ -326,7 +326,7 @@ class HostedNode:
         """Set a parameter of a node that does not spin yet, with a time limit.
 
         Returns:
-            Why the node refuses it; "" if it does not.
+            The reason why the node refuses it; "" if it does not.
         """
         try:
             result = run_limited(

@@ -281,12 +281,12 @@ class NodeFile(UserFile):
         """Run work of the file with a time limit.
 
         Args:
-            work: What to run.
-            seconds: How long it may take.
-            what: What it is, for the error: `its import`.
+            work: The function to run.
+            seconds: The time limit.
+            what: The name of the work in the error: `its import`.
 
         Returns:
-            What the work returns.
+            The value that the work returns.
 
         Raises:
             NodeFileError: The work raised, or took too long.

@@ -83,7 +83,7 @@ class ProgramFile(UserFile):
             use_as_main: Lets `sys.modules` have a module as this program's `__main__`.
 
         Raises:
-            BaseException: What the text raises.
+            BaseException: The exception that the program raises.
         """
         if self._has_run:
             for name in self.own_modules():

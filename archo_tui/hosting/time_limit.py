@@ -38,16 +38,16 @@ def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
     """Run work in a thread of its own, and wait for it.
 
     Args:
-        work: What to run.
-        seconds: How long it may take.
+        work: The function to run.
+        seconds: The time limit.
         name: The name of the thread, by which its output is known.
 
     Returns:
-        What the work returns.
+        The value that the work returns.
 
     Raises:
         TookTooLong: The work took longer; it was interrupted, and runs on if that failed.
-        BaseException: What the work raises.
+        BaseException: The exception that the work raises.
     """
     values: list[T] = []
     errors: list[BaseException] = []

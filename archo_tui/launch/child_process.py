@@ -28,7 +28,7 @@ class Reply(NamedTuple):
 
     Attributes:
         value: The answer, as JSON has it; None if the process ended without one.
-        printed: What the code printed, up to 100 kB.
+        printed: The output of the code, up to 100 kB.
         exit_code: The exit code of the process; negative for a signal, such as the kill when its
             time was over.
     """
@@ -46,7 +46,7 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
     Args:
         module: The module, whose `main()` calls `serve`.
         request: The request, as JSON has it.
-        seconds: How long the answer may take.
+        seconds: The time limit for the answer.
 
     Raises:
         ArchoError: No process can be started, or its answer is too large.

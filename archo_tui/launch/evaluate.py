@@ -50,7 +50,7 @@ def evaluate(
         workspace: The packages that the file can use.
         prefix: A folder for files that nodes read as long as they run; the caller removes it.
         arguments: The values of `name:=value`.
-        seconds: How long it may take.
+        seconds: The time limit.
 
     Raises:
         LaunchFileError: The file is wrong, or does not return.
@@ -80,7 +80,7 @@ def launch_arguments(
         given: The path of the file as the user typed it.
         workspace: The packages that the file can use.
         prefix: A folder for files that are made; the caller removes it.
-        seconds: How long it may take.
+        seconds: The time limit.
 
     Raises:
         LaunchFileError: The file is wrong, or does not return.

@@ -51,7 +51,7 @@ class LaunchArgument:
 
     Attributes:
         name: Its name.
-        description: What the launch file says of it; "" for nothing.
+        description: The text of the launch file about it; "" for none.
         default: Its default as text; None if it has none, so that a value must be given.
         choices: The values that it can have; empty if it can have any.
         is_conditional: True if it is declared under some condition only.
@@ -91,7 +91,7 @@ class LaunchPlan:
         notes: The messages of the launch file, and what of it is left out.
         arguments: The arguments that the file and those it includes declare.
         environment: The variables that it sets for the whole launch; None for one that is unset.
-        printed: What its code printed.
+        printed: The output of its code.
     """
 
     programs: tuple[LaunchedProgram, ...]

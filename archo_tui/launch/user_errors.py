@@ -17,7 +17,7 @@ class UserError(NamedTuple):
     Attributes:
         file: The path of the file; "" if no line of it is known.
         line: The number of the line.
-        text: What is wrong, with the text of the line if that helps.
+        text: The mistake, with the text of the line if that helps.
         report: The traceback, without the frames of the console.
     """
 
@@ -59,7 +59,7 @@ def describe_hang(
 
     Args:
         frame: The frame that runs now.
-        seconds: How long it was given.
+        seconds: The time limit that was exceeded.
         is_own: Returns True for the path of one of the person's files.
     """
     while frame is not None and not is_own(frame.f_code.co_filename):

@@ -47,7 +47,7 @@ class Connection:
 
         Args:
             path: The socket.
-            card: What `socket_files.read_card` returns for it.
+            card: The result of `socket_files.read_card` for it.
         """
         self.path, self.card = path, card
         self.hello: dict[str, Any] = {}

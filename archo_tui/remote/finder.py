@@ -119,8 +119,9 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
     def robot(console: Connection) -> tuple[Any, ...]:
         return tuple(console.identity.get(name) for name in ("engine", "domain", "namespace"))
 
-    acting = {robot(one) for one in found if one.identity and not one.identity.get("watching")}
-    return [one for one in found if one.identity.get("watching") and robot(one) in acting]
+    watching = [console for console in found if console.identity.get("watching")]
+    acting = {robot(c) for c in found if c.identity and c not in watching}
+    return [console for console in watching if robot(console) in acting]
 
 
 def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
@@ -334,7 +335,7 @@ def no_console_error(selection: Mapping[str, Any], faults: Sequence[str]) -> str
         )
         text = f"no console of {where} runs here (archo-tui consoles lists them)"
     others = socket_files.other_users()
-    hints = [*faults, *(f"a console of {one} runs here: run this as {one}" for one in others)]
+    hints = [*faults, *(f"a console of {user} runs here: run this as {user}" for user in others)]
     if os.environ.get(socket_files.FOLDER_VARIABLE):
         folder = socket_files.listening_folder()
         hints.append(f"{socket_files.FOLDER_VARIABLE} is set: only {folder} is looked into")

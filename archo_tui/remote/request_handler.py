@@ -61,7 +61,7 @@ class RequestHandler:
 
         Args:
             client: Gets the replies.
-            request: What docs/protocol.md lists.
+            request: A request of docs/protocol.md.
             stops: STOPs that had been read when it was read.
         """
         if is_stop(request):

@@ -71,7 +71,7 @@ class RequestHandler(Protocol):
 
         Args:
             client: Gets the replies.
-            request: What docs/protocol.md lists.
+            request: A request of docs/protocol.md.
             stops: STOPs that had been read when it was read.
         """
 
@@ -80,7 +80,7 @@ class RequestHandler(Protocol):
 
         Args:
             client: The client that sent it.
-            answer: What docs/protocol.md lists.
+            answer: An `answer` or `give_up` of docs/protocol.md.
             stops: STOPs that had been read when it was read.
         """
 

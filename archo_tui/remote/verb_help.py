@@ -68,7 +68,7 @@ def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
 
     Args:
         verb: The verb's id.
-        line: What it does, in a line.
+        line: Its line of help, as `Verb.help_line` has it.
         takes: Its options, as in `Verb.options`.
     """
     options = "\n".join(f"  {name:<14}{what}" for name, what in options_of(verb, takes))

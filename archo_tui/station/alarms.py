@@ -96,14 +96,14 @@ class Alarm(NamedTuple):
 
     Attributes:
         name: Its kind, followed by the node, topic or gauge where there may be several.
-        text: What is the case and what to do.
+        text: The situation, and what to do.
         since: Unix time at which it was raised.
         state: Its state by ISA-18.2.
         until: Unix time at which its condition was over; None while the condition holds.
         shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
         shelf_ends: The same in monotonic seconds, so that setting the clock of the computer does
             not silence the alarm for longer.
-        reason: Why the operator shelved it.
+        reason: The operator's reason for shelving it.
     """
 
     name: str

@@ -50,10 +50,10 @@ class ApprovalRequest(NamedTuple):
         requester: The assistant.
         goal: The goal to send if a person allows it.
         text: The goal in words, as `go to shelf 12`.
-        requested: When it was made, in monotonic seconds.
+        requested: The monotonic time in seconds at which it was made.
         stop_count: STOPs read by then, at this and other consoles; a further one voids it.
         status: Its state.
-        reason: Why it is void or expired.
+        reason: The reason why it is void or expired.
         goal_end: Set to the outcome of the goal when that has ended; None until it is allowed.
         ended_goal: The goal as it ended; None until then.
     """
@@ -135,9 +135,9 @@ class ApprovalRequests:
         """End the wait of a request.
 
         Args:
-            number: The request's.
+            number: The number of the request.
             status: Anything but WAITING.
-            reason: Why it is void or expired.
+            reason: The reason why it is void or expired.
 
         Returns:
             The request as it is now.
@@ -149,7 +149,7 @@ class ApprovalRequests:
         """Close a request that a person denied; no other can be made for PAUSE seconds.
 
         Args:
-            number: The request's.
+            number: The number of the request.
             now: Monotonic time in seconds.
         """
         self.close(number, ApprovalStatus.DENIED)
@@ -159,7 +159,7 @@ class ApprovalRequests:
         """Record that the goal of an allowed request was sent.
 
         Args:
-            number: The request's.
+            number: The number of the request.
             goal_end: Will be set to the outcome of the goal.
         """
         self._all[number] = self._all[number]._replace(goal_end=goal_end)

@@ -105,7 +105,7 @@ class Approvals:
         """Carry out what a person has decided: an allowed goal is sent at once, and only once.
 
         Args:
-            number: The request's.
+            number: The number of the request.
             allowed: False if the person denied it.
 
         Returns:

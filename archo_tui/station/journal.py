@@ -141,7 +141,7 @@ class Journal:
         The next entry that is written has the number of lost ones as `lost_before`.
 
         Args:
-            unix_time: When it happened, in seconds.
+            unix_time: The Unix time of the event, in seconds.
             kind: The kind of the entry, such as `alarm` or `event`.
             **what: Its further keys, with values that JSON has.
         """

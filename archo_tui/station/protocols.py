@@ -18,10 +18,10 @@ class Frontend(Protocol):
     """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work that the operator wants; the app waits for its answer before it ends."""
+        """Start work of the operator, for whose end the app waits before it ends itself."""
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work of another program; no front end waits for it before it ends."""
+        """Start work of another program, for whose end no frontend waits when it ends itself."""
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
         """Show the robot's answer to a goal of the queue: the verb that sent it has returned."""
@@ -69,5 +69,5 @@ class Recorder(Protocol):
             written: Is called on the loop when the recording is on the disk, or cannot be written.
 
         Returns:
-            What is recorded, or why nothing is: `written` is called only for the former.
+            DONE if the recording has begun: only then `written` is called.
         """

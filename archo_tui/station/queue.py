@@ -24,7 +24,7 @@ class QueuedGoal(NamedTuple):
         kind: The robot file's entry for it.
         values: The values of the goal, by dotted path in the goal message.
         stop_count: STOPs that had been read when it was typed, or when the queue was resumed.
-        requester: Who requested it.
+        requester: The person or program that requested it.
         end: Set to the goal's outcome when it has ended; None if nobody waits for that.
     """
 

@@ -66,7 +66,7 @@ class UndoList:
         return "" if is_there else f"{self.last.node} has left the graph"
 
     def changed_since(self, snapshot: Snapshot) -> dict[str, Any]:
-        """Return what somebody else has changed since the last change, which undo would lose.
+        """Return the values that somebody else has set since the last change: undo would lose them.
 
         Returns:
             The values now of those parameters of the last change, by name; None for a parameter

@@ -66,7 +66,7 @@ class Verb:
     Attributes:
         id: The word that is typed.
         title: The name on the screen.
-        help: What the verb does, in one sentence.
+        help: The description of what it does, in one sentence.
         arguments: The values that it takes, in the order in which they are typed.
         acts: True if it changes something: it does not run while the console only watches.
         moves: True if it may set the robot in motion.

@@ -56,7 +56,16 @@ def is_known(station: Station, name: str, found: Collection[str]) -> bool:
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
-    """Return the type that a name has on the graph; raise ValueError for none or several."""
+    """Return the type that a name has on the graph.
+
+    Args:
+        what: `action` or `service`, for the error.
+        name: The full name.
+        found: The types on the graph by full name.
+
+    Raises:
+        ValueError: The name has no type, or several.
+    """
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
         raise ValueError(f"no {what} {name} is on the graph{near}")

@@ -46,7 +46,7 @@ class FollowedMessage(NamedTuple):
 
     @property
     def left_out_text(self) -> str:
-        """Return how many messages were left out, or ""."""
+        """Return `3 left out`, or "" if no message was."""
         return f"{self.left_out} left out" if self.left_out else ""
 
 

@@ -182,7 +182,7 @@ class LogLevel(Verb):
 
 
 def _served_names(hosted: Hosted) -> list[str]:
-    """Return what a node serves, without the namespace."""
+    """Return the services and actions of a node, without the namespace."""
     return [base_name(name) for name in hosted.serves]
 
 

@@ -9,7 +9,7 @@ class SubstitutionFailure(RuntimeError):
     """The error for a substitution without a value: the launch file is not run.
 
     Attributes:
-        place: Where the substitution was written; None if only the traceback says it.
+        place: The line of the substitution; None if only the traceback has it.
     """
 
     def __init__(self, msg: object, place: Place | None = None) -> None:
@@ -25,7 +25,7 @@ class NotHereError(Exception):
     """The error for a part of launch that is not supported: the action that needs it is left out.
 
     Attributes:
-        place: Where the part was written.
+        place: The line of that part.
         is_value: True for a value that an action needs, which may be written elsewhere.
     """
 

@@ -136,7 +136,7 @@ class Node(Action):
     def _ros_args(
         self, context: LaunchContext, name: str | None, namespace: str | None
     ) -> Iterator[str]:
-        """Yield what follows `--ros-args`, in the order in which launch_ros writes it."""
+        """Yield the words after `--ros-args`, in the order in which launch_ros writes them."""
         yield from [perform_substitutions(context, part) for part in self._ros_arguments]
         if name is not None:
             yield from ("-r", f"__node:={name}")

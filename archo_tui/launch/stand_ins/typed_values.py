@@ -47,7 +47,7 @@ def perform_typed(context: LaunchContext, given: Any, value_type: Any) -> Any:
 
     Args:
         context: The context of the substitutions.
-        given: What `check_typed` has accepted.
+        given: A value that `check_typed` has accepted.
         value_type: The type, as for `check_typed`.
 
     Raises:
