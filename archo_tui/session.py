@@ -205,6 +205,7 @@ class Session:
                 make_program=self._make_program,
             )
             robot.own_nodes = self.host.names
+            robot.unended_nodes = self.host.unended_names
             self._node_files = [NodeFile(given) for given in self._node_names]
             self._programs = self._own_programs()
             self._shares = self._package_shares()

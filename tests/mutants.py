@@ -46,6 +46,7 @@ FAULTS = [
     Fault("robot/stop_latch.py", "            self._cast_lasting_doubt(\"the robot moves\")", "            pass", ROBOT + "/test_stop_not_reported.py"),
     Fault("robot/stop_latch.py", "        if not self._lasting_doubt:\n", "        if True:\n", ROBOT + "/test_stop_not_reported.py"),
     Fault("robot/stop_latch.py", "self._is_held_here and not now", "not now", ROBOT + "/test_latch.py"),
+    Fault("robot/stop_latch.py", " and not may_return", "", ROBOT + "/test_stop_held_here.py"),
     Fault("robot/goal_guard.py", "        if stop_state.stop_holds and not gate.is_shut:", "        if False:", ROBOT + "/test_stop_not_reported.py"),
     Fault("robot/state/snapshot.py", " or self.says_stopped or self.stop_holds", " or self.says_stopped", ROBOT + "/test_stop_not_reported.py"),
     Fault("robot/stop_latch.py", "        elif self._reported and self._sent is None:", "        elif False:", ROBOT + "/test_stop_and_motion.py"),

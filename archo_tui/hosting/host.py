@@ -130,6 +130,11 @@ class Host:
         """Return the full names of all nodes of this process; may be called on any thread."""
         return [*(hosted.name for hosted in self.nodes), *self.programs.names()]
 
+    def unended_names(self) -> list[str]:
+        """Return the full names of the nodes whose code may still run; on any thread."""
+        ended = (Life.STOPPED, Life.CRASHED, Life.ENDED)
+        return [hosted.name for hosted in self.states() if hosted.life not in ended]
+
     def start_node(self, name: str) -> Outcome:
         """Construct a stopped or crashed node again and spin it, or run its program again.
 

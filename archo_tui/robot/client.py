@@ -86,6 +86,7 @@ class Robot:
         stops: The STOPs that were read, which void what was typed before them.
         own_nodes: Returns the full names of the nodes that this process hosts, whose coming and
             leaving its host reports.
+        unended_nodes: Returns those of them whose code may still run.
     """
 
     def __init__(
@@ -115,6 +116,7 @@ class Robot:
         self._secrets = secrets or SecretNames()
         self._clock = clock
         self.own_nodes: Callable[[], Collection[str]] = tuple
+        self.unended_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         message_classes.load_all(file)
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
@@ -170,7 +172,7 @@ class Robot:
             self._services,
             self._graph,
             self._interface_checks,
-            lambda: self.own_nodes(),
+            lambda: self.unended_nodes(),
             self._snapshots.send,
             self._reporter.stop_result,
         )

@@ -9,8 +9,9 @@ The rules, each of which is checked in one method:
    so does another console that releases it (`released_elsewhere`).
 4. A robot that reports it decides by its reports: `on_motion`.
 5. A robot that moves on behind a confirmed STOP does not obey: `is_not_obeyed`.
-6. If every node that confirmed it was run by this process, and all of them have left, nothing
-   holds it any more: `check_holders`. A release then forgets it, since no node could confirm one.
+6. If every node that confirmed it was run by this process, and all of them have ended and left,
+   nothing holds it any more: `check_holders`. A release then forgets it, since no node could
+   confirm one. A node elsewhere that has served it since may hold it, too, however it got it.
 
 Nothing is sent from here.
 """
@@ -49,7 +50,7 @@ class StopLatch:
         service: str,
         clock: Clock,
         graph: Graph,
-        own_nodes: Callable[[], Collection[str]],
+        unended_nodes: Callable[[], Collection[str]],
         on_change: Callable[[], None],
     ) -> None:
         """Remember nothing yet.
@@ -58,11 +59,12 @@ class StopLatch:
             service: The STOP's service as in the robot file; empty: the robot has none.
             clock: The console's clock.
             graph: Tells which nodes serve the STOP.
-            own_nodes: Returns the full names of the nodes that this process runs.
+            unended_nodes: Returns the full names of the nodes of this process whose code may
+                still run. A program that is suspended leaves the graph, and returns.
             on_change: Called when `state`, `doubt` or `holders_have_ended` has changed.
         """
         self._service, self._clock, self._graph = service, clock, graph
-        self._own_nodes, self._on_change = own_nodes, on_change
+        self._unended_nodes, self._on_change = unended_nodes, on_change
         self.state = Latch.NONE
         self.doubt = ""
         self.time = 0.0
@@ -74,7 +76,7 @@ class StopLatch:
         self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
         self._other_console = ""  # The console that sent the STOP; empty: this one.
         self._holders: Ids = {}  # The nodes that confirmed it.
-        self._is_held_here = False  # All of them were run by this process.
+        self._is_held_here = False  # Only nodes that this process runs have served it since.
         self._stopped_early: set[str] = set()  # Nodes that carried it out before they spun.
         self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
         self._reports_stop = False  # The robot reports whether it is stopped.
@@ -94,7 +96,7 @@ class StopLatch:
         # They may have left by now: any node that comes later would pass for them.
         self._holders = self._graph.holders(self._service) or self.asked
         self._stopped_early.clear()
-        self._is_held_here = bool(self._holders) and self._holders.keys() <= {*self._own_nodes()}
+        self._is_held_here = bool(self._holders) and self._are_run_here(self._holders)
         self.holders_have_ended = False
 
     def release(self) -> None:
@@ -156,11 +158,20 @@ class StopLatch:
             return
         before = (self.state, self.doubt, self.holders_have_ended)
         now = self._graph.holders(self._service)
-        self.holders_have_ended = self._is_held_here and not now
+        new = {node: ids for node, ids in now.items() if ids != self._holders.get(node)}
+        self._is_held_here = self._is_held_here and self._are_run_here(new)
+        may_return = self._holders.keys() & {*self._unended_nodes()}
+        self.holders_have_ended = self._is_held_here and not now and not may_return
         if not self._lasting_doubt:
             self._compare_holders(now)
         if before != (self.state, self.doubt, self.holders_have_ended):
             self._on_change()
+
+    def _are_run_here(self, nodes: Ids) -> bool:
+        """Return whether this process runs all of these nodes, without a namesake elsewhere."""
+        return nodes.keys() <= {*self._unended_nodes()} and all(
+            len(ids) == 1 for ids in nodes.values()
+        )
 
     def _compare_holders(self, now: Ids) -> None:
         """Make the STOP certain or uncertain (rule 2).

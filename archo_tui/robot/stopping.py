@@ -54,7 +54,7 @@ class Stopping:
         pending: Services,
         graph: Graph,
         checks: InterfaceChecks,
-        own_nodes: Callable[[], Collection[str]],
+        unended_nodes: Callable[[], Collection[str]],
         on_change: Callable[[], None],
         report: Callable[[str, Code], None],
     ) -> None:
@@ -67,7 +67,8 @@ class Stopping:
             pending: Makes the calls.
             graph: Tells which services are offered.
             checks: Tell the types of services.
-            own_nodes: Returns the full names of the nodes that this process runs.
+            unended_nodes: Returns the full names of the nodes of this process whose code may
+                still run.
             on_change: Called when `open` or `latch` has changed.
             report: Called with the text and code of an outcome that no verb waits for any more.
         """
@@ -77,7 +78,7 @@ class Stopping:
         self._begun = clock.monotonic()
         self.open: OpenStop | None = None
         self.latch = StopLatch(
-            "" if stop is None else stop.service, clock, graph, own_nodes, on_change
+            "" if stop is None else stop.service, clock, graph, unended_nodes, on_change
         )
         self._first_turn = 0  # Of the open STOP: an answer to an earlier call is not to it.
         self._answered_turn = 0  # Of the last call whose answer is shown.

@@ -323,6 +323,20 @@ def test_a_stop_whose_program_has_ended_is_released_by_forgetting_it() -> None:
         wait_until(lambda: "emergency_stop" in robot.snapshot.offered)
 
 
+def test_a_stop_of_a_node_elsewhere_with_an_ended_programs_name_is_not_forgotten() -> None:
+    with running(written("motor.py", MOTOR)) as session:
+        robot = session.robot
+        wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+        assert session.host.stop_node("/motor_controller").ok
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        with running(written("elsewhere.py", MOTOR), domain_id=session.options.domain_id):
+            wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+            assert asyncio.run(robot.emergency_stop()).ok
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        assert asyncio.run(robot.release_emergency_stop()).code is Code.NOT_OFFERED
+        assert robot.snapshot.is_stopped
+
+
 def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
     text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
     with running(written("mine.py", text), only=False) as session:
