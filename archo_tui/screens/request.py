@@ -20,6 +20,7 @@ from archo_tui.station.approval_requests import READING_TIME, ApprovalRequest, q
 from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import InputTime, now
 from archo_tui.widgets.button import Button
+from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.words import line_by_line
 
 _AROUND = 5  # Rows other than the question: answers, borders, the keys below.
@@ -105,7 +106,14 @@ class AnswerRequest(Dialog[None]):
         self.call_after_refresh(self._set_drawn)
 
     def _set_drawn(self) -> None:
-        self._drawn_at = now()
+        if not self._is_covered:
+            self._drawn_at = now()
+
+    @property
+    def _is_covered(self) -> bool:
+        """True if a notice hides a part of the request."""
+        notice, question = self.query_one(NoticeLine), self.query_one(VerticalScroll)
+        return notice.display and notice.region.overlaps(question.region)
 
     def _is_end_visible(self, widget: Widget) -> bool:
         """Return True if the bottom right corner of a widget is not scrolled away."""
@@ -122,7 +130,7 @@ class AnswerRequest(Dialog[None]):
             self.dismiss()
         elif is_waiting:
             self._show_request()
-            if self._is_unseen():
+            if self._is_unseen() or math.isinf(self._drawn_at):
                 self._restart_reading()
 
     def _show_request(self) -> None:
@@ -140,6 +148,11 @@ class AnswerRequest(Dialog[None]):
 
     def _give_answer(self, is_allowed: bool) -> None:
         """Answer the request and close the dialog, or tell why the answer does not count."""
+        if self._is_covered:
+            self._drawn_at = math.inf
+            text = "Wait until this message has gone: it hides a part of the request."
+            self.notify(text, severity="warning", markup=False)
+            return
         typed = self._input_time()
         is_early = (
             typed is None or typed.at - self._drawn_at < READING_TIME or typed.pause < MIN_PAUSE

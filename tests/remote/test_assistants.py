@@ -262,6 +262,32 @@ async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> Non
         await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
 
+async def test_what_a_notice_hides_is_not_allowed_until_it_was_read_without_it() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.pilot.resize_terminal(50, 12)
+        await opened(op)
+        await op.press("tab")
+        op.app.show_message("something to read that goes on for more than a line of fifty cells")
+        await op.settle()
+        assert "wants: go to shelf 12" not in op.text
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("▲ Wait until this message has gone")
+        op.app.clear_notifications()
+        await op.until("wants: go to shelf 12")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        assert op.app.view.snapshot.running_goal is None
+        op.app.clear_notifications()
+        await op.until("wants: go to shelf 12")
+        op.app.tick()
+        await read(op)
+        await op.press("enter")
+        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
+
+
 @pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
