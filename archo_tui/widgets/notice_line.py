@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
-
 from textual import events
 from textual.content import Content
 from textual.widgets import Static
@@ -28,9 +26,9 @@ def notice_text(notice: Notice, width: int) -> Content:
     glyph, style = _LOOKS[notice.severity]
     more = f"+{notice.waiting} " if notice.waiting else ""
     room = max(width - len(f" {glyph} {more} "), 8)
-    first, *rest = textwrap.wrap(
-        harmless(notice.text), room, max_lines=_MAX_LINES, placeholder=" …"
-    ) or [""]
+    first, *rest = (line.plain for line in Content(harmless(notice.text)).wrap(room))
+    if len(rest) >= _MAX_LINES:
+        rest = [*rest[: _MAX_LINES - 2], " ".join(rest[_MAX_LINES - 2 :])]
     head = f" {glyph} {crop(first, room)}"
     gap = " " * (width - len(more) - Content(head).cell_length) if more else ""
     lines = [f"{head}{gap}{more}", *(f"   {crop(line, room)}" for line in rest)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rich.cells import cell_len
+
 from archo_tui.widgets.notice_line import notice_text
 from archo_tui.widgets.notices import Notice, Notices
 
@@ -65,7 +67,14 @@ def test_a_long_notice_goes_on_below_and_a_very_long_one_is_cut() -> None:
     assert len(lines) == 3
     assert max(map(len, lines)) == 30
     assert lines[0].endswith(" +1 ")
-    assert lines[-1].endswith(" …")
+    assert lines[-1].endswith("…")
+
+
+def test_a_long_notice_in_wide_characters_loses_none_of_them_between_lines() -> None:
+    text = "电池电量过低请立即充电否则机器人会停在货架之间并且需要人工搬运"
+    lines = notice_text(Notice(text, "error"), 30).plain.splitlines()
+    assert max(map(cell_len, lines)) == 29
+    assert "".join(line[3:] for line in lines) == text
 
 
 def test_a_notice_in_two_lines_is_one_notice() -> None:
