@@ -313,7 +313,7 @@ FAULTS = [
     Fault("terminal/compositor.py", "            self._cuts = None\n", "", "tests/screens/test_compositor.py"),
     Fault("words/event_rows.py", "len(found) >= event.count", "found", "tests/verbs/test_event_rows.py"),
     Fault("words/event_rows.py", ' or ", answered late" in event.text', "", "tests/verbs/test_event_rows.py"),
-    Fault("widgets/notices.py", "            entry.until = now +", "            entry.until = 0 * now +", "tests/widgets/test_notices.py"),
+    Fault("widgets/notices.py", "was_shown = now +", "was_shown = 0 * now +", "tests/widgets/test_notices.py"),
     Fault("screens/main.py", " + is_needed\n", "\n", "tests/screens/test_notices.py"),
     Fault("widgets/field.py", "virtual_size = Reactive(Size(0, 0))", "virtual_size = Reactive(Size(0, 0), layout=True)", "tests/widgets/test_field.py"),
     # what a terminal sends

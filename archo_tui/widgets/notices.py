@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from textual.notifications import SeverityLevel
 
+# Seconds that a notice waits behind graver ones: a later one would tell of what is long past.
+_MAX_WAIT = 10.0
 _GRAVITY: tuple[SeverityLevel, ...] = ("information", "warning", "error")
 
 
@@ -26,17 +28,26 @@ class Notice(NamedTuple):
 
 @dataclass
 class _Entry:
-    """A notice, and the monotonic time (in s) at which it goes: None until it has been shown."""
+    """A notice that has not gone yet.
+
+    Attributes:
+        notice: The notice.
+        duration: Seconds for which it is shown.
+        until: The monotonic time, in s, at which it goes; None before it was to be shown.
+        was_shown: True once it has been shown.
+    """
 
     notice: Notice
     duration: float
     until: float | None = None
+    was_shown: bool = False
 
 
 class Notices:
     """The notices that have not gone yet, of which the gravest is shown, then the newest.
 
-    The time of a notice begins when it is shown for the first time: behind a graver one it waits.
+    The time of a notice begins when it is shown for the first time: behind a graver one it waits,
+    but never for long.
     """
 
     def __init__(self) -> None:
@@ -64,8 +75,11 @@ class Notices:
         entry = self._gravest()
         if entry is None:
             return None
-        if entry.until is None:
-            entry.until = now + entry.duration
+        for waiting in self._entries:
+            if waiting.until is None:
+                waiting.until = now + _MAX_WAIT
+        if not entry.was_shown:
+            entry.until, entry.was_shown = now + entry.duration, True
         return entry.notice._replace(waiting=len(self._entries) - 1)
 
     def dismiss(self) -> None:

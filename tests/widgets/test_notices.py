@@ -34,6 +34,15 @@ def test_a_notice_behind_an_error_has_its_whole_time_afterwards() -> None:
     assert texts(notices, 4, 5, 9.9, 10) == ["failed", "refused", "refused", None]
 
 
+def test_a_notice_that_waited_long_behind_errors_is_not_shown_any_more() -> None:
+    notices = Notices()
+    notices.add("refused", "warning", 5)
+    for second in (0, 4, 8):
+        notices.add(f"failed at {second}", "error", 5)
+        assert texts(notices, second) == [f"failed at {second}"]
+    assert texts(notices, 12.9, 13) == ["failed at 8", None]
+
+
 def test_an_equal_notice_is_shown_once_with_its_whole_time() -> None:
     notices = Notices()
     notices.add("refused", "warning", 5)
