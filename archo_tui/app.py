@@ -180,8 +180,10 @@ class ArchoApp(KeyedApp):
         self._show_notice()
 
     def _show_notice(self) -> None:
-        if self.front.main.is_mounted:
-            self.front.main.show_notice(self._notices.shown(self.station.clock.monotonic()))
+        notice = self._notices.shown(self.station.clock.monotonic())
+        for main in {self.front.main, self.main}:  # The second one may lie below a replay.
+            if main.is_mounted:
+                main.show_notice(notice)
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id, or say why it cannot run.

@@ -322,3 +322,14 @@ async def test_what_the_live_robot_answers_late_is_not_taken_for_the_replays() -
         op.app.replay.report_failure(Outcome(Code.REFUSED, "not in the recording"))
         await op.until("not in the recording")
         assert op.line("· Replay: not in")
+
+
+async def test_a_notice_that_went_during_a_replay_is_not_shown_after_it() -> None:
+    async with recorded() as op:
+        op.app.show_message("something to read")
+        await op.until("something to read")
+        await play(op)
+        op.app.clear_notifications()
+        await op.press("q")
+        assert op.app.replay is None
+        assert "something to read" not in op.text
