@@ -62,7 +62,7 @@ def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> Non
     assert terminal.exit_code() == 0
 
 
-@pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["312 7\r\x18"]))
+@pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["g12 7\r\x18"]))
 def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)
