@@ -12,7 +12,7 @@ from typing import NamedTuple
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
-from archo_tui.words.event import is_of_own_file
+from archo_tui.words.event import is_of_own_file, outcome_glyph
 
 _REQUESTED = ("YOU", "SHELL", "AI")  # The levels of what this console did, for whomever.
 _LINKS = ("is", "to", "at", "the")  # They go with the words that they link to.
@@ -35,18 +35,33 @@ class EventRow(NamedTuple):
     time: float
 
 
+class _Act(NamedTuple):
+    """A STOP, a release or a refusal, of which nodes may warn in the same words.
+
+    Attributes:
+        time: The Unix time of its event.
+        words: The words of that event.
+        event: The event.
+    """
+
+    time: float
+    words: frozenset[str]
+    event: Event
+
+
 def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventRow]:
     """Return the rows for events, in which each outcome is said once.
 
     An answer is shown without the words that its request has already, and a confirmed STOP and its
-    release are one row, in the place of the release. A node's warning that only repeats what
-    was just done or refused is part of that row.
+    release are one row, in the place of the release. A node's warning that only repeats a STOP, its
+    release, or what was just refused, is part of that row.
 
     Args:
         events: The events, oldest first.
         hosted: The nodes of this process; what those of the user's own files log stays.
     """
-    acts = sorted((e for e in events if e.level in OWN_LEVELS), key=lambda event: event.time)
+    warned = sorted(filter(_is_warned, events), key=lambda event: event.time)
+    acts = [_Act(e.time, _words(f"{e.text} {e.command} {e.code}"), e) for e in warned]
     echoes: defaultdict[int, list[Event]] = defaultdict(list)  # By the number of the act.
     rows: list[EventRow] = []
     stop: EventRow | None = None  # Of the last one that was confirmed and has no end yet.
@@ -81,6 +96,8 @@ def without_repeats(text: str) -> str:
     repeated = 0  # The number of words that go.
     for number, word in enumerate(words, 1):
         is_link = word.casefold() in _LINKS
+        if not repeated and word.lstrip("(+-.")[:1].isdigit():  # `3 retries` of shelf 3.
+            break
         if _stem(word) in known or (is_link and 0 < repeated == number - 1):
             repeated = number
         elif not is_link:
@@ -116,12 +133,24 @@ def _stop_text(stop: Event, release: Event) -> str:
     return f"{stop.text} {time_of_day(stop.time)}, {end}"
 
 
-def _repeated_act(event: Event, acts: Sequence[Event], hosted: Sequence[Hosted]) -> Event | None:
+def _is_warned(event: Event) -> bool:
+    """Return True for what nodes warn of in the same words.
+
+    That is a STOP, its release, and what failed. What is set brings warnings that are news, as of a
+    battery that is low because of its new `low_battery_threshold`.
+    """
+    if event.level not in OWN_LEVELS:
+        return False
+    verb = "" if event.audit_record is None else event.audit_record.verb
+    return verb in ("stop", "release") or (verb != "set" and outcome_glyph(event) not in "✓·")
+
+
+def _repeated_act(event: Event, acts: Sequence[_Act], hosted: Sequence[Hosted]) -> Event | None:
     """Return what was done or refused at that time, if a warning has no word besides; else None.
 
     Args:
         event: Any event.
-        acts: The console's own events, by time.
+        acts: What nodes warn of, by time.
         hosted: The nodes of this process.
     """
     if event.level != "WARN" or is_of_own_file(event, hosted):
@@ -129,18 +158,18 @@ def _repeated_act(event: Event, acts: Sequence[Event], hosted: Sequence[Hosted])
     words = _words(event.text)
     begin = bisect_left(acts, event.first - _ECHO_TIME, key=lambda act: act.time)
     end = bisect_left(acts, event.time + _ECHO_TIME, key=lambda act: act.time)
-    found = [a for a in acts[begin:end] if words <= _words(f"{a.text} {a.command} {a.code}")]
+    found = [act.event for act in acts[begin:end] if words <= act.words]
     is_repeat = words and len(found) >= event.count and found[-1].time >= event.time - _ECHO_TIME
     return found[-1] if is_repeat else None
 
 
 @lru_cache(2048)
 def _words(text: str) -> frozenset[str]:
-    return frozenset(_stem(word) for word in re.split(r"[^\w.]|_", text) if word.strip("."))
+    return frozenset(_stem(word) for word in re.split(r"[^\w.+-]|_", text) if word.strip(".+-"))
 
 
 def _stem(word: str) -> str:
     """Return a word as it is in all its forms, without punctuation: `releas` of `Released;`."""
-    word = word.strip(".,:;()").casefold()
+    word = word.strip(",:;()").rstrip(".").rstrip(",:;()").casefold()  # Not the point of `.5`.
     stem = _ENDING.sub("", word)
     return stem if len(stem) > 3 else word

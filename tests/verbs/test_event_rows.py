@@ -50,6 +50,13 @@ def texts_of(*events: Event, hosted: tuple[Hosted, ...] = ()) -> list[str]:
         ("set motor max_speed 0.4: max_speed is 0.4, was 0.8", "set motor max_speed 0.4: was 0.8"),
         ("set motor max_speed 9: max_speed is 2, was 0.8", "set motor max_speed 9: 2, was 0.8"),
         ("level of a ERROR: ERROR and above", "level of a ERROR: ERROR and above"),
+        ("shelf 3 aborted: 3 retries failed", "shelf 3 aborted: 3 retries failed"),
+        ("set motor gain 5: gain is .5", "set motor gain 5: .5"),
+        ("charge: Charging refused", "charge: refused"),
+        ("charge: Charge: not possible", "charge: not possible"),
+        ("reset encoder: Encoder not reset", "reset encoder: not reset"),
+        ("charge: 充电失败", "charge: 充电失败"),
+        ("charge: ", "charge"),
         ("STOP: confirmed", "STOP: confirmed"),
         ("Arrived at shelf 12", "Arrived at shelf 12"),
     ],
@@ -126,6 +133,20 @@ def test_a_warning_that_only_repeats_an_outcome_is_part_of_its_row() -> None:
 )
 def test_a_warning_that_says_more_is_a_row(log: Event) -> None:
     assert len(texts_of(log, did(10.2, "stop", "STOP: confirmed", command=STOP))) == 2
+
+
+def test_a_warning_of_what_was_set_is_a_row_since_it_is_news() -> None:
+    threshold = "battery_monitor low_battery_threshold 90"
+    command = f"ros2 param set /{threshold}"
+    for text, code in (("was 20", Code.DONE), ("not in range", Code.REFUSED)):
+        act = did(10.2, "set", f"set {threshold}: {text}", code, command=command)
+        assert len(texts_of(act, logged(10.4, "Low battery", source="battery_monitor"))) == 2
+
+
+def test_a_warning_of_a_number_with_another_sign_is_a_row() -> None:
+    refused = did(10.2, "tilt", "tilt to 5: angle 5 refused", Code.REFUSED)
+    assert len(texts_of(refused, logged(10, "angle 5 refused"))) == 1
+    assert len(texts_of(refused, logged(10, "angle -5 refused"))) == 2
 
 
 def test_a_warning_that_came_more_often_than_it_was_done_is_a_row() -> None:
