@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from textual.notifications import SeverityLevel
 
-# Seconds that a notice waits behind graver ones: a later one would tell of what is long past.
-_MAX_WAIT = 10.0
+# A notice waits behind graver ones for so many times its duration: after that it would tell of what
+# is long past.
+_MAX_WAIT = 2
 _GRAVITY: tuple[SeverityLevel, ...] = ("information", "warning", "error")
 
 
@@ -77,7 +78,7 @@ class Notices:
             return None
         for waiting in self._entries:
             if waiting.until is None:
-                waiting.until = now + _MAX_WAIT
+                waiting.until = now + _MAX_WAIT * waiting.duration
         if not entry.was_shown:
             entry.until, entry.was_shown = now + entry.duration, True
         return entry.notice._replace(waiting=len(self._entries) - 1)
