@@ -29,10 +29,12 @@ from archo_tui.station import form_history
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.terminal.stop_marks import now
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
-from archo_tui.widgets.notices import Notices
+from archo_tui.widgets.notice_line import NoticeLine
+from archo_tui.widgets.notices import Notice, Notices
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -78,6 +80,7 @@ class ArchoApp(KeyedApp):
         self._leaves = False
         self.has_sent = True  # False once it is known that this user has never sent a goal.
         self._notices = Notices()
+        self._notice: Notice | None = None  # The one that is shown.
         self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
         self.view = self._view()
         self.main.goal.send = self._send_goals
@@ -181,6 +184,10 @@ class ArchoApp(KeyedApp):
 
     def _show_notice(self) -> None:
         notice = self._notices.shown(self.station.clock.monotonic())
+        before, self._notice = self._notice, None if notice is None else notice._replace(waiting=0)
+        if before not in (None, self._notice):
+            for line in self.screen.query(NoticeLine):
+                self._gone_notice = line.region, now()
         for main in {self.front.main, self.main}:  # The second one may lie below a replay.
             if main.is_mounted:
                 main.show_notice(notice)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from textual import events
 from textual.binding import Binding
+from textual.geometry import Region
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
@@ -77,7 +78,8 @@ class KeyedApp(TerminalApp):
         self._last_key, self._last_typed = "", 0.0
         self._last_stops: int | None = None  # The count of STOPs read before the last input.
         self._acted: tuple[object, ...] = ()  # Where the last key acted.
-        self._pressed_stop = False
+        self._pressed_stop = self._pressed_gone = False
+        self._gone_notice = Region(), -math.inf  # Where it was, and the `event.time` of its end.
         self._shut_since: float | None = None  # When a STOP closed the dialog that keys were for.
         self._shut_said = False  # True once a message told of dropped keys.
         self._shut_by = ""  # What closed it.
@@ -168,6 +170,8 @@ class KeyedApp(TerminalApp):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
                 return
+        if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
+            return
         await self._handle(event, repeated)
 
     def closed_by_stop(self, why: str) -> None:
@@ -240,6 +244,20 @@ class KeyedApp(TerminalApp):
         self.repeated = False
         self.action_command("stop")
         return True
+
+    def _is_for_gone_notice(self, event: events.MouseEvent) -> bool:
+        """Return True for a press, and its release, until HELD after a notice there has gone.
+
+        It was meant for that notice, as the second press of a double click is. What lies below may
+        command the robot, and what took its place has not been read.
+        """
+        if isinstance(event, events.MouseUp) and self._pressed_gone:
+            self._pressed_gone = False
+            return True
+        region, since = self._gone_notice
+        is_there = isinstance(event, events.MouseDown) and region.contains(event.x, event.y)
+        self._pressed_gone = is_there and event.time - since < HELD
+        return self._pressed_gone
 
     def _record_input(self, event: events.Event) -> bool:
         """Record when a key, paste or press was read, and which STOPs came before it.
