@@ -199,7 +199,7 @@ class Session:
             )
             robot = self.robot
             self.host = Host(
-                *(self._context, robot.note, robot.node_gone),
+                *(self._context, robot.note, robot.end_goals_of_node),
                 early_stop_request=robot.early_stop_request,
                 on_early_stop=robot.early_stop_confirmed,
                 make_program=self._make_program,

@@ -43,21 +43,21 @@ def summarize(value: Any, element: str) -> ArraySummary:
     kind = f"{ros2msg_type(element)}[{len(value)}]"
     if element in _BYTES:
         first = value[:_FIRST_BYTES]
-        joined = b"".join(first) if element == "octet" else bytes(listed(first))
+        joined = b"".join(first) if element == "octet" else bytes(as_list(first))
         return ArraySummary(kind, len(value), first=joined.hex(" "))
     if NESTED.fullmatch(element) or element.partition("<")[0] in _NOT_NUMBERS:
         return ArraySummary(kind, len(value))
     ends: list[float] = []
     nan = 0
     for start in range(0, len(value), _CHUNK):
-        chunk = listed(value[start : start + _CHUNK])
+        chunk = as_list(value[start : start + _CHUNK])
         numbers = [number for number in chunk if number == number]
         nan += len(chunk) - len(numbers)
         ends += [min(numbers), max(numbers)] if numbers else []
     return ArraySummary(kind, len(value), min(ends, default=None), max(ends, default=None), nan)
 
 
-def listed(value: Any) -> list[Any]:
+def as_list(value: Any) -> list[Any]:
     """Return the elements of an array as Python's own values."""
     found: list[Any] = value.tolist() if hasattr(value, "tolist") else list(value)
     return found

@@ -11,7 +11,7 @@ _LINES, _SPAN = 5, 20.0  # At most so many lines in so many seconds; later nodes
 
 
 class Arrivals:
-    """Compares the nodes of each poll of the graph with those of the poll before.
+    """A comparison of the nodes of each poll of the graph with those of the poll before.
 
     There is no line for a node that comes while the graph is first discovered, nor for a node of
     this process: whoever starts and stops that one reports it.

@@ -27,7 +27,7 @@ from archo_tui.clock import Clock
 from archo_tui.robot import audit_records, message_classes, messages, services
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.clock_offsets import ClockOffsets
-from archo_tui.robot.consoles import own_name
+from archo_tui.robot.consoles import new_node_name
 from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
@@ -121,7 +121,7 @@ class Robot:
         message_classes.load_all(file)
         masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
-            own_name(), on_message, masks, context=context, start_parameter_services=False
+            new_node_name(), on_message, masks, context=context, start_parameter_services=False
         )
         # The robot's time may stand still, or jump.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
@@ -439,13 +439,13 @@ class Robot:
         inspection = Inspection(self._node, self._clock, topic, message_class, on_data)
 
         async def begin() -> None:
-            inspection.begin()
+            inspection.subscribe()
 
         try:
             await self._thread.run(begin, QUESTION_TIMEOUT)
             yield inspection
         finally:
-            self._thread.submit(inspection.end)  # After `begin`, however late that comes.
+            self._thread.submit(inspection.unsubscribe)  # After the other, however late.
 
     def refit(self, inspection: Inspection) -> None:
         """Have an inspection subscribe again if its publishers have changed their QoS."""
@@ -460,7 +460,7 @@ class Robot:
         """Show a topic several times a second until the task is cancelled: see `TopicFollower`."""
         await TopicFollower(self, self._clock, topic, request, show).run()
 
-    def node_gone(self, served: Sequence[str]) -> None:
+    def end_goals_of_node(self, served: Sequence[str]) -> None:
         """End the goals of actions whose node, hosted by this process, has gone. Any thread.
 
         Args:
@@ -468,7 +468,9 @@ class Robot:
         """
 
         def end() -> None:
-            self._goals.node_gone(lambda kind: self._interface_checks.full(kind.action) in served)
+            self._goals.end_goals_of_node(
+                lambda kind: self._interface_checks.full(kind.action) in served
+            )
 
         self._thread.submit(end)
 

@@ -15,7 +15,7 @@ _LONGEST = 200  # Characters; rclpy accepts 255.
 _numbers = itertools.count(1)
 
 
-def own_name() -> str:
+def new_node_name() -> str:
     """Return a new node name: user, host and process, as in `_archo_console_anna_lab_4711`.
 
     A second name in one process ends with `_2`, and so on.

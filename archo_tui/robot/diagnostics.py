@@ -33,8 +33,8 @@ class Diagnostics:
         copied.all, copied._by_name, copied._periods = self.all, self._by_name, dict(self._periods)
         return copied
 
-    def take(self, message: Any, now: float) -> bool:
-        """Take in a DiagnosticArray that came at `now`, in monotonic seconds.
+    def add(self, message: Any, now: float) -> bool:
+        """Add the statuses of a DiagnosticArray that came at `now`, in monotonic seconds.
 
         Returns:
             True if a level differs from the one before, or a name is new.
@@ -47,7 +47,7 @@ class Diagnostics:
             if name not in found and len(found) >= _MOST:
                 if level is DiagnosticLevel.OK:
                     continue
-                well = _well(self._by_name) if well is None else well
+                well = _names_that_are_ok(self._by_name) if well is None else well
                 while well and not _is_well(found.get(well[-1])):
                     well.pop()
                 if not well:
@@ -70,7 +70,7 @@ class Diagnostics:
         return changed
 
 
-def _well(found: Mapping[str, Diagnostic]) -> list[str]:
+def _names_that_are_ok(found: Mapping[str, Diagnostic]) -> list[str]:
     """Return the names of the statuses that are OK, the oldest last."""
     well = filter(_is_well, found.values())
     return [status.name for status in sorted(well, key=lambda status: -status.received)]

@@ -22,7 +22,7 @@ _DEPTH = 1000  # As the publishers' own.
 
 
 class EarlierLog:
-    """Collects the lines that nodes kept, and reports them once, in order, with their own times."""
+    """A collector of the lines that nodes kept, which reports them once, with their own times."""
 
     def __init__(
         self,

@@ -23,7 +23,7 @@ LEFT_OUT = f"lines were left out: more than {MOST_LINES} in a second"
 _READING = re.compile(r"-?(?<![\d.])\d+\.\d+(?!\.?\d)")
 
 
-def _common(level: str, source: str, text: str) -> object:
+def _repeat_key(level: str, source: str, text: str) -> object:
     """Return a key that is equal for an event and its repeats."""
     return level, source, _READING.sub("#", text)
 
@@ -90,7 +90,7 @@ class EventLog:
         """Return the part of the log for such an event, and its key there."""
         if level in OWN_LEVELS:
             return self._own, self._count
-        return self._routine if level in ROUTINE else self._worse, _common(level, source, text)
+        return self._routine if level in ROUTINE else self._worse, _repeat_key(level, source, text)
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from archo_tui.robot.interface_text import own_lines
+from archo_tui.robot.interface_text import type_lines
 from archo_tui.ros_names import parse_type
 
 # Units that may stand anywhere in a comment where a unit is expected.
@@ -50,7 +50,7 @@ class FieldNotes(NamedTuple):
 def notes_of(type_name: str) -> FieldNotes:
     """Return the notes on a type, such as `sensor_msgs/msg/BatteryState`. It reads a file."""
     parts = parse_type(type_name)
-    lines = None if parts is None else own_lines(parts)
+    lines = None if parts is None else type_lines(parts)
     return FieldNotes() if lines is None else read_notes(lines)
 
 

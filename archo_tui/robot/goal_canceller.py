@@ -21,12 +21,12 @@ FIND_PERIOD = 0.05  # Seconds between two looks for a server, or for an answer.
 
 
 class GoalCanceller:
-    """Requests actions to cancel goals, and reports what they answer."""
+    """The sender of requests to cancel goals, which reports their answers."""
 
     def __init__(
         self, node: Node, clock: Clock, pending: Services, note: Callable[[str, str], None]
     ) -> None:
-        """Cancel nothing yet.
+        """Create the canceller.
 
         Args:
             node: The console's node.
@@ -57,7 +57,7 @@ class GoalCanceller:
             Code.REFUSED, "the robot rejected the cancel: the goal continues or has ended"
         )
 
-    def begin(self, tracked: TrackedGoal) -> None:
+    def begin_cancel(self, tracked: TrackedGoal) -> None:
         """Begin to cancel a goal that was sent, without waiting for the answer."""
         self._task(self.cancel, tracked)
 
@@ -94,7 +94,7 @@ class GoalCanceller:
         Args:
             actions: Returns the actions that the console knows; their servers are waited for.
             others: The full names of further actions.
-            until: How long to wait for servers that are not found yet, in monotonic seconds.
+            until: The monotonic time in seconds until which missing servers are waited for.
         """
         asked: dict[str, Any] = {}
         while True:

@@ -33,7 +33,7 @@ def _seconds(status: Any) -> float:
 
 
 class GoalFinder:
-    """Passes status and feedback on to the goals that they are about, and tracks new goals."""
+    """The receiver of status and feedback, which passes them on to goals, and tracks new ones."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class GoalFinder:
         note: Callable[[str, str], None],
         watching: bool,
     ) -> None:
-        """Find nothing yet.
+        """Create the finder.
 
         Args:
             node: The console's node.
@@ -123,13 +123,13 @@ class GoalFinder:
     def on_feedback(self, action: GoalAction, message: Any) -> None:
         """Pass a feedback message on to its goal, which may have been lost until now."""
         goal_id = bytes(message.goal_id.uuid)
-        tracked = self._register.running.get(goal_id) or self._found_again(action, goal_id)
+        tracked = self._register.running.get(goal_id) or self._track_again(action, goal_id)
         if tracked is not None:
             tracked.on_feedback(message.feedback)
             if tracked.is_cancelled:  # The answer that it was accepted may have been lost.
                 self._canceller.cancel_if_unwanted(tracked)
 
-    def _found_again(self, action: GoalAction, goal_id: bytes) -> TrackedGoal | None:
+    def _track_again(self, action: GoalAction, goal_id: bytes) -> TrackedGoal | None:
         """Return a lost goal whose feedback comes again, now tracked; None for any other goal.
 
         Fast DDS does not send the status again to a console that lost sight of the node.

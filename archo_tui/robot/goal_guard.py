@@ -15,7 +15,7 @@ from archo_tui.robot_file.model import GoalKind, RobotFile
 
 
 class GoalGuard:
-    """Decides whether a goal may be sent. ROS thread only."""
+    """The decision whether a goal may be sent. ROS thread only."""
 
     def __init__(
         self,
@@ -25,7 +25,7 @@ class GoalGuard:
         telemetry: Telemetry,
         faults: Callable[[], Mapping[str, str]],
     ) -> None:
-        """Remember what decides.
+        """Create the guard.
 
         Args:
             file: The robot file.

@@ -37,7 +37,7 @@ class GoalVerbs:
         stopping: Stopping,
         lifecycles: Lifecycles,
     ) -> None:
-        """Send nothing yet.
+        """Create the verbs.
 
         Args:
             file: The robot file.
@@ -66,7 +66,7 @@ class GoalVerbs:
             values: The values by dotted path.
             queued: True for a goal of the queue, which is held behind a STOP, not sent.
         """
-        length = self._goal_watcher.length(kind)
+        length = self._goal_watcher.way_length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
         async def go(gate: Gate) -> Outcome:

@@ -20,7 +20,7 @@ WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.
 
 
 class GoalWatcher:
-    """Checks the goals that run, five times a second while there are any. ROS thread only.
+    """The check of the goals that run, five times a second while any does. ROS thread only.
 
     Attributes:
         still_running: The names of goals that still run after a STOP was answered.
@@ -38,7 +38,7 @@ class GoalWatcher:
         telemetry: Telemetry,
         snapshots: SnapshotSender,
     ) -> None:
-        """Watch nothing yet.
+        """Create the watcher; `on_change` starts its timer.
 
         Args:
             node: The console's node.
@@ -73,7 +73,7 @@ class GoalWatcher:
             self._set_still_running(())
             return
         now = self._clock.monotonic()
-        self._goals.update_lengths(self.length)
+        self._goals.update_lengths(self.way_length)
         self._goals.check(now, self._telemetry.motion)
         stopped = self._stopping.obeyed_since
         if stopped is not None:
@@ -84,8 +84,12 @@ class GoalWatcher:
             self.still_running = names
             self._snapshots.send_soon()
 
-    def length(self, kind: GoalKind) -> float | None:
-        """Return the length of the whole way for a kind of goal; None if it is not known."""
+    def way_length(self, kind: GoalKind) -> float | None:
+        """Return the length of the whole way for a kind of goal, by its robot file.
+
+        Returns:
+            The number there, or that of the parameter that is named there; None if not known.
+        """
         length = None if kind.remaining is None else kind.remaining.length
         if isinstance(length, ParameterRef):
             parameters, namespace = self._parameters.all(), self._graph.namespace

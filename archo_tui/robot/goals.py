@@ -175,7 +175,7 @@ class Goals:
             elif (
                 handle is not None
                 and handle.accepted
-                and (tracked.is_unwanted or not tracked.is_taken)
+                and (tracked.is_unwanted or not tracked.is_accepted)
             ):
                 self._note("WARN", f"{tracked.goal.name} was accepted after its end: cancelling it")
                 handle.cancel_goal_async()
@@ -254,7 +254,7 @@ class Goals:
 
         Args:
             others: The full names of further actions.
-            until: How long to wait for servers that are not found yet, in monotonic seconds.
+            until: The monotonic time in seconds until which missing servers are waited for.
         """
 
         def known() -> list[GoalAction]:
@@ -292,7 +292,7 @@ class Goals:
         for tracked in older:
             if tracked.goal.mine and now - tracked.tried_to_cancel > services.DEADLINE:
                 tracked.tried_to_cancel = now
-                self._canceller.begin(tracked)
+                self._canceller.begin_cancel(tracked)
         return tuple(tracked.goal.name for tracked in older)
 
     def forget_periods(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
@@ -311,7 +311,7 @@ class Goals:
         for tracked in list(self._register.running.values()):
             tracked.on_robot_message()
 
-    def node_gone(self, served: Callable[[GoalKind], bool]) -> None:
+    def end_goals_of_node(self, served: Callable[[GoalKind], bool]) -> None:
         """End the goals of a node of this process that was stopped or restarted, or crashed.
 
         Args:
@@ -319,7 +319,7 @@ class Goals:
         """
         for tracked in list(self._register.running.values()):
             if served(tracked.goal.kind):
-                tracked.node_gone()
+                tracked.end_as_gone()
 
     def check(self, now: float, motion: Motion) -> None:
         """Update every goal after a silence; call it about once a second.

@@ -49,7 +49,7 @@ class Graph:
     """
 
     def __init__(self, node: Node, robot: RobotFile) -> None:
-        """Know nothing yet.
+        """Create a graph without nodes, before the first poll.
 
         Args:
             node: The console's node.
@@ -173,7 +173,7 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _read_services(self) -> None:
-        """Read the names and types of services and actions; leave out those of every node."""
+        """Read the names and types of services and actions, except those that every node has."""
         services = dict(self._node.get_service_names_and_types())
         if services == self.services:
             return
@@ -190,7 +190,7 @@ class Graph:
                 self._named_services[name] = tuple(kinds)
 
     def is_published(self, topic: str) -> bool:
-        """Return whether a node publishes a topic, by its full name."""
+        """Return True if a node publishes a topic, by its full name."""
         return bool(self._node.count_publishers(topic))
 
     def is_ours(self, name: str) -> bool:

@@ -26,7 +26,7 @@ _EARLY = 0.05  # Seconds by which a poll may be early.
 
 
 class GraphPoller:
-    """Polls the graph, and everything that depends on what is there. ROS thread only.
+    """The polling of the graph, and of all that depends on what is there. ROS thread only.
 
     Attributes:
         faults: Why a topic, a service or an action is not used, by its name in the robot file.
@@ -49,7 +49,7 @@ class GraphPoller:
         snapshots: SnapshotSender,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
-        """Poll nothing yet.
+        """Create the poller.
 
         Args:
             file: The robot file.

@@ -22,7 +22,7 @@ MAX_BYTES = 8_000_000  # Of a message that is decoded; with many small parts it 
 
 
 class Inspection:
-    """A subscription to one topic, which lasts from `begin` to `end`.
+    """A subscription to one topic, which lasts from `subscribe` to `unsubscribe`.
 
     What it counts may be read on any thread.
 
@@ -45,7 +45,7 @@ class Inspection:
         message_class: Any,
         on_data: Callable[[float, bytes], None] = lambda *_: None,
     ) -> None:
-        """Subscribe to nothing yet.
+        """Create the inspection; `subscribe` starts it.
 
         Args:
             node: The console's node.
@@ -66,10 +66,10 @@ class Inspection:
         self.least: float | None = None
         self.greatest: float | None = None
 
-    def begin(self) -> None:
+    def subscribe(self) -> None:
         """Subscribe, with a QoS that fits the publishers. ROS thread only.
 
-        Where the node listens to the topic already, its subscription serves.
+        If the node listens to the topic already, no second subscription is made.
         """
         self._is_tap = self._node.listens(self._class, self.topic)
         if self._is_tap:
@@ -81,16 +81,16 @@ class Inspection:
     def refit(self) -> None:
         """Subscribe again if the present publishers need another QoS. ROS thread only."""
         if self._node.listens(self._class, self.topic) != self._is_tap:
-            self.end()
-            self.begin()
+            self.unsubscribe()
+            self.subscribe()
             return
         publishers = self._node.get_publishers_info_by_topic(self.topic)
         if self._subscription is None or not publishers or fitting_qos(publishers) == self._qos:
             return
-        self.end()
-        self.begin()
+        self.unsubscribe()
+        self.subscribe()
 
-    def end(self) -> None:
+    def unsubscribe(self) -> None:
         """Unsubscribe. ROS thread only."""
         self._node.untap(self._take_message)
         if self._subscription is not None:

@@ -53,7 +53,7 @@ class InterfaceChecks:
             types = self._graph.served_types(full)
         return types[0] if len(types) == 1 else ""
 
-    def fitting(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
+    def fitting_class(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
         """Return the class of a service whose request takes exactly these values.
 
         Args:
@@ -84,7 +84,7 @@ class InterfaceChecks:
         found: dict[str, str] = {}
         for name, values in self._requests():
             if name in self._graph.offered and not found.get(name):
-                found[name] = self.fitting(name, values)[1]
+                found[name] = self.fitting_class(name, values)[1]
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
             fault = mismatch.unexpected_type(kind.action, types, (kind.type,))

@@ -47,7 +47,7 @@ def definition_text(type_name: str) -> str | None:
         The lines; None if neither its file nor its class is installed here.
     """
     parts = parse_type(type_name)
-    lines = None if parts is None else own_lines(parts)
+    lines = None if parts is None else type_lines(parts)
     if parts is None or lines is None:
         return None
     every = list(islice(_with_nested(parts, lines, ()), _MAX_LINES + 1))
@@ -90,7 +90,7 @@ def _with_nested(
         nested = _nested_type(of.package, line)
         # No message contains itself; the files of a broken package might.
         if nested is not None and nested not in (of, *above) and len(above) < _DEEPEST:
-            yield from _with_nested(nested, own_lines(nested) or [], (*above, of))
+            yield from _with_nested(nested, type_lines(nested) or [], (*above, of))
 
 
 def _nested_type(package: str, line: str) -> InterfaceType | None:
@@ -102,7 +102,7 @@ def _nested_type(package: str, line: str) -> InterfaceType | None:
     return InterfaceType(before or package, "msg", name)
 
 
-def own_lines(of: InterfaceType) -> list[str] | None:
+def type_lines(of: InterfaceType) -> list[str] | None:
     """Return the lines of a type's file, else those of its class; None if it has neither."""
     for folder in _folders(of.package):
         try:

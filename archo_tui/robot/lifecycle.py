@@ -39,7 +39,7 @@ class Lifecycles:
         submit: Callable[[Callable[[], Any]], None],
         on_change: Callable[[], None],
     ) -> None:
-        """Ask nobody yet.
+        """Create an empty table, before the first poll.
 
         Args:
             node: The console's node.

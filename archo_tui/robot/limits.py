@@ -52,7 +52,9 @@ class Limits:
         reported = tuple(parameters)
         found, levels = dict[str, float](), dict[str, str]()
         for action, label, name, link, where in self._links:
-            why, level = _why(namespace, nodes, reported, link) if action in offered else ("", "")
+            why, level = (
+                _unknown_reason(namespace, nodes, reported, link) if action in offered else ("", "")
+            )
             if why:
                 limit = f"{label} has no {name} limit yet"
                 if link.otherwise is not None:
@@ -66,7 +68,7 @@ class Limits:
                 yield levels[text], text
 
 
-def _why(
+def _unknown_reason(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: ParameterRef
 ) -> tuple[str, str]:
     """Return why a reference leads to no number, and the level; "" and "" if it leads to one."""

@@ -116,7 +116,7 @@ class Listener(Node):
             callback(topic, last)
 
     def untap(self, callback: MessageCallback) -> None:
-        """Call a function no more that `tap` got."""
+        """Stop calling a function that was given to `tap`."""
         for taps in self._taps.values():
             if callback in taps:
                 taps.remove(callback)

@@ -7,7 +7,7 @@ from functools import lru_cache
 from itertools import islice
 from typing import Any, NamedTuple
 
-from archo_tui.robot.array_summary import listed, summarize
+from archo_tui.robot.array_summary import as_list, summarize
 from archo_tui.robot.definitions import ros2msg_type
 from archo_tui.robot.field_notes import FieldNotes, notes_of
 from archo_tui.robot.fields import NESTED, element_of
@@ -126,7 +126,7 @@ def _array(
         return
     shown = shown_elements(begin, summary.length)
     element_type = _field_type(field.name, element, field.notes)
-    for index, item in zip(shown, listed(value[shown.start : shown.stop]), strict=True):
+    for index, item in zip(shown, as_list(value[shown.start : shown.stop]), strict=True):
         yield from _row(f"{path}[{index}]", element_type, item, open_arrays)
     if len(shown) < summary.length:
         yield FieldView(f"{path}[]", FieldKind.MORE, "", summary.length)

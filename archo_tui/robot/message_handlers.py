@@ -29,7 +29,7 @@ from archo_tui.robot_file.model import RobotFile
 
 
 class MessageHandlers:
-    """Passes each message on to the parts that it concerns. ROS thread only."""
+    """The handlers of all messages that the console receives. ROS thread only."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class MessageHandlers:
         clock_offsets: ClockOffsets,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
-        """Handle nothing yet.
+        """Create the handlers.
 
         Args:
             file: The robot file.

@@ -42,7 +42,7 @@ class _Bucket(NamedTuple):
 
 
 class MessageIntake:
-    """Takes messages on one thread and gives them away on another.
+    """A buffer of messages, which one thread fills and another one drains.
 
     Attributes:
         received: The messages that came.
@@ -83,8 +83,8 @@ class MessageIntake:
             else:
                 self._newest = message
 
-    def take(self) -> list[RawMessage]:
-        """Return the messages that wait, the newest at the end, and forget them."""
+    def drain(self) -> list[RawMessage]:
+        """Remove and return the messages that wait, the newest last."""
         with self._lock:
             found = [*self._waiting, *([] if self._newest is None else [self._newest])]
             self._waiting.clear()

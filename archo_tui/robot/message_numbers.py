@@ -11,7 +11,7 @@ from operator import attrgetter
 from typing import Any
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot.array_summary import listed
+from archo_tui.robot.array_summary import as_list
 from archo_tui.robot.fields import NESTED, element_of
 from archo_tui.robot.message_fields import (
     DURATION,
@@ -28,7 +28,7 @@ _NUMBERS = {*INTEGERS, "float", "double", "boolean"}
 
 
 class MessageNumbers:
-    """Reads the numbers of the messages of one class.
+    """A reader of the numbers in messages of one class.
 
     Attributes:
         paths: The paths of those outside of arrays, at most `MAX_FIELDS`.
@@ -72,7 +72,7 @@ def element_numbers(message: Any, open_arrays: Mapping[str, int]) -> Iterator[tu
             continue
         element = element_of(array.type) or ""
         shown = shown_elements(begin, len(array.value))
-        items = zip(shown, listed(array.value[shown.start : shown.stop]), strict=True)
+        items = zip(shown, as_list(array.value[shown.start : shown.stop]), strict=True)
         convert = _converter(element)
         for index, item in items:
             where = f"{path}[{index}]"

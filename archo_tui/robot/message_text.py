@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot.array_summary import listed, summarize
+from archo_tui.robot.array_summary import as_list, summarize
 from archo_tui.robot.fields import NESTED, element_of
 from archo_tui.robot.message_classes import EMPTY
 from archo_tui.safe_text import safe
@@ -59,7 +59,7 @@ def find_field(message: Any, path: str) -> FieldValue:
                 size = "is no array" if element is None else f"has {len(value)} elements"
                 raise ArchoError(f"there is no {where}[{index}]: {where} {size}")
             kind, where = element, f"{where}[{index}]"
-            value = listed(value[index : index + 1])[0]
+            value = as_list(value[index : index + 1])[0]
     return FieldValue(path, kind, value)
 
 
@@ -131,7 +131,7 @@ def _value(value: Any, kind: str, form: _Form) -> Any:
     if element is not None:
         if len(value) > form.elements:
             return _description(value, element, form)
-        return [_value(item, element, form) for item in listed(value)]
+        return [_value(item, element, form) for item in as_list(value)]
     if NESTED.fullmatch(kind):
         return _message(value, form)
     if isinstance(value, str):

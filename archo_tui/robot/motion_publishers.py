@@ -10,10 +10,10 @@ _RESTART = 3.0  # Seconds after a restart in which readings may differ because o
 
 
 class MotionPublishers:
-    """Remembers which publishers of the motion were last on the graph. ROS thread only."""
+    """The publishers of the motion that were last on the graph. ROS thread only."""
 
     def __init__(self, file: RobotFile, graph: Graph, clock: Clock) -> None:
-        """Know no publisher yet."""
+        """Create the memory, which is empty until the first `check`."""
         self._topic = None if file.motion is None else file.motion.topic
         self._graph, self._clock = graph, clock
         self._ids: frozenset[bytes] = frozenset()

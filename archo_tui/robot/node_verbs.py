@@ -33,7 +33,7 @@ class NodeVerbs:
         lifecycles: Lifecycles,
         secrets: SecretNames,
     ) -> None:
-        """Ask nothing yet.
+        """Create the verbs.
 
         Args:
             thread: The ROS thread, for questions.

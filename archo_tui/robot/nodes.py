@@ -29,7 +29,7 @@ _NO_LEVELS = "does not offer the level of its log (in rclpy: enable_logger_servi
 
 
 class Nodes:
-    """Asks the graph, and the nodes themselves, about one node at a time."""
+    """The questions about one node, to the graph and to the node itself."""
 
     def __init__(self, node: Node, pending: Services) -> None:
         self._node, self._services = node, pending

@@ -192,7 +192,7 @@ class Parameters:
         Raises:
             Void: A STOP was read after the request was typed.
         """
-        before = self._texts(node, values)
+        before = self._event_texts(node, values)
         try:
             parameters = [self._message(node, name, value) for name, value in values.items()]
         except ValueError as error:
@@ -215,12 +215,12 @@ class Parameters:
         )
         for name, value in zip(names, got.values if got is not None else (), strict=False):
             self._take(node, name, as_python(value))
-        now = self._texts(node, values)
+        now = self._event_texts(node, values)
         text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
         return Outcome(Code.DONE, text)
 
-    def _texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
-        """Return the known values as texts for events, without secrets."""
+    def _event_texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
+        """Return the known values by name as texts for an event, with MASK in place of secrets."""
         known = self._secrets.masked({name: self._value(node, name) for name in names})
         return {name: text_of(value) for name, value in known.items()}
 

@@ -14,7 +14,7 @@ LEAST = 10  # Items that are due at each poll, so that few items are all due eac
 
 
 class PollSchedule(Generic[T]):
-    """Items that are polled: urgent ones first, then those that have waited longest."""
+    """A queue of items to poll: urgent ones first, then those that have waited longest."""
 
     def __init__(self) -> None:
         self._urgent: OrderedDict[T, None] = OrderedDict()

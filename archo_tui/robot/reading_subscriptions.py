@@ -65,7 +65,7 @@ class _Subscription(NamedTuple):
 
 
 class ReadingSubscriptions:
-    """Subscribes to the topics of readings as they are published. ROS thread only.
+    """The subscriptions to the topics of readings, as they are published. ROS thread only.
 
     Attributes:
         faults: Why a topic or one of its publishers is not read, by topic.
@@ -82,7 +82,7 @@ class ReadingSubscriptions:
         on_stamp: Callable[[str, Any], None],
         warn: Callable[[str], None],
     ) -> None:
-        """Subscribe to nothing yet.
+        """Subscribe to nothing until `update` is called.
 
         Args:
             node: The console's node.

@@ -13,13 +13,13 @@ from archo_tui.robot_file import mismatch
 
 
 class RecordedTopics:
-    """Keeps a subscription to each topic that somebody publishes. ROS thread only.
+    """The subscriptions to those of the topics that somebody publishes. ROS thread only.
 
     The messages go to the black box, as those of every subscription of the node do.
     """
 
     def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
-        """Subscribe to nothing yet.
+        """Subscribe to nothing until `subscribe` is called.
 
         Args:
             node: The console's node.

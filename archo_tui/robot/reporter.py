@@ -23,7 +23,7 @@ MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thre
 
 
 class Reporter:
-    """Adds events to the log of this console, and tells other consoles what this one did.
+    """The log of this console's events, and the reports to other consoles of what it did.
 
     ROS thread only.
 
@@ -39,7 +39,7 @@ class Reporter:
         on_event: Callable[[Event], None],
         on_change: Callable[[], None],
     ) -> None:
-        """Report nothing yet.
+        """Create the reporter, with an empty log.
 
         Args:
             node: The console's node.
@@ -77,7 +77,7 @@ class Reporter:
         """Add an error of the console."""
         self.note("ERROR", in_one_line(error))
 
-    def did(
+    def report_done(
         self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
     ) -> None:
         """Report what this console did: here, to other consoles, and in the ROS log.
@@ -97,4 +97,4 @@ class Reporter:
 
     def stop_result(self, text: str, code: Code) -> None:
         """Report an outcome of a STOP that no verb waits for any more."""
-        self.did(text, AuditRecord("stop", {"later": True}, code))
+        self.report_done(text, AuditRecord("stop", {"later": True}, code))

@@ -64,7 +64,7 @@ class Resources:
     """
 
     def __init__(self, node: Node, is_ours: Callable[[str], bool]) -> None:
-        """Know nothing yet.
+        """Create an empty list, before the first poll.
 
         Args:
             node: The console's node.

@@ -34,7 +34,7 @@ class SecretNames:
         words = _words(name)
         return (
             any(word.endswith(_ALWAYS) for word in words)
-            or any(_holds(words, listed) for listed in self._listed)
+            or any(_contains_phrase(words, listed) for listed in self._listed)
             or any(_words(part)[-1:] == [_KEY] for part in name.split("."))
         )
 
@@ -74,7 +74,7 @@ def _words(name: str) -> list[str]:
     return [word.casefold().removesuffix("s") for word in _WORD.findall(_HUMP.sub(" ", name))]
 
 
-def _holds(words: Sequence[str], listed: Sequence[str]) -> bool:
+def _contains_phrase(words: Sequence[str], listed: Sequence[str]) -> bool:
     """Return True if the listed words are among the others, side by side and in order."""
     ends = range(len(listed), len(words) + 1)
     return any(words[end - len(listed) : end] == listed for end in ends)

@@ -19,7 +19,7 @@ from archo_tui.robot.stops import Gate
 
 
 class ServiceCaller:
-    """Calls services, and returns the outcome that the answer tells."""
+    """A caller of services, which returns the outcome that an answer means."""
 
     def __init__(
         self,
@@ -29,7 +29,7 @@ class ServiceCaller:
         graph: Graph,
         checks: InterfaceChecks,
     ) -> None:
-        """Call nothing yet.
+        """Create the caller.
 
         Args:
             node: The console's node.
@@ -61,7 +61,7 @@ class ServiceCaller:
         """
         if name not in self._graph.offered:
             return Outcome(Code.NOT_OFFERED, not_offered(self._checks.full(name)))
-        srv_type, reason = self._checks.fitting(name, fields)
+        srv_type, reason = self._checks.fitting_class(name, fields)
         if srv_type is None:
             return Outcome(Code.REFUSED, reason)
         try:

@@ -31,7 +31,7 @@ class ServiceVerbs:
         checks: InterfaceChecks,
         reporter: Reporter,
     ) -> None:
-        """Call nothing yet.
+        """Create the verbs.
 
         Args:
             clock: The console's clock.

@@ -25,14 +25,14 @@ _EARLY = 1e-3  # Seconds by which a timer may fire early.
 def hold_open(
     future: Any, servers: int, good: Callable[[Any], bool] = lambda _: False
 ) -> list[Any]:
-    """End a call that several servers answer with the first good answer, or else the last.
+    """Keep a call's future open until a good answer has come, or the answers of all servers.
 
-    rclpy would end it with the first, which may be from a server that does not know the goal.
+    rclpy would end it with the first answer, perhaps of a server that does not know the goal.
 
     Args:
         future: The future of the call.
         servers: The number of servers.
-        good: Returns True for an answer that ends the call.
+        good: Returns True for an answer that ends the call; by default no answer does.
 
     Returns:
         The answers, in a list that grows as they come.

@@ -16,7 +16,7 @@ STREAM_PERIOD = 0.4
 
 
 class SnapshotSender:
-    """Has snapshots built and puts them into the mailbox. ROS thread only.
+    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only.
 
     Attributes:
         mailbox: The way to the front end.
@@ -24,7 +24,7 @@ class SnapshotSender:
     """
 
     def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:
-        """Send nothing yet.
+        """Create the sender.
 
         Args:
             node: The console's node.

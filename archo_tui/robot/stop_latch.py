@@ -53,7 +53,7 @@ class StopLatch:
         unended_nodes: Callable[[], Collection[str]],
         on_change: Callable[[], None],
     ) -> None:
-        """Remember nothing yet.
+        """Create the memory, before any STOP.
 
         Args:
             service: The STOP's service as in the robot file; empty: the robot has none.

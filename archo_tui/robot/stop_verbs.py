@@ -38,7 +38,7 @@ class StopVerbs:
         stops: Stops,
         stopping: Stopping,
     ) -> None:
-        """Send nothing yet.
+        """Create the verbs.
 
         Args:
             file: The robot file.
@@ -110,7 +110,7 @@ class StopVerbs:
         return await self._runner.run("release", {}, "release stop", ros2, call)
 
     def _is_held_by_nobody(self, release: str) -> bool:
-        """Return whether the STOP can only be forgotten: every node that held it has ended here.
+        """Return True if the STOP can only be forgotten: all nodes that held it have ended here.
 
         Args:
             release: The service that releases a STOP, as in the robot file.

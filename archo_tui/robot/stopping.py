@@ -39,7 +39,7 @@ _FIND_PERIOD = 0.1  # Seconds between two questions whether there is a server.
 
 
 class Stopping:
-    """Sends STOP, counts the answers, and keeps one open that is not confirmed.
+    """The sender of STOP, which counts the answers and keeps a STOP open until it is confirmed.
 
     Attributes:
         open: The first STOP that is not confirmed; None: there is none.
@@ -58,7 +58,7 @@ class Stopping:
         on_change: Callable[[], None],
         report: Callable[[str, Code], None],
     ) -> None:
-        """Send nothing yet.
+        """Create the sender, before any STOP.
 
         Args:
             node: The console's own node.
@@ -245,7 +245,7 @@ class Stopping:
         name = stop.service
         if name not in self._graph.offered:
             return not_sent(Code.NOT_OFFERED, not_offered(self._checks.full(name)))
-        srv_type, reason = self._checks.fitting(name, stop.request)
+        srv_type, reason = self._checks.fitting_class(name, stop.request)
         if srv_type is None:
             return not_sent(Code.REFUSED, reason)
         request = filled(srv_type.Request(), stop.request)

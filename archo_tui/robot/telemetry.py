@@ -68,7 +68,7 @@ class Telemetry:
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
     ) -> None:
-        """Subscribe to nothing yet.
+        """Subscribe to nothing until `resubscribe` is called.
 
         Args:
             node: The console's node.
@@ -226,7 +226,7 @@ class Telemetry:
         return _news(last, self.pose, *_POSE)
 
     def _on_diagnostics(self, message: Any, _fields: Mapping[str, Fields]) -> News:
-        has_changed = self.diagnostics.take(message, self._clock.monotonic())
+        has_changed = self.diagnostics.add(message, self._clock.monotonic())
         return News.WORDS if has_changed else News.NUMBERS
 
     def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> News:

@@ -26,7 +26,7 @@ class TopicFields:
     """
 
     def __init__(self, units: Mapping[str, str]) -> None:
-        """Know nothing yet.
+        """Create the memory, before the first message.
 
         Args:
             units: The units that the robot file gives, by path.
@@ -47,10 +47,10 @@ class TopicFields:
         return self._message
 
     def add(self, time: float, message: Any, open_arrays: Mapping[str, int]) -> None:
-        """Take in a message. It takes long for a large one.
+        """Add the numbers of a message to ranges and curves. It takes long for a large one.
 
         Args:
-            time: When it came, in seconds.
+            time: When it came, in seconds on the clock of `rows`.
             message: The message.
             open_arrays: As for `field_rows`.
         """

@@ -50,7 +50,7 @@ class Followed(Protocol):
 
 
 class TopicFollower:
-    """Shows one topic until its task is cancelled, also before and after it has publishers."""
+    """The display of one topic until a task is cancelled, also while it has no publishers."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class TopicFollower:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> None:
-        """Follow nothing yet.
+        """Create the follower; `run` starts it.
 
         Args:
             robot: The robot.

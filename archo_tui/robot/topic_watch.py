@@ -14,7 +14,7 @@ from archo_tui.robot.topic_fields import TopicFields, with_elements
 
 
 class TopicWatch:
-    """Turns messages of one topic into views, live and in a replay."""
+    """The conversion of one topic's messages into views, live and in a replay."""
 
     def __init__(
         self,
@@ -24,7 +24,7 @@ class TopicWatch:
         intake: MessageIntake,
         decode: Callable[[bytes], Any],
     ) -> None:
-        """Know nothing yet.
+        """Create the watch, before the first message.
 
         Args:
             topic: The full name of the topic.
@@ -46,7 +46,7 @@ class TopicWatch:
             request: What the view has to have.
             only_newest: True to decode the newest message only.
         """
-        waiting = self._intake.take()
+        waiting = self._intake.drain()
         for message in waiting[-1:] if only_newest else waiting:
             try:
                 self._fields.add(message.time, self._decode(message.data), request.open_arrays)

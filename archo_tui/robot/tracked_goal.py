@@ -108,7 +108,7 @@ class TrackedGoal:
         return self.is_void or self.is_cancelled
 
     @property
-    def is_taken(self) -> bool:
+    def is_accepted(self) -> bool:
         """True if the server is known to have accepted the goal."""
         return self.goal.started is not None
 
@@ -178,7 +178,7 @@ class TrackedGoal:
         elif self._unserved is None:
             self._unserved = now
         elif now - max(self._unserved, goal.heard or 0.0, resumed) >= NOBODY_SERVES:
-            self.node_gone()
+            self.end_as_gone()
             return
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion, resumed):
             self.update(phase=Phase.LOST)
@@ -238,7 +238,7 @@ class TrackedGoal:
     def _on_result(self, answer: Any) -> None:
         """End the goal as the server's answer says, or go on if it does not know it yet."""
         if answer.status == GoalStatus.STATUS_UNKNOWN:
-            if self.is_taken:
+            if self.is_accepted:
                 self.end_forgotten()
             elif self._clock.monotonic() - self.goal.sent > NEVER_TAKEN:
                 self.end(Phase.ABORTED, _NOT_TAKEN)
@@ -263,7 +263,7 @@ class TrackedGoal:
             return "" if value is None else text_of(value)
         return messages.text(result)
 
-    def node_gone(self) -> None:
+    def end_as_gone(self) -> None:
         """End the goal as GONE: its node has left, so nobody will report how it ended.
 
         Screen, queue, `--plain` and shells all go by this one rule.

@@ -50,7 +50,7 @@ class _Change(NamedTuple):
 
 
 class UnexplainedChanges:
-    """Compares what changed with what the consoles, this one included, report to have done.
+    """A comparison of what changed with what the consoles, this one included, report to have done.
 
     Attributes:
         author: Who made a change that no console reports, as the event names it.
@@ -72,7 +72,7 @@ class UnexplainedChanges:
 
     @classmethod
     def of_robot(cls, file: RobotFile, full_name: Callable[[str], str]) -> UnexplainedChanges:
-        """Create it for the commands and services of a robot file.
+        """Create the comparison for the commands and services of a robot file.
 
         Args:
             file: The robot file.

@@ -23,7 +23,7 @@ _DEADLINE = FIRST_FOUND + ALL_ANSWERS + 1.0
 
 
 class VerbRunner:
-    """Runs verbs on the ROS thread. Called on the event loop."""
+    """The runner of verbs on the ROS thread. Called on the event loop."""
 
     def __init__(
         self,
@@ -35,7 +35,7 @@ class VerbRunner:
         *,
         watching: bool,
     ) -> None:
-        """Run nothing yet.
+        """Create the runner.
 
         Args:
             thread: The ROS thread.
@@ -76,7 +76,7 @@ class VerbRunner:
         def report(outcome: Outcome) -> Outcome:
             answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
             record = AuditRecord(verb, arguments, outcome.code)
-            self._reporter.did(f"{title}: {outcome.text}", record, command, requester)
+            self._reporter.report_done(f"{title}: {outcome.text}", record, command, requester)
             self._snapshots.send()
             return outcome if answer is None else Answer.of(outcome, answer)
 
@@ -120,6 +120,6 @@ class VerbRunner:
         def report(outcome: Outcome) -> None:
             record = AuditRecord(verb, arguments or {}, outcome.code)
             text = f"{title}, answered late: {harmless(outcome.text)}"
-            self._reporter.did(text, record, requester=requester)
+            self._reporter.report_done(text, record, requester=requester)
 
         return report

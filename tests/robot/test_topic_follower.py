@@ -205,8 +205,8 @@ def test_what_waits_takes_a_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> N
     intake = MessageIntake()
     for number in range(100):
         intake.add(number / 10, bytes(7_000_000))
-    assert len(intake.take()) == 3  # Two that wait, and the newest.
-    assert intake.take() == []
+    assert len(intake.drain()) == 3  # Two that wait, and the newest.
+    assert intake.drain() == []
 
 
 def test_a_message_of_another_definition_is_said_until_one_can_be_read() -> None:

@@ -106,7 +106,7 @@ class Snapshot(NamedTuple):
 
     @property
     def is_stopped(self) -> bool:
-        """True while the robot reports it, a STOP holds, is not confirmed, or is in doubt."""
+        """True while the robot reports that it is stopped, or a STOP holds, is open or in doubt."""
         in_doubt = self.open_stop is not None or self.latch is Latch.UNCERTAIN
         return in_doubt or self.says_stopped or self.stop_holds
 
