@@ -9,7 +9,7 @@ from archo_tui.words.state import no_data_text
 
 
 def timeline(alarm: Alarm) -> str:
-    """Return since when an alarm stands, and its state and reason.
+    """Return when an alarm began and when it was over, its state and its reason.
 
     An example is `since 12:04:31, over at 12:05:02, unacknowledged`.
     """
@@ -23,7 +23,7 @@ def timeline(alarm: Alarm) -> str:
 
 
 def no_alarms_text(snapshot: Snapshot) -> str:
-    """Return what stands in place of alarms: a healthy word only where something was heard."""
+    """Return that there are no alarms, or why no data has come from which one could arise."""
     return no_data_text(snapshot) or "No alarms: nothing needs attention."
 
 

@@ -22,7 +22,7 @@ _ECHO_TIME = 1.0  # Seconds between what was done and what a node logs of it.
 
 
 class EventRow(NamedTuple):
-    """A row of the list.
+    """A row of the list of events.
 
     Attributes:
         text: The line, without its time.

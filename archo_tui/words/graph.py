@@ -81,7 +81,7 @@ def topic_lines(info: TopicInfo) -> Spans:
 
 
 def _end_name(end: TopicEnd) -> str:
-    """Return the name of an end's node; of hidden nodes only this console is among the ends."""
+    """Return the name of an end's node; a hidden one can only be that of this console."""
     return "(this console)" if "/_" in end.node else end.node
 
 

@@ -19,15 +19,15 @@ STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 
 
 def elsewhere_text(snapshot: Snapshot) -> str:
-    """Return where robots are that the namespace does not fit, or "" when there are none."""
+    """Return the namespaces in which other robots were seen, and the option to use; "" if none."""
     others = snapshot.other_namespaces
     return f"robots seen: {', '.join(others)}; use --namespace {others[0]}" if others else ""
 
 
 def no_data_text(snapshot: Snapshot) -> str:
-    """Return that nothing was heard of the robot yet, and what may be why, or "" if it was.
+    """Return that no data has come from the robot yet, and the likely cause; "" once some has.
 
-    A robot whose file names no topic is there as soon as one of its nodes is.
+    For a robot whose file names no topic, a node on the graph counts as data.
     """
     topics = snapshot.file.topics
     heard = (snapshot.battery.received, snapshot.motion.received)
@@ -121,7 +121,7 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
     """Return the charge as a bar with eighths of a cell.
 
     Args:
-        percentage: The charge; None draws an empty bar.
+        percentage: The charge, in %; None draws an empty bar.
         threshold: The charge that is marked on the bar as low, in %; None marks nothing.
         width: The width of the bar, in cells.
         tone: The tone of the filled part.
@@ -142,7 +142,7 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
 
 
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return those of count and speed that the robot file names: `15 420 ticks 0.80 m/s`."""
+    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`."""
     motion, parts = snapshot.motion, []
     count = motion_unit(snapshot, "count")
     if count is not None:
@@ -154,7 +154,7 @@ def motion_line(snapshot: Snapshot, now: float) -> Spans:
 
 
 def speed_text(snapshot: Snapshot) -> str:
-    """Return the speed as `0.80 m/s x 7.5`, or "" if the robot file names none."""
+    """Return `0.80 m/s x 7.5`, with a time factor if there is one; "" if no speed is named."""
     unit = motion_unit(snapshot, "speed")
     if unit is None:
         return ""

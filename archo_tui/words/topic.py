@@ -67,14 +67,19 @@ def _value_text(field: FieldView) -> str:
 
 
 def number_text(value: float, digits: int = 7) -> str:
-    """Return a number in few characters: whole ones grouped, others by some digits."""
+    """Return a number in few characters.
+
+    Args:
+        value: An int is shown with grouped digits, a float is rounded.
+        digits: The significant digits of a float.
+    """
     if isinstance(value, int):
         return thousands(value)
     return str(value) if not math.isfinite(value) else f"{value:.{digits}g}"
 
 
 def range_text(field: FieldView) -> str:
-    """Return `0.12 .. 9.8, 3 nan`: of a number since the topic was opened, of an array now."""
+    """Return `0.12 .. 9.8, 3 nan`: the range of an array, or of a number's values so far."""
     parts = []
     if field.least is not None and field.greatest is not None:
         parts.append(f"{_short(field.least)} .. {_short(field.greatest)}")
@@ -116,7 +121,7 @@ def element_index(typed: str, array: str, length: int) -> int:
 
 
 def _short(value: float) -> str:
-    """Return a number by four digits, or more where they are before the point."""
+    """Return a number rounded to four significant digits, or to a whole one if it is larger."""
     is_long = 1e4 <= abs(value) < 1e9
     return number_text(round(value) if is_long else value, digits=4)
 
