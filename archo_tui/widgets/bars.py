@@ -246,7 +246,7 @@ def footer(
 
 
 def contact(view: View) -> str:
-    """Return whether the robot is heard: `● online`."""
+    """Return the contact to the robot: `● online`, or what is not received, and since when."""
     snapshot, robot = view.snapshot, view.snapshot.file
     readings: dict[str, Battery | Motion] = {}
     if robot.battery is not None:

@@ -60,7 +60,7 @@ class ElementLine(Horizontal):
         self.display = False
 
     def set_length(self, length: int) -> None:
-        """Show another length of the array; an error that is shown stays."""
+        """Show the length of the array if it has changed; until then an error stays."""
         if length != self._length:
             self._length = length
             self._show_range()

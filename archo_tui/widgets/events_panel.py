@@ -130,7 +130,7 @@ class EventsPanel(Panel):
             self._refill()
 
     def next_level(self) -> None:
-        """Show the events of the next level: more, then all, then only the worst."""
+        """Show the events of the next level: INFO, then DEBUG, then ERROR, then WARN again."""
         self._level = _CYCLE[(_CYCLE.index(self._level) + 1) % len(_CYCLE)]
         self._refill()
 

@@ -89,7 +89,7 @@ class Field(Input, inherit_css=False):
         return super().check_consume_key(key, character) and self.is_text(character or "")
 
     def _forward_event(self, event: events.Event) -> None:
-        """Take a key or a paste at once; Textual would put it into this field's queue."""
+        """Handle a key or a paste at once; Textual would put it into this field's queue."""
         if isinstance(event, events.Key) and event.is_printable:
             self.replace(event.character or "", *self.selection)
         elif isinstance(event, events.Paste):

@@ -82,7 +82,7 @@ class GoalPanel(Panel):
                 changed=self._on_changed,
                 submitted=self.submit,
                 stepped=self._recall_typed,
-                refused=self.hint,
+                refused=self.show_hint,
             )
             for number, message_field in enumerate(self._message_fields)
         ]
@@ -115,21 +115,21 @@ class GoalPanel(Panel):
                 yield Static(label, classes="label", markup=False)
                 yield field
             yield from (self._go, self._cancel)
-            if not self._is_wide:
+            if not self._has_several_fields:
                 yield self._hint
         yield self._bar
         yield self._journey
-        if self._is_wide:
+        if self._has_several_fields:
             yield self._hint
         yield from (self._line, self.board, self._history)
 
     @property
-    def _is_wide(self) -> bool:
+    def _has_several_fields(self) -> bool:
         """Return True if the form has several fields: a hint then covers the goal's line."""
         return len(self.fields) > 1
 
     def on_mount(self) -> None:
-        if self._is_wide:
+        if self._has_several_fields:
             self._hint.display = False
 
     def show(self, view: ScreenState) -> None:
@@ -158,7 +158,7 @@ class GoalPanel(Panel):
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
         if self._reason is not None and self._reason.is_over(snapshot):
-            self.hint("")
+            self.show_hint("")
 
     def _show_board(self, view: ScreenState, width: int) -> None:
         """Update the board, if anything that it depends on has changed."""
@@ -277,12 +277,12 @@ class GoalPanel(Panel):
 
     def _on_changed(self) -> None:
         """Remove the hint about the text before, and show the panel in a small terminal."""
-        self.hint()
+        self.show_hint()
         self.on_typed()
         if any(field.value for field in self.fields):
             self.scroll_visible(animate=False)
 
-    def hint(self, text: str = "", reason: Reason | None = None) -> None:
+    def show_hint(self, text: str = "", reason: Reason | None = None) -> None:
         """Show why a goal is not sent or driven, until the typed text changes.
 
         Args:
@@ -292,32 +292,32 @@ class GoalPanel(Panel):
         self._reason = reason
         if reason is not None:
             reason.is_over(self._snapshot)  # Remembers what holds now.
-        if self._is_wide:
+        if self._has_several_fields:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.show_spans(((text, BAD),))
 
     def show_refusal(self, text: str) -> None:
         """Show why the robot refuses a goal, as long as that may be so."""
-        self.hint(text, Reason(obstacles))
+        self.show_hint(text, Reason(obstacles))
 
     def submit(self) -> None:
         """Send the typed goals, or show what is wrong with them; an empty form does nothing."""
         typed = [field.value for field in self.fields]
         if self._kind is None:
-            self.hint(f"{self.app.title}: the robot file names no goal")
+            self.show_hint(f"{self.app.title}: the robot file names no goal")
             return
         if self._watching:
-            self.hint(WATCHING)
+            self.show_hint(WATCHING)
             return
         if self.fields and not any(text.strip() for text in typed):
             return
         try:
             goals = self._parse(self._kind, typed)
         except _InvalidTextError as error:
-            self.hint(str(error), Reason(limits))
+            self.show_hint(str(error), Reason(limits))
             self.screen.set_focus(self.fields[error.number])
             return
-        self.hint("")
+        self.show_hint("")
         for field in self.fields:
             field.clear()
         if self.fields:
@@ -343,7 +343,7 @@ class GoalPanel(Panel):
         Whatever is wrong with them is shown beside the form.
         """
         why = WATCHING if self._watching else self.refusal(typed)
-        self.hint(why, Reason(limits) if why else None)
+        self.show_hint(why, Reason(limits) if why else None)
         if not why and self._kind is not None:
             self.send(self._parse(self._kind, [typed]), [typed])
 

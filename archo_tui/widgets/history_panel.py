@@ -179,7 +179,12 @@ def _mark_text(group: Sequence[Goal]) -> str:
 
 
 def _mark_width(group: Sequence[Goal], following: Sequence[Goal]) -> int:
-    """Return how many cells a mark takes, with the blank around a count."""
+    """Return how many cells a mark takes, with the blank around a count.
+
+    Args:
+        group: The goals of the mark.
+        following: The goals of the mark behind it.
+    """
     return len(_mark_text(group)) + (len(group) > 1 or len(following) > 1)
 
 

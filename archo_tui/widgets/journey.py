@@ -19,7 +19,7 @@ _GAP = 4  # Cells between the parts of the lowest row.
 
 
 class Journey(Vertical):
-    """The way of a goal in three rows, of which no one moves as the robot does."""
+    """The way of a goal in three rows, which keep their places while the robot moves."""
 
     DEFAULT_CSS = "Journey { height: 3; width: 1fr; }"
 

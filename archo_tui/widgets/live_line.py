@@ -55,7 +55,7 @@ def live_line(view: ScreenState, width: int) -> Content:
 
 
 def _alarm_texts(alarm: Alarm) -> list[str]:
-    """Return what an alarm says, the shortest text last; of one that is over, that it was."""
+    """Return the texts of an alarm, the shortest last; those of a past one begin with `was:`."""
     texts = [alarm.text, alarm.short_text]
     if alarm.until is not None:
         texts = [past_alarm(alarm), f"was: {alarm.short_text}"]

@@ -16,7 +16,7 @@ from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motio
 
 
 class MotionPanel(Panel, can_focus=True):
-    """Count, speed and state, and far apart two buttons: the first command's and STOP."""
+    """The panel with count, speed and state, and two buttons far apart: a command's and STOP."""
 
     number = 2
 

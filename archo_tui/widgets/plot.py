@@ -76,7 +76,7 @@ def plot_lines(
     """Return the rows of a curve with its axis at the left, from the top.
 
     Args:
-        values: As for `curve`, which has also `low`, `high`, `rows` and `mark`.
+        values: The values, oldest first; None leaves a gap.
         low: The value at the lower end of the axis.
         high: The value at the upper end.
         rows: The number of rows.

@@ -74,7 +74,7 @@ def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
     return spans or [(0, width)]
 
 
-def _look(line: tuple[Text, bool]) -> tuple[str, bool]:
+def _style_and_cursor(line: tuple[Text, bool]) -> tuple[str, bool]:
     """Return the style of a line, and True if the cursor is on it."""
     (_, style), is_selected = line
     return style, is_selected
@@ -173,7 +173,11 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             if before == now:
                 continue
             spans = [(0, width)]
-            if before is not None and not left and _look(before) == _look(now):
+            if (
+                before is not None
+                and not left
+                and _style_and_cursor(before) == _style_and_cursor(now)
+            ):
                 old, new = (crop(text, self._width) for (text, _), _ in (before, now))
                 spans = changed_cells(old, new, width)
             changed += [Region(begin, y, end - begin, 1) for begin, end in spans]

@@ -74,7 +74,7 @@ def _last_marks(marks: list[TimelineMark], here: float) -> str:
 
 
 def draw_time_line(player: Player, here: float, marks: list[TimelineMark], cells: int) -> Content:
-    """Return `━━┼━━━●──┼────`: the past, the position, the rest, and marks."""
+    """Return `━━┼━━━●──┼────`: the past, the Unix time `here`, the rest, and marks."""
     whole = max(player.end - player.start, 1e-9)
 
     def cell_of(time: float) -> int:
