@@ -23,7 +23,7 @@ _INDENT = " " * 8
 
 
 class AlarmRow(NamedTuple):
-    """An alarm, and what it says with the key of its remedy."""
+    """An alarm, and its text with the key of its remedy."""
 
     alarm: Alarm
     text: str

@@ -43,8 +43,8 @@ class Choice(NamedTuple):
     words: str = ""
 
 
-def _harmless(choices: Sequence[Choice]) -> list[Choice]:
-    """Return the choices with titles that are safe to show."""
+def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
+    """Return copies of the choices whose titles are safe to show."""
     return [choice._replace(title=harmless(choice.title)) for choice in choices]
 
 
@@ -122,7 +122,7 @@ class Choose(Dialog[None]):
 
     def __init__(self, title: str, choices: Sequence[Choice]) -> None:
         super().__init__()
-        self.title, self._all = title, _harmless(choices)
+        self.title, self._all = title, _with_harmless_titles(choices)
         self._narrow = Field(
             id="narrow",
             placeholder="type a part of its name",
@@ -170,7 +170,7 @@ class Choose(Dialog[None]):
 
     def update_choices(self, choices: Sequence[Choice]) -> None:
         """Replace each row by the choice with its title; no row moves, and none is added."""
-        by_title = {choice.title: choice for choice in _harmless(choices)}
+        by_title = {choice.title: choice for choice in _with_harmless_titles(choices)}
         self._all = [by_title.get(choice.title, choice) for choice in self._all]
         self._rows.show(self._matches())
         self._show_reason()

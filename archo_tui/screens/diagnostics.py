@@ -18,7 +18,7 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class _Part(NamedTuple):
-    """A row of the list; it differs from the one before also if only the age in its text does."""
+    """A row of the list, with its text, so that a new age in the text counts as a change."""
 
     name: str
     level: DiagnosticLevel

@@ -35,7 +35,7 @@ class DialogHead(Vertical):
     """The lines at the top, in place of those that the dialog dims: state and banner stay lit."""
 
     def __init__(self, notice_line: NoticeLine) -> None:
-        """Create it.
+        """Create the lines.
 
         Args:
             notice_line: The line of the dialog that shows notices.

@@ -41,7 +41,7 @@ class Entry(NamedTuple):
 
 
 class KeyList(Dialog[None]):
-    """A dialog with keys, which is drawn anew when its size changes, or which of them work."""
+    """A dialog with keys, drawn again when it is resized, or when other keys work than before."""
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
         """Create the dialog.

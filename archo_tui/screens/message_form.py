@@ -145,7 +145,7 @@ class MessageForm(Dialog[None]):
             start_worker(self.app, partial(self._send_values, values), COMMANDS)
 
     def action_close(self) -> None:
-        """Close the dialog; while an answer is due, notify that this takes nothing back."""
+        """Close the dialog; if its answer is due, warn that what was sent is not taken back."""
         if self.is_asking and not self.has_left:
             self.notify(f"{self.title}: {NOT_TAKEN_BACK}.", severity="warning", markup=False)
         super().action_close()

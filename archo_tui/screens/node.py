@@ -92,7 +92,7 @@ class NodeDialog(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
-        start_worker(self, self._ask, _GROUP)
+        start_worker(self, self._update_details, _GROUP)
 
     def show_view(self, view: ScreenState) -> None:
         """Show the present state once a second, and when a node here starts or ends."""
@@ -104,9 +104,9 @@ class NodeDialog(Dialog[None]):
         if lifecycle != self._lifecycle:
             self._lifecycle = lifecycle
             self.set_text("#node-known", Content(self._state_text(view)))
-            start_worker(self, self._ask, _GROUP)
+            start_worker(self, self._update_details, _GROUP)
 
-    async def _ask(self) -> None:
+    async def _update_details(self) -> None:
         """Ask the graph and the node for the details, and show them, unless asked again since."""
         self._asked += 1
         turn = self._asked
@@ -187,7 +187,7 @@ class NodeDialog(Dialog[None]):
             self.refuse(outcome.text)
             return
         self.show_message("")
-        await self._ask()
+        await self._update_details()
 
 
 def _lifecycle(view: View, name: str) -> str:

@@ -167,13 +167,13 @@ class TopicDialog(Dialog[None]):
             covered = main.panels_region
             above = covered.y - self.head.rows
             below = main.size.height - covered.bottom - 1  # The footer has one of its own.
-            left, down = self._place_beside_graph(main)
+            left, down = self._uncovered_cells(main)
             margin = max(above, 0) + down, 0, max(below, 0), left
             if margin != self._margin:  # Setting it lays out the whole box.
                 self._margin = self._box.styles.margin = margin
 
-    def _place_beside_graph(self, main: MainScreen) -> tuple[int, int]:
-        """Return the columns and rows that stay in sight: on a large screen Graph and the goal."""
+    def _uncovered_cells(self, main: MainScreen) -> tuple[int, int]:
+        """Return how many columns and rows of panels stay in sight: Graph and the goal, if any."""
         graph = main.graph
         is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
         if not is_left or main.size.width < _WIDE:
