@@ -145,7 +145,7 @@ class Player:
         return self._window.unreadable
 
     async def follow(self, update: Callable[[], None]) -> None:
-        """Call `update` for each frame while it plays or is being read, for ever."""
+        """Call `update` for each frame while the bag is played or read; never return."""
         showed_all = False
         while True:
             whole = self.is_complete  # A jump may begin to read another hour.

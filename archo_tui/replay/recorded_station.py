@@ -97,7 +97,7 @@ class RecordedHost:
         self._player = player
 
     def states(self) -> tuple[Hosted, ...]:
-        """Return their states at the position."""
+        """Return the states of the recorded nodes at the position."""
         return self._player.view().hosted
 
 

@@ -27,7 +27,7 @@ _SPANS = (SPAN, 6.0, 1.0)
 
 
 class RecordedTopicFollower:
-    """Shows one topic of a recording until its task is cancelled."""
+    """A follower of one topic of a recording, which shows it until its task is cancelled."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class RecordedTopicFollower:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> None:
-        """Follow nothing yet.
+        """Create the follower; `run` starts it.
 
         Args:
             player: The player, whose position is shown.
@@ -64,11 +64,11 @@ class RecordedTopicFollower:
             if self._kind:
                 view, spent = await in_daemon(self._update, self._request(), now, snapshot)
             else:
-                view = TopicView(self._topic, fault=self._why_not())
+                view = TopicView(self._topic, fault=self._unreadable_reason())
             self._show(view._replace(ends=_recorded_ends(snapshot, self._topic)))
             await self._clock.sleep(max(PERIOD, spent / SHARE))
 
-    def _why_not(self) -> str:
+    def _unreadable_reason(self) -> str:
         """Return why a topic cannot be read from the recording."""
         begin = f"{self._topic}: "
         faults = (fault.removeprefix(begin) for fault in self._player.bag.faults if begin in fault)
@@ -101,7 +101,7 @@ class RecordedTopicFollower:
         return view, time.thread_time() - begun
 
     def _read_around(self, now: float) -> None:
-        """Read the messages around a Unix time."""
+        """Load the messages of the topic before a Unix time and shortly after it."""
         for span in _SPANS:
             self._read_until = now + span / 4
             self._messages, faults = self._player.bag.encoded_messages(

@@ -219,7 +219,7 @@ class ReplayState:
         )
 
     def _on_journal(self, message: Any) -> None:
-        """Add an event of a console: what it did, or had to say."""
+        """Add the event of a console that a recorded log message holds."""
         level, source, text = level_word(message.level), message.name, message.msg
         own, _, rest = text.partition(": ")
         if own in OWN_LEVELS:

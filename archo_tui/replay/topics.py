@@ -42,7 +42,7 @@ class RecordedTopics:
     def listen_quietly(
         self, _kind: Any, topic: str, callback: Callable[[Any], None], _qos: Any
     ) -> Callable[[Any], None]:
-        """Call `callback` with each later message until `destroy_subscription`."""
+        """Register a callback for a topic; return it, as the subscription to be destroyed."""
         self.callbacks[self.resolve_topic_name(topic)] = callback
         return callback
 
