@@ -407,7 +407,7 @@ class Session:
     def close(self) -> list[str]:
         """Stop everything, and return the names of nodes whose callbacks did not return."""
         ends = time.monotonic() + END
-        self.box.end()
+        self.box.finish()
         self._watch.stop()
         if self._server is not None:
             self._server.close()

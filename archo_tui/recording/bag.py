@@ -60,7 +60,7 @@ def write(
     writer = BagWriter(folder)
     try:
         writer.add(messages)
-        return writer.end(about, attached)
+        return writer.finish(about, attached)
     finally:
         writer.close()
 
@@ -96,7 +96,7 @@ class BagWriter:
         self._result = WriteResult(0, "")
 
     def add(self, messages: Sequence[ReceivedMessage]) -> None:
-        """Write messages, some of which may stay in memory until `flush` or `end`."""
+        """Write messages, some of which may stay in memory until `flush` or `finish`."""
         for index, message in enumerate(messages):
             if index % _YIELD_EVERY == 0:
                 time.sleep(0)  # Let the threads of keys and STOP run.
@@ -141,7 +141,7 @@ class BagWriter:
         self._stream.flush()
         os.fsync(self._stream.fileno())
 
-    def end(self, about: Mapping[str, str], attached: Mapping[str, str]) -> WriteResult:
+    def finish(self, about: Mapping[str, str], attached: Mapping[str, str]) -> WriteResult:
         """Finish the MCAP file and write `metadata.yaml`.
 
         Args:
@@ -188,7 +188,7 @@ class BagWriter:
         return self._result
 
     def close(self) -> None:
-        """Close the file without finishing it; harmless after `end`."""
+        """Close the file without finishing it; harmless after `finish`."""
         with suppress(OSError):  # A full disk refuses the last bytes; what is there stays.
             self._stream.close()
 

@@ -57,7 +57,7 @@ class _EventRecording:
         if why not in self.why:
             self.why.append(why)
 
-    def end(self) -> None:
+    def stop_collecting(self) -> None:
         """Stop collecting messages."""
         self._ring.unsubscribe(self._on_message)
 
@@ -111,7 +111,7 @@ class _ContinuousBag:
             messages, self._messages, self._bytes = self._messages, [], 0
         return messages
 
-    def end(self) -> None:
+    def stop_collecting(self) -> None:
         """Stop collecting messages. Any thread."""
         with self._lock:
             listens, self._listens = self._listens, False
@@ -223,13 +223,13 @@ class BlackBox:
 
     def _end_continuous(self, current: _ContinuousBag, to: Path) -> None:
         self._continuous = None
-        current.end()
+        current.stop_collecting()
         self._start_thread()
         self._jobs.put(partial(self._append, current, to, is_last=True))
 
     def _finish_event(self, recording: _EventRecording) -> None:
         self._event = None
-        recording.end()
+        recording.stop_collecting()
         self._start_thread()
         if self._jobs.qsize() > _MAX_WAITING + (self._continuous_to is not None):
             self._report_failure(recording, "the disk is too slow")
@@ -282,7 +282,9 @@ class BlackBox:
             current.folder = None
             if is_last:
                 about = {"why": ALL, "kept": "no"}
-                self._report_left_out(current.writer.end(about, self._final_attachments(current)))
+                self._report_left_out(
+                    current.writer.finish(about, self._final_attachments(current))
+                )
                 self._add_event("INFO", "console", f"recorded {current.writer.folder.name}: {ALL}")
         except Exception as error:  # Recording must never end the console.
             self._continuous_failure = self._describe_error(error, to)
@@ -298,7 +300,7 @@ class BlackBox:
 
     def _abandon(self, current: _ContinuousBag) -> None:
         """Leave a bag that cannot be written as it is; `_tick_continuous` begins a new one."""
-        current.end()
+        current.stop_collecting()
         current.failed = self._clock.monotonic()
         if current.writer is not None:
             current.writer.close()
@@ -376,8 +378,8 @@ class BlackBox:
             return f"{error.strerror or error}: {error.filename or where or self._folder}"
         return in_one_line(error)
 
-    def end(self) -> None:
-        """Hand over the recordings that still go on, complete or not."""
+    def finish(self) -> None:
+        """Hand the recordings that still go on to the writing thread, complete or not."""
         if self._event is not None:
             self._finish_event(self._event)
         if self._continuous is not None and self._continuous_to is not None:

@@ -98,7 +98,7 @@ def all_times(state: ConsoleState) -> Iterator[float | None]:
 
 
 def change_key(view: View) -> tuple[object, ...]:
-    """Return what of a view is worth recording when it changes; cheap to build and to compare."""
+    """Return a key that changes when a view is worth recording again; cheap to compare."""
     snapshot = view.snapshot
     goal = snapshot.goal
     return (

@@ -35,7 +35,7 @@ def _stop_reasons(before: View, now: View) -> Iterator[str]:
 
 
 def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
-    """Return True if an event since tells of a STOP, which may be over by now."""
+    """Return True if an event after `old` tells of a STOP, which may be over by now."""
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)

@@ -53,7 +53,7 @@ def test_every_ten_minutes_another_one_is_begun(tmp_path: Path) -> None:
         clock.passed = float(second)
         box.receive("/said", String(data=str(second)))
         box.tick()
-    box.end()
+    box.finish()
     assert box.close(DEADLINE) == ""
     first, second_bag = bag.read_info(path), bag.read_info(tmp_path / "shift_2")
     assert (first.seconds, second_bag.seconds) == (600.0, 158.0)
@@ -110,7 +110,7 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, record_all_to=path)
     box.receive("/said", String(data="x"))
     box.tick()
-    box.end()
+    box.finish()
     assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
     assert list(path.parent.iterdir()) == []
 
@@ -127,7 +127,7 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
         box.tick()
         until(lambda: _count(path) == second + 1)  # noqa: B023
     assert BagFile(path).robot == "name: ARCHO"
-    box.end()
+    box.finish()
     assert box.close(DEADLINE) == ""
     assert BagFile(path).count == 5
 
@@ -186,7 +186,7 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     clock.passed = 20.0
     box.tick()
     until(lambda: not box.trouble)
-    box.end()
+    box.finish()
     assert box.close(DEADLINE) == ""
     assert bag.read_info(path).messages == 1
 
