@@ -53,10 +53,10 @@ class Proposal(NamedTuple):
 
 
 class SeveralRobots(Exception):
-    """Several robots are on the graph, so that the parts of one cannot be told from another's.
+    """The error that several robots are on the graph, whose parts cannot be told apart.
 
     Attributes:
-        namespaces: Those of the robots.
+        namespaces: The namespaces of the robots.
     """
 
     def __init__(self, namespaces: Collection[str]) -> None:
@@ -82,17 +82,17 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     if len(robots) > 1:
         raise SeveralRobots(robots)
     chosen = [pair for part in _TOPICS for pair in _topics(found, part)]
-    chosen += _without_others(_goals(found))
+    chosen += _mark_other_robots(_goals(found))
     stops = [sighting for sighting in ordered if is_stop(sighting)]
     chosen += [
         (Entry("stop", made, reason, is_sure=False), sighting)
         for made, reason, sighting in proposed_stops(stops)
     ]
-    chosen += _without_others(pair for pair in found if pair[0].part == "commands")
+    chosen += _mark_other_robots(pair for pair in found if pair[0].part == "commands")
     where = _common_namespace(chosen, namespace)
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
     used: set[str] = set()
-    entries = tuple(_named(entry, where, used) for entry, _ in chosen)
+    entries = tuple(_with_file_names(entry, where, used) for entry, _ in chosen)
     used = {sighting.name for _, sighting in chosen}
     used |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
     unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in used)
@@ -113,7 +113,7 @@ def _robots(found: Iterable[Found]) -> set[str]:
 
 
 def _entries(sighting: Sighting) -> Iterator[Entry]:
-    """Yield what one sighting is taken for, with its full name in place of the one in the file."""
+    """Yield the entries for one sighting; their names are full, not yet those of the file."""
     if sighting.kind == "topic":
         yield from _battery(sighting)
         yield from _known_topic(sighting, "motion")
@@ -211,10 +211,11 @@ def _goals(found: Iterable[Found]) -> list[Found]:
     return sorted((pair for pair in found if pair[0].part == "goals"), key=rank)
 
 
-def _without_others(chosen: Iterable[Found]) -> Iterator[Found]:
-    """Yield goals and commands; as a comment where `/tb2/dock` is beside a `/dock` of its type.
+def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
+    """Yield goals and commands, those that may be another robot's as comments.
 
-    It may be of another robot, whose goals must not stand among those of this one.
+    `/tb2/dock` may be of another robot beside a `/dock` of its type, and the goals of two robots
+    must not stand together.
     """
     known: set[tuple[str, tuple[str, ...]]] = set()
     for entry, sighting in chosen:
@@ -236,7 +237,7 @@ def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
     return found if namespace == "/" else namespace
 
 
-def _named(entry: Entry, namespace: str, used: set[str]) -> Entry:
+def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
     """Return an entry with names as in the robot file, and with an id that no other one has."""
     value = entry.value
     if entry.part == "diagnostics":

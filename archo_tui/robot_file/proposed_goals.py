@@ -54,9 +54,12 @@ def propose_goal(
 
 
 def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]] | None:
-    """Return the fields to type and the fixed values; None if a list has to be filled.
+    """Return the fields to type and the fixed values of a goal; None if it has a list to fill.
 
     A pose is typed as x, y and yaw, in the frame that navigation uses. Stamps keep their zero.
+
+    Args:
+        goal: The types of the goal's fields by dotted path.
     """
     fields: dict[str, FormField] = {}
     fixed: dict[str, str] = {}

@@ -18,10 +18,10 @@ from archo_tui.robot_file.sighting import Sighting, served_reason
 def proposed_stops(
     seen: Sequence[Sighting],
 ) -> Iterator[tuple[StopServices, str, Sighting]]:
-    """Yield each service that may be the STOP, with what may release it, and the reason.
+    """Yield an entry for each service that may be the STOP, the reason, and its sighting.
 
     Args:
-        seen: The services that `is_stop` is true of.
+        seen: The services that `is_stop` is true of: those that stop, and those that release.
     """
     releases = [s for s in seen if _is_release(s)]
     for sighting in seen:
@@ -59,9 +59,11 @@ def _is_release(sighting: Sighting) -> bool:
 
 
 def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopServices:
-    """Return what may release a stop: beside or below it, with the most words of its name.
+    """Return an entry with the service that may release a stop, or one without a release.
 
-    A service with further words releases something else: `clear_brake_stop` no emergency stop.
+    The service is beside or below the stop, and has the most words of the stop's name.
+
+    One with further words releases something else: `clear_brake_stop` no emergency stop.
 
     Args:
         stop: The service that may be the STOP.
