@@ -158,7 +158,7 @@ class TerminalApp(App[None]):
         self._stop_context = contextvars.copy_context()
 
     def _carry_stops(self, message: Message) -> None:
-        """Give what a widget does on a message the count of STOPs of the key behind the message."""
+        """Have a widget handle a message with the count of STOPs of the key that caused it."""
         self.stops.set_typed_at(stops_before(message))
 
     @property

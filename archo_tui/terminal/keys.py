@@ -81,7 +81,7 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
 
 
 def _key(name: str, character: str, held: int) -> events.Key:
-    """Return a key event with the modifiers that the character does not include."""
+    """Return a key event with the held modifiers (bits) that the character does not include."""
     with_shift = held & _SHIFT and (not character or character.isspace())
     words = ["shift"] if with_shift else []
     words += [word for word, bit in _MODIFIERS.items() if held & bit]

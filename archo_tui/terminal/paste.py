@@ -85,7 +85,7 @@ class Paste:
         if mark := _MARK.search(text):
             if mark[1] == "0":  # Another paste begins: the end of this one is lost.
                 return PasteEnd([PasteCut()], text[mark.start() :])
-            self._keep(text[: mark.start()])
+            self._append_text(text[: mark.start()])
             return PasteEnd([events.Paste("".join(self._text))], text[mark.end() :])
         if (
             not is_amid_character
@@ -95,7 +95,7 @@ class Paste:
             return PasteEnd([PasteCut()], self._burst_key)
         begun = _BEGUN_MARK.search(text)
         self._tail = begun[0] if begun else ""
-        self._keep(text[: len(text) - len(self._tail)])
+        self._append_text(text[: len(text) - len(self._tail)])
         return None
 
     def on_silence(self, now: float) -> PasteEnd | None:
@@ -110,7 +110,7 @@ class Paste:
         self._has_stalled = self._has_stalled or has_stalled
         return has_stalled
 
-    def _keep(self, text: str) -> None:
+    def _append_text(self, text: str) -> None:
         if self._left:
             self._text.append(text[: self._left])
             self._left -= len(self._text[-1])

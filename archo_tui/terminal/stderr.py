@@ -16,7 +16,7 @@ from archo_tui.regular_files import open_regular
 
 
 def log_file() -> Path:
-    """Return the path of that file: `archo-tui/stderr.log` in the XDG state folder."""
+    """Return the path of the file for standard error, `archo-tui/stderr.log`."""
     return state_file("stderr.log")
 
 

@@ -86,7 +86,7 @@ def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
 def contrast(one: Color, other: Color) -> float:
     """Return the contrast ratio of two colours, 1 to 21.
 
-    It is that of https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio.
+    The formula is that of https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio.
     """
     return _least_ratio(one, [_luminance(other)])
 
