@@ -26,7 +26,7 @@ _NAMES = {
 
 
 class InvalidArguments(Exception):
-    """The arguments do not fit the schema; the message is one line."""
+    """The error of arguments that do not fit the schema; its message is one line."""
 
 
 def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> dict[str, Any]:

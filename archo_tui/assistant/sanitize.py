@@ -29,7 +29,7 @@ def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
         return harmless(value)
     if isinstance(value, (int, float)):
         is_usual = math.isfinite(value) if isinstance(value, float) else fits_an_integer(value)
-        return value if is_usual else f"a number that is not shown: {_in_words(value)}"
+        return value if is_usual else f"a number that is not shown: {_describe_number(value)}"
     if depth == 0 or not isinstance(value, (list, tuple, Mapping)):
         return "not shown: too deep"
     left_out = len(value) - MAX_ITEMS
@@ -44,6 +44,6 @@ def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
     return [*items, more] if left_out > 0 else items
 
 
-def _in_words(number: float) -> str:
-    """Return `nan`, `inf`, or how many bits a large integer has."""
+def _describe_number(number: float) -> str:
+    """Return `nan` or `inf`, or the size of a large integer in bits."""
     return str(number) if isinstance(number, float) else f"{number.bit_length()} bits"

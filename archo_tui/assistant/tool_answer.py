@@ -28,7 +28,7 @@ class ToolAnswer(NamedTuple):
     failed: bool = False
 
     def as_data(self, notice: str = "") -> dict[str, Any]:
-        """Return the answer as JSON has it; what the robot said is sanitized, and stands by itself.
+        """Return the answer as a JSON object, in which the robot's words are sanitized and apart.
 
         Args:
             notice: What else the assistant must know, such as a restart of the console; or "".
