@@ -115,7 +115,7 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
 
 
 def _run_screen(session: Session, stdin: TextIO | None) -> int:
-    """Show the screen, again after a crash of it, and return the exit code."""
+    """Show the screen, restart it after a crash, and return the exit code."""
     require_terminal(stdin)
     import asyncio
 

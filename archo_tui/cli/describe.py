@@ -40,7 +40,7 @@ def describe_robot(options: Namespace) -> int:
         with Session(
             Options(engine="ros2", attach=True, watch=True, namespace=options.namespace)
         ) as session:
-            text = asyncio.run(_text(session.station))
+            text = asyncio.run(_wait_for_robot_file(session.station))
     except SeveralRobots as error:
         raise ArchoError(f"{error}: name one with --namespace") from None
     except TimeoutError:
@@ -56,8 +56,8 @@ def describe_robot(options: Namespace) -> int:
     return 0
 
 
-async def _text(station: Station) -> str:
-    """Return the text once a robot was found; "" and a complaint if there is none."""
+async def _wait_for_robot_file(station: Station) -> str:
+    """Wait for a robot, and return its robot file; complain and return "" if none comes."""
     import asyncio
 
     from archo_tui.verbs.base import PATIENCE

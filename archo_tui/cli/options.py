@@ -43,7 +43,7 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
         add_help=False,  # it stands in the last group
     )
     if takes_command:
-        _command_words(parser)
+        _add_verb(parser)
     parser.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
         f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own. A verb is sent to the console "
@@ -57,8 +57,8 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
     return parser
 
 
-def _command_words(parser: argparse._ActionsContainer) -> None:
-    """Take a command with the words behind it, and options of verbs that stand before it."""
+def _add_verb(parser: argparse._ActionsContainer) -> None:
+    """Have a parser take a verb with its words, and options of verbs that stand before it."""
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     for name in (*VERB_VALUES, *VERB_FLAGS):
         parser.add_argument(

@@ -26,6 +26,6 @@ class ClosedOutput(TextIOBase):
 
 
 def report_lost_output() -> None:
-    """Make it an error from here on to print to a closed standard output."""
+    """Have an error raised from now on when something is printed to a closed standard output."""
     if sys.stdout is None:
         sys.stdout = ClosedOutput()
