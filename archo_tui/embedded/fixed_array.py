@@ -23,7 +23,7 @@ def name_of(code: str) -> str:
 
 
 class Many:
-    """The base of arrays and comparisons: without a truth value, except for the elements'."""
+    """The base of arrays and comparisons; only one with a single element has a truth value."""
 
     __slots__ = ()
 

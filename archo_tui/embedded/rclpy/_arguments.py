@@ -31,8 +31,8 @@ class Arguments(NamedTuple):
     def parameters_of(self, node: str) -> dict[str, Any]:
         """Return the overrides for the node of that fully qualified name.
 
-        As in rcl, the later value wins within a pattern; of two patterns that one wins which was
-        first named later, whatever was said of the other after that.
+        As in rcl, the last value for a pattern wins, and of several patterns the one whose first
+        value is named last.
         """
         by_pattern: dict[str, dict[str, Any]] = {}
         for override in self.overrides:

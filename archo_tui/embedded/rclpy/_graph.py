@@ -65,7 +65,7 @@ class Graph:
             if publisher in topic.publishers:
                 topic.publishers.remove(publisher)
             for subscription in publisher._matched:
-                _tell(subscription, -1)
+                _report_match(subscription, -1)
             publisher._matched = ()
             self._forget_if_empty(publisher._topic_name)
             self.changed.notify_all()
@@ -78,7 +78,7 @@ class Graph:
                 topic.subscriptions.remove(subscription)
             for publisher in topic.publishers:
                 if subscription in publisher._matched:
-                    _tell(publisher, -1)
+                    _report_match(publisher, -1)
                 publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
             self._forget_if_empty(subscription._topic_name)
             self.changed.notify_all()
@@ -111,8 +111,8 @@ class Graph:
             policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
             if policy is None:
                 matched.append(subscription)
-                _tell(publisher, 1)
-                _tell(subscription, 1)
+                _report_match(publisher, 1)
+                _report_match(subscription, 1)
             else:
                 for handler in (*publisher.event_handlers, *subscription.event_handlers):
                     handler._refused(policy)
@@ -134,7 +134,7 @@ def graph_of(domain_id: int) -> Graph:
         return _graphs.setdefault(domain_id, Graph())
 
 
-def _tell(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
+def _report_match(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
     """Tell an endpoint's handler that a match came (1) or left (-1)."""
     for handler in endpoint.event_handlers:
         handler._met(change)

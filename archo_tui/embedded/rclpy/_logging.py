@@ -30,7 +30,7 @@ def set_level(name: str, level: int) -> None:
         _default_level = level
 
 
-def own_level(name: str) -> int:
+def configured_level(name: str) -> int:
     """Return the level that was set for that name itself, 0 for none."""
     return _levels.get(name, 0) if name else _default_level
 

@@ -71,7 +71,7 @@ class Clock:
             raise NotInitializedException
         if until.clock_type != self._clock_type:
             raise ValueError("until's clock type does not match this clock's type")
-        over = _Over(self._changed)
+        over = _ShutdownCondition(self._changed)
         context.on_shutdown(over.wake)
         simulated = self._is_simulated
         left = until.nanoseconds - self.now().nanoseconds
@@ -93,7 +93,7 @@ class Clock:
         return self.sleep_until(self.now() + rel_time, context)
 
 
-class _Over:
+class _ShutdownCondition:
     """The condition that the shutdown of a context notifies."""
 
     def __init__(self, condition: threading.Condition) -> None:
@@ -149,7 +149,7 @@ class ROSClock(Clock):
             return
         self._take(time.nanoseconds, True)
         for timer in list(self._timers):
-            timer._look()
+            timer._announce_if_due()
 
     def _timer_ns(self) -> int:
         """Return the time that timers of this clock count, in ns."""

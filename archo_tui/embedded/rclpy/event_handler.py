@@ -88,7 +88,7 @@ class SubscriptionEventCallbacks:
             (event.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, EventHandler, kind),
             (event.RCL_SUBSCRIPTION_MATCHED, handlers.Matched, self.matched),
         ]
-        return _made(kinds, subscription, callback_group)
+        return _make_handlers(kinds, subscription, callback_group)
 
 
 class PublisherEventCallbacks:
@@ -132,7 +132,7 @@ class PublisherEventCallbacks:
             (event.RCL_PUBLISHER_INCOMPATIBLE_TYPE, EventHandler, kind),
             (event.RCL_PUBLISHER_MATCHED, handlers.Matched, self.matched),
         ]
-        return _made(kinds, publisher, callback_group)
+        return _make_handlers(kinds, publisher, callback_group)
 
 
 def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallbacks) -> None:
@@ -143,7 +143,7 @@ def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallback
             raise UnsupportedEventTypeError(absent.message(where))
 
 
-def _made(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:
+def _make_handlers(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:
     return [kind(endpoint, group, callback, event) for event, kind, callback in kinds if callback]
 
 

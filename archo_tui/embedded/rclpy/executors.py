@@ -157,10 +157,9 @@ class Executor:
         self.shutdown()
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """End all spinning and release the nodes.
+        """End all spinning and release the nodes; return True.
 
-        Returns:
-            False if work went on for longer than `timeout_sec` (s).
+        Callbacks that run are not waited for, so `timeout_sec` has no effect.
         """
         with self._condition:
             self._is_shutdown = True

@@ -38,7 +38,7 @@ def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
 
 def get_logger_level(name: str) -> LoggingSeverity:
     """Return the level that was set for that name itself; UNSET if it inherits one."""
-    return LoggingSeverity(_logging.own_level(name))
+    return LoggingSeverity(_logging.configured_level(name))
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:

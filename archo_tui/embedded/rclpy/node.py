@@ -230,17 +230,17 @@ class Node(NodeParameters, Destroyable):
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
         """Return this node's subscriptions."""
-        return self._own(Subscription)
+        return self._outside_actions(Subscription)
 
     @property
     def services(self) -> Iterator[Service[Any, Any]]:
         """Return this node's services."""
-        return self._own(Service)
+        return self._outside_actions(Service)
 
     @property
     def clients(self) -> Iterator[Client[Any, Any]]:
         """Return this node's clients."""
-        return self._own(Client)
+        return self._outside_actions(Client)
 
     @property
     def timers(self) -> Iterator[Timer]:
@@ -464,7 +464,7 @@ class Node(NodeParameters, Destroyable):
     def _all(self, kind: type[EntityT]) -> list[EntityT]:
         return [entity for entity in self._entity_list.copy() if isinstance(entity, kind)]
 
-    def _own(self, kind: type[EntityT]) -> Iterator[EntityT]:
+    def _outside_actions(self, kind: type[EntityT]) -> Iterator[EntityT]:
         """Yield the entities of a kind, without those that an action consists of."""
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 

@@ -93,25 +93,27 @@ class AsyncParameterClient:
     def set_parameters(
         self, parameters: Sequence[Any], callback: DoneCallback = None
     ) -> Future[Any]:
-        """Set one by one; a result with a reason for each."""
+        """Request to set parameters one by one; the response has a result for each."""
         request = srv.SetParameters.Request(parameters=_messages(parameters))
         return self._call(self._set, request, callback)
 
     def set_parameters_atomically(
         self, parameters: Sequence[Any], callback: DoneCallback = None
     ) -> Future[Any]:
-        """Set all or none; one result with a reason."""
+        """Request to set all parameters or none; the response has one result."""
         request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
         return self._call(self._atomically, request, callback)
 
     def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
-        """Undeclare; refused for parameters of a static type."""
+        """Request to undeclare parameters; those of a static type are refused."""
         return self.set_parameters([Parameter(name) for name in names], callback)
 
     def load_parameter_file(
         self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
-        """Set what a file has for the node, one by one; with `use_wildcard` also what is for all.
+        """Request to set what a file has for the node, one by one.
+
+        With `use_wildcard`, also what it has for all nodes is set.
 
         Raises:
             FileNotFoundError: There is no such file.
@@ -122,7 +124,7 @@ class AsyncParameterClient:
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
-        """Set what a file has for the node, all or none."""
+        """Request to set what a file has for the node, all or none."""
         return self.set_parameters_atomically(self._read(parameter_file, use_wildcard), callback)
 
     def on_parameter_event(

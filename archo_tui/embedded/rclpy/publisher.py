@@ -75,7 +75,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         while self._lifespan and self._kept and now - self._kept[0][0] > self._lifespan:
             self._kept.popleft()
 
-    def _kept_by(self, make: Callable[[], Any]) -> None:
+    def _set_latched(self, make: Callable[[], Any]) -> None:
         """Set the function that makes what a late joiner gets."""
         self._make_kept = make
         self._keeps = False

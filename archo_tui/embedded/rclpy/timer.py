@@ -150,7 +150,7 @@ class Timer(TimedEntity):
         else:
             executor._add_timer(self)
 
-    def _look(self) -> None:
+    def _announce_if_due(self) -> None:
         """Announce the timer if the new simulated time makes it due.
 
         After a jump backward a full period is waited for.

@@ -251,7 +251,7 @@ class ActionServer:
         self._status = node.create_publisher(
             impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
-        self._status._kept_by(self._all_statuses)
+        self._status._set_latched(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
     @property

@@ -61,7 +61,7 @@ class RcutilsLogger:
         if type(severity) is not LoggingSeverity:
             severity = LoggingSeverity(severity)
         name = self.name if name is None else name
-        asked = _asked(filters) if filters else {}
+        asked = _filter_options(filters) if filters else {}
         frame: FrameType | None = sys._getframe(1)
         by_warn = False
         while frame is not None and frame.f_code.co_filename == __file__:
@@ -135,7 +135,7 @@ _MACHINE = Clock()  # The throttle's clock by default.
 _SYSTEM = ROSClock()  # Without a node it is never simulated.
 
 
-def _asked(given: dict[str, Any]) -> dict[str, Any]:
+def _filter_options(given: dict[str, Any]) -> dict[str, Any]:
     """Return the options of those filters that are switched on; raise TypeError for bad ones."""
     found = {name for name, options in _OPTIONS.items() if any(map(given.get, options))}
     if "throttle" in found and "throttle_duration_sec" not in given:

@@ -120,7 +120,7 @@ class StateMachine:
         """Return the transitions from this state."""
         return [step for step in STEPS if step.start == self._state]
 
-    def take(self, transition: int | str) -> Step:
+    def trigger_transition(self, transition: int | str) -> Step:
         """Go through a transition by number or label; raise RCLError if it does not start here."""
         for step in self.steps:
             if transition in (step.number, step.label):

@@ -75,25 +75,25 @@ class LifecycleNodeMixin(ManagedEntity):
 
     def trigger_configure(self) -> TransitionCallbackReturn:
         """Configure, and return the callback's outcome, ERROR if that is not possible now."""
-        return self._go("configure")
+        return self._run_transition("configure")
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
         """Clean up, and return the callback's outcome, ERROR if that is not possible now."""
-        return self._go("cleanup")
+        return self._run_transition("cleanup")
 
     def trigger_activate(self) -> TransitionCallbackReturn:
         """Activate, and return the callback's outcome, ERROR if that is not possible now."""
-        return self._go("activate")
+        return self._run_transition("activate")
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
         """Deactivate, and return the callback's outcome, ERROR if that is not possible now."""
-        return self._go("deactivate")
+        return self._run_transition("deactivate")
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
         """Shut down, and return the callback's outcome; raise RCLError in the state `finalized`."""
         if all(step.label != "shutdown" for step in self._state_machine.steps):
             raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling.
-        return self._go("shutdown")
+        return self._run_transition("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
         """Add an entity that is told of the transitions; raise TypeError for anything else."""
@@ -145,7 +145,7 @@ class LifecycleNodeMixin(ManagedEntity):
                 return said
         return _SUCCESS
 
-    def _go(self, transition: int | str) -> TransitionCallbackReturn:
+    def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
         """Go through a transition with its callback, and through that of errors if it fails."""
         node: Any = self
         number, label = self._state_machine.current_state
@@ -171,7 +171,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return said
 
     def _take(self, transition: int | str) -> Step:
-        step = self._state_machine.take(transition)
+        step = self._state_machine.trigger_transition(transition)
         if self._transition_events is not None:
             # rcl publishes it without its time and the transition's name.
             start, goal = _state(step.start), _state(step.goal)
@@ -179,7 +179,9 @@ class LifecycleNodeMixin(ManagedEntity):
         return step
 
     def _change(self, request: Any, response: Any) -> Any:
-        response.success = self._go(request.transition.label or request.transition.id) == _SUCCESS
+        response.success = (
+            self._run_transition(request.transition.label or request.transition.id) == _SUCCESS
+        )
         return response
 
     def _tell_state(self, request: Any, response: Any) -> Any:
