@@ -92,7 +92,7 @@ class ArchoApp(KeyedApp):
         # Inside of Textual's redirection, which captures all that is printed.
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.attach(self)
-        self.station.robot.subscribe(self._take)
+        self.station.robot.subscribe(self._on_snapshot)
         start_worker(self, self._recall, "recall")
         start_worker(self, self._tick_for_ever, "tick")
         if self._failed_before:
@@ -108,7 +108,7 @@ class ArchoApp(KeyedApp):
     def on_resize(self) -> None:
         self.call_after_refresh(self.tick)
 
-    def _take(self, snapshot: Snapshot) -> None:
+    def _on_snapshot(self, snapshot: Snapshot) -> None:
         self.station.on_snapshot(snapshot)
         try:
             self._show()
@@ -244,7 +244,7 @@ class ArchoApp(KeyedApp):
         return waits
 
     async def _await_command(self, name: str, work: Work) -> None:
-        """Carry out the work of a command, which counts as waiting for its answer until then."""
+        """Await the work of a command; until its end, the command waits for its answer."""
         sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
         try:
             await work
@@ -294,7 +294,7 @@ class ArchoApp(KeyedApp):
         self.call_after_refresh(self.tick)
 
     def end_replay(self) -> None:
-        """Lead back to this console."""
+        """Close the replay, and show this console again."""
         if self.replay is None:
             return
         above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
@@ -400,7 +400,7 @@ class ArchoApp(KeyedApp):
         self.station.robot.note("ERROR", "console", message.text)
 
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
-        self._keep(typed)
+        self._remember_typed(typed)
         answer = self.verbs["go"].run(self.station, {GOALS: goals})
         start_worker(self, partial(self._show_refusal, answer), COMMANDS)
         self._show()
@@ -410,8 +410,8 @@ class ArchoApp(KeyedApp):
         outcome = await answer
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 
-    def _keep(self, typed: list[str]) -> None:
-        """Keep what was typed for the arrow keys, also after a restart."""
+    def _remember_typed(self, typed: list[str]) -> None:
+        """Remember what was typed for the arrow keys, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         others = [old for old in panel.typed if old != typed]
         panel.set_typed([*others, typed][-form_history.MAX_ENTRIES :])
@@ -444,5 +444,5 @@ class ArchoApp(KeyedApp):
         start_worker(self, work, "beside")
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Say why the robot does not go there, where goals are typed."""
+        """Show beside the form why the robot refused a goal; remove the text if it did not."""
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)

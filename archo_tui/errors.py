@@ -6,7 +6,7 @@ class ArchoError(Exception):
 
 
 class UserFileError(ArchoError):
-    """A file of the user's own is wrong.
+    """An error in a file of the user's own.
 
     Attributes:
         report: The traceback for the person who wrote the file; "" if it would say no more.

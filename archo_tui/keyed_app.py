@@ -364,10 +364,10 @@ class KeyedApp(TerminalApp):
         return not self._opening or self._is_free(event)
 
     def _acts_before(self, event: events.Event) -> bool:
-        """Return True if a key acts now, before others that wait for an answer.
+        """Return True if a key acts now, before other keys that wait for an answer.
 
-        Only escape and keys that work everywhere do, if the first one has waited for HELD and still
-        cannot act: keys of one burst keep their order.
+        Only escape and the keys that work everywhere do so, if the first one has waited for HELD
+        and still cannot act: keys of one burst keep their order.
         """
         first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
         if event.time - first.time < HELD or not (escapes or self._is_free(event)):

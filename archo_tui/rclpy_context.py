@@ -65,7 +65,7 @@ class RclpyContext:
             self._uninstall.append(program_thread.install())
         if hosts_files:
             rclpy.shutdown, rclpy.try_shutdown = (
-                _refused_outside(in_program, shutdown) for shutdown in self._shutdowns
+                _only_in_programs(in_program, shutdown) for shutdown in self._shutdowns
             )
             self._uninstall.append(global_executor.install())
 
@@ -82,10 +82,10 @@ def _never() -> bool:
     return False
 
 
-def _refused_outside(
+def _only_in_programs(
     in_program: Callable[[], bool], shutdown: Callable[..., None]
 ) -> Callable[..., None]:
-    """Return a shutdown that raises in a textbook's node, where it would end the console."""
+    """Return a `shutdown` that raises outside of programs, where it would end the console."""
 
     def shutdown_of_program(**options: Any) -> None:
         if not in_program():

@@ -57,8 +57,8 @@ def _hidden_in_place(found: re.Match[str]) -> str:
     return HIDDEN * cell_len(found[0])
 
 
-def hides(text: str) -> bool:
-    """Return True if a text looks like another text to a person who reads it."""
+def is_deceptive(text: str) -> bool:
+    """Return True if a text looks like another text: it is too long, or has unseen characters."""
     is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
     return not is_plain or _UNSEEN.search(text) is not None
 

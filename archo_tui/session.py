@@ -109,7 +109,7 @@ class Session:
             unseen=engine.unseen(options.engine, self._context),
             file_is_default=options.robot is None,
         )
-        self._watch = FileWatcher(self._watched(interfaces))
+        self._watch = FileWatcher(self._watched_files(interfaces))
         self._server = self._socket() if options.remote else None
 
     def _socket(self) -> Server | None:
@@ -207,12 +207,12 @@ class Session:
             robot.own_nodes = self.host.names
             robot.unended_nodes = self.host.unended_names
             self._node_files = [NodeFile(given) for given in self._node_names]
-            self._programs = self._own_programs()
+            self._programs = self._user_programs()
             self._shares = self._package_shares()
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._undo_init()
-            raise ArchoError(self._refused(str(error))) from None
+            raise ArchoError(self._refusal_line(str(error))) from None
         except NameValidationException as error:
             self._undo_init()
             text, name = str(error).splitlines()[:2]  # The third line points at the character.
@@ -234,8 +234,8 @@ class Session:
 
         return attachments(self.file, journal_file(), begin, end)
 
-    def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
-        """Return the user's own files, with what happens when they are saved."""
+    def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
+        """Return the user's own files, each with the function to call when it is saved."""
         kept, note, host = self.station.edits.values_set, self.robot.note, self.host
         watched: list[Watched] = [
             WatchedFile(file, partial(host.reload, file, kept)) for file in self._node_files
@@ -340,7 +340,7 @@ class Session:
             return ProgramChild(*arguments, output=output)
         raise ArchoError("--run with --engine ros2 does not work on Windows")
 
-    def _own_programs(self) -> list[Program]:
+    def _user_programs(self) -> list[Program]:
         """Return the user's programs, which all get the ROS arguments of the console's nodes."""
         from archo_tui.hosting.hosted_program import Program
         from archo_tui.hosting.program_file import ProgramFile
@@ -360,8 +360,8 @@ class Session:
             args += ["--params-file", str(path)]
         return [*args, *self.options.ros_args]
 
-    def _refused(self, message: str) -> str:
-        """Return the line for a parameter value that a node refused at the start."""
+    def _refusal_line(self, message: str) -> str:
+        """Return a node's refusal of a parameter at the start, with where the value was given."""
         text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
         for override in reversed(self._overrides):
             # Otherwise it is one of --ros-args.

@@ -92,7 +92,7 @@ class Shutdown:
             with contextlib.suppress(RuntimeError):  # A closed loop means that the end is near.
                 loop.call_soon_threadsafe(self.begin, 128 + number)
 
-        _heeded.listen(begin)
+        _first_signal.listen(begin)
 
     @property
     def has_begun(self) -> bool:
@@ -118,8 +118,8 @@ class Shutdown:
         self._end(code)
 
 
-class _Heeded:
-    """The first signal that asks for the end, from before the terminal is taken to after it.
+class _FirstSignal:
+    """The memory of the first signal that asks for the end, also without an event loop.
 
     asyncio's own handlers come and go with its loop. A signal in between would kill the process and
     leave the terminal in raw mode.
@@ -140,17 +140,17 @@ class _Heeded:
             listener(self.first)
 
 
-_heeded = _Heeded()
+_first_signal = _FirstSignal()
 
 
 def heed_signals() -> None:
     """Remember signals from now on, so that they end the console in order."""
     for number in END_SIGNALS:
-        signal.signal(number, _heeded.on_signal)
+        signal.signal(number, _first_signal.on_signal)
 
 
 def ignore_signals() -> None:
     """Ignore signals from now on: the console ends already, and its exit code is known."""
     for number in END_SIGNALS:
-        if signal.getsignal(number) == _heeded.on_signal:
+        if signal.getsignal(number) == _first_signal.on_signal:
             signal.signal(number, signal.SIG_IGN)

@@ -483,7 +483,7 @@ FAULTS = [
     Fault("chapter/service_checks.py", "    if any(before.get(name) and not value", "    if False and any(before.get(name) and not value", LEARNERS),
     Fault("chapter/check_runner.py", "            if line.startswith(_THREAD_CRASH):", "            if False:", LEARNERS),
     Fault("hosting/source.py", "                if called is not None and called not in roots:", "                if False:", LEARNERS),
-    Fault("rclpy_context.py", "                _refused_outside(in_program, shutdown) for", "                shutdown for", LEARNERS),
+    Fault("rclpy_context.py", "                _only_in_programs(in_program, shutdown) for", "                shutdown for", LEARNERS),
     Fault("chapter/topic_checks.py", "_GOOD_LEVELS = 87.5, 55.0, 21.0", "_GOOD_LEVELS = 87.5, 55.0", LEARNERS),
     Fault("chapter/topic_checks.py", "_LOW_LEVELS = 19.0, 5.0", "_LOW_LEVELS = (19.0,)", LEARNERS),
     Fault("chapter/service_checks.py", "        if abs(value) < _TICKS:  #", "        if False:  #", LEARNERS),

@@ -12,7 +12,7 @@ from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
-from archo_tui.safe_text import harmless, hides
+from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approval_requests import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -116,7 +116,7 @@ class Assistants:
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
         typed = [value for value in values.values() if isinstance(value, str)]
         # Otherwise the person would see another goal than the one that is sent.
-        if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
+        if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(is_deceptive, typed)):
             raise ValueError(
                 f"values: more than {_LONGEST_TEXT} characters, or some that are invisible"
             )

@@ -60,11 +60,11 @@ async def test_what_is_hidden_costs_nothing_while_it_stays_so(
         assert "shows 1 standard parameter" in screen_text(app)
         drawn: list[object] = []
         monkeypatch.setattr(app.main.parameters, "refresh", lambda *_, **__: drawn.append(1))
-        app._take(snapshot)
+        app._on_snapshot(snapshot)
         app.tick()
         await quiet.settle()
         assert drawn == []
-        app._take(NORMAL)
+        app._on_snapshot(NORMAL)
         assert drawn
 
 

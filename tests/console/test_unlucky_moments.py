@@ -146,7 +146,8 @@ async def test_news_while_the_list_of_alarms_is_built_wait_for_it() -> None:
         await stop_works(op)
         op.app.action_command("alarms")
         assert isinstance(op.app.screen, AlarmList)
-        Context().run(op.app._take, op.app.view.snapshot)  # from the loop, as the robot's are
+        # From the loop, as the robot's are.
+        Context().run(op.app._on_snapshot, op.app.view.snapshot)
         await op.settle()
         assert "STOPPED: look for the cause" in op.text
         await op.press("escape")

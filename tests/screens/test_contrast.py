@@ -61,7 +61,7 @@ async def test_every_text_can_be_read(theme: str) -> None:
     async with app.run_test(size=(120, 36)):
         app.theme, quiet = theme, Quiet(app)
         for name, snapshot in STATES.items():
-            app._take(snapshot)
+            app._on_snapshot(snapshot)
             app.tick()
             await quiet.settle()
             assert unreadable(app, app.screen._compositor.render_strips()) == [], name

@@ -38,12 +38,12 @@ async def test_stop_is_red_until_the_robot_is_stopped(theme: str) -> None:
         for size in SIZES:
             await pilot.resize_terminal(*size)
             for state in ("normal", "motor moving", "motor stop not confirmed", "battery empty"):
-                app._take(STATES[state])
+                app._on_snapshot(STATES[state])
                 await quiet.settle()
                 style = stop_button(app).style
                 assert style is not None
                 assert colours(style)[1] == red, (state, size)
-            app._take(STATES["motor stopped"])
+            app._on_snapshot(STATES["motor stopped"])
             await quiet.settle()
             style = stop_button(app).style
             assert style is not None
@@ -93,7 +93,7 @@ async def test_without_colours_stop_is_the_strongest_contrast_until_the_robot_is
         style = stop_button(app).style
         assert style is not None
         assert contrast(*colours(style)) > 10
-        app._take(STATES["motor stopped"])
+        app._on_snapshot(STATES["motor stopped"])
         await quiet.settle()
         style = stop_button(app).style
         assert style is not None
