@@ -80,7 +80,7 @@ class CheckRunner:
         return {}
 
     def running(self) -> list[HostedNode]:
-        """Return the nodes that run or have crashed since `restart_crashed`."""
+        """Return the nodes that were started: those that run, and those that have crashed since."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
 
     def unrun_lines(self) -> list[str]:
@@ -94,8 +94,11 @@ class CheckRunner:
         with contextlib.suppress(CrashedError):
             self.spin_until(lambda: False, self._began + _MIN_RUN - self.now(), nodes)
 
-    def all_crashes(self) -> list[str]:
-        """Return a line for each different crash, also of threads that nodes have started."""
+    def collect_crashes(self) -> list[str]:
+        """Restart crashed nodes, and return a line for each different crash so far.
+
+        Crashes of threads that nodes have started count, too.
+        """
         self.restart_crashed()
         for number, line in enumerate(self.printed):
             if line.startswith(_THREAD_CRASH):

@@ -40,7 +40,7 @@ def run_checks(session: Session, radius: float, printed: Sequence[str], report: 
                 report.show(result)
                 has_checked |= not result.skipped
         runner.wait_for_crashes()
-        crashes = Result("no node crashes", "\n".join(runner.all_crashes()))
+        crashes = Result("no node crashes", "\n".join(runner.collect_crashes()))
         report.show(crashes)
     except KeyboardInterrupt:
         report.bail_out()

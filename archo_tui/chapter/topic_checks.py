@@ -166,7 +166,7 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     )
 
     def is_low() -> bool:
-        """Return True if a low level was received; the learner's battery may publish one."""
+        """Return True if any level so far is low, as the learner's battery may publish it."""
         return any(level < 20.0 for level in levels)
 
     try:

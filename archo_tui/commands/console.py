@@ -102,7 +102,7 @@ class OperateOtherRobot(Command):
         console.open(Choose("Operate another robot", choices))
 
     def _operate(self, console: Console, namespace: str) -> None:
-        """Restart for a namespace, or show what of this robot forbids that by now."""
+        """Restart for a namespace; show why not if something has come up since the choice."""
         reason = self.disabled_reason(console)
         if reason:
             console.show_message(reason)

@@ -124,7 +124,7 @@ def palette_choices(console: Console) -> list[Choice]:
 
 
 def goal_choices(console: Console, typed: str) -> list[Choice]:
-    """Return the row `Go to shelf 12` for typed numbers; it sends them as the form does."""
+    """Return a row that sends typed numbers as goals, as `Go to shelf 12`; none for other text."""
     go = next((command for command in console.registry if command.id == "go"), None)
     kinds, panel = console.view.snapshot.file.goals, console.main.goal
     words = typed.split()

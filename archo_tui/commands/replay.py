@@ -33,7 +33,10 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
 
 
 def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the commands of the time line, and those of `commands` that change nothing."""
+    """Return the commands of the time line, and those of `commands` that change nothing.
+
+    The time line is panel 9, so the keys of panels become `1-9` in the footer.
+    """
     shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
     panels.footer_key = "1-9"

@@ -190,7 +190,8 @@ def _reading(console: Console, name: str) -> bool | None:
 
     Args:
         console: The console, whose view has the last report.
-        name: `battery.charging`, `motion.moving`, `motion.stopped`, or `ask` for none.
+        name: The state, as `battery.charging` or `motion.moving`; for `ask`, None is returned, so
+            that the person is asked.
     """
     if name == "ask":
         return None

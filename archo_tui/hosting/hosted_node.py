@@ -127,7 +127,7 @@ class HostedNode:
 
     @property
     def is_late(self) -> bool:
-        """True if the node was not made in time, so that it starts by itself once it is made."""
+        """True if `wait` gave up on the constructor; the node is spun once that returns."""
         return self._is_late
 
     @property
@@ -383,7 +383,8 @@ class HostedNode:
     def begin_to_stop(self) -> None:
         """Ask the thread to end, without waiting for it.
 
-        It ends when the running callback returns, or spins in itself. A constructor is interrupted.
+        A constructor is interrupted, and so is a callback that spins; any other callback runs to
+        its end.
         """
         self._stopping = True
         self._may_spin.set()

@@ -147,7 +147,7 @@ class NodeFile(UserFile):
     Attributes:
         path: The path of the file.
         code: Its code, and that of its folder, as messages name it.
-        loaded: The stamps of the text that was last loaded, or could not be loaded.
+        loaded: Time and size of each file when it was last loaded, or could not be loaded.
         source: The text that was last loaded.
         not_run: One line about the calls of its `main()` that are not made here; "" if there are
             none.

@@ -57,10 +57,10 @@ class PackageShares:
         return module
 
     def get_package_prefix(self, package_name: str) -> str:
-        """Return the install prefix of a package, as ament_index_python does.
+        """Make the share folder of a workspace's package, and return the prefix that it is in.
 
         Raises:
-            PackageNotFoundError: There is no such package.
+            PackageNotFoundError: No workspace has such a package.
             ArchoError: Its setup.py has a mistake.
         """
         prefix = self._prefix

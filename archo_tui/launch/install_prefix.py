@@ -45,7 +45,7 @@ def share_folder(prefix: Path, package: Package) -> Path:
 
 
 def missing_file_text(prefix: Path, package: Package, path: Path) -> str:
-    """Return why a file is missing in a share folder; "" if it is not in that of the package.
+    """Return why a file is missing in a package's share folder; "" for a path outside of it.
 
     Args:
         prefix: The prefix of the share folder.

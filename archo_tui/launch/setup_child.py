@@ -124,7 +124,9 @@ def find_packages(
     found = []
     for file in sorted(Path(where).glob("**/__init__.py")):
         name = ".".join(file.parent.relative_to(where).parts)
-        if name and _matches(name, include) and not _matches(name, exclude):
+        folders = [*file.relative_to(where).parents][:-1]
+        is_whole = all(Path(where, folder, "__init__.py").is_file() for folder in folders)
+        if name and is_whole and _matches(name, include) and not _matches(name, exclude):
             found.append(name)
     return found
 

@@ -145,7 +145,8 @@ class Workspace:
                 message says what is there.
         """
         package = self.find(package_name)
-        found = _installed(package_name) if package is None else self.executables(package)
+        installed = _installed_executables(package_name) if package is None else {}
+        found = installed if package is None else self.executables(package)
         if package is None and not found:
             hint = self.nearest_package_hint(package_name) or ": start it with ROS 2"
             raise ArchoError(f"package {package_name} is not here{hint}")
@@ -182,8 +183,13 @@ def _split(target: str) -> tuple[str, str]:
     return module.strip(), function.strip()
 
 
-def _installed(package_name: str) -> dict[str, EntryPoint]:
-    """Return the executables of an installed Python package; none if it is not installed."""
+def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
+    """Return the console scripts of an installed Python package, by name.
+
+    Returns:
+        An empty dictionary if it is not installed; for ARCHO's own package its modules, since its
+        wheel has no scripts for them.
+    """
     try:
         distribution = importlib.metadata.distribution(package_name)
     except (importlib.metadata.PackageNotFoundError, ValueError):

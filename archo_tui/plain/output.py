@@ -45,7 +45,7 @@ class Output:
         threading.Thread(target=self._run, name="stdout", daemon=True).start()
 
     def put(self, lines: bytes) -> None:
-        """Add lines to be written, and return at once.
+        """Add lines to be written, and return at once; drop the oldest if too many wait.
 
         Args:
             lines: Whole lines, each with its end.

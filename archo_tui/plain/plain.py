@@ -435,7 +435,8 @@ class Plain:
 
         Raises:
             ArchoError: The answer is not yes, or the input is no terminal.
-            Void: A STOP was read after the line that the question is about.
+            Void: A STOP was read after the line that the question is about, or another console sent
+                one; also while no answer has come.
         """
         first, *more = (" ".join(line.split()) for line in question.text.splitlines() if line)
         if more:
@@ -514,7 +515,7 @@ class Plain:
         return self._input.is_terminal
 
     def close_questions(self) -> None:
-        """Do nothing: `_ask` itself checks for a STOP after it has read the answer."""
+        """Do nothing: `_ask` watches for a STOP itself, and ends without an answer."""
 
     def restart(self, why: str) -> None:
         """Only print why a restart is due: restarting would lose lines that were read already."""

@@ -61,7 +61,10 @@ class Printer:
         self._print_goal(snapshot)
 
     def _print_goal(self, snapshot: Snapshot) -> None:
-        """Print the state of the goal if it is news, and set `has_failed` if one did not arrive."""
+        """Print the state of the goal if it is news.
+
+        Sets `has_failed` if a goal of this console has ended, and did not arrive.
+        """
         goal, before = snapshot.goal, self.goal
         self.goal = goal
         if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):

@@ -15,7 +15,7 @@ class NotDone(ArchoError):
     """The base of all errors here: a call did not do what it was asked for.
 
     Attributes:
-        code: How it ended, a word of docs/protocol.md: `refused`, `misuse`, `aborted`.
+        code: How it ended, a word of docs/protocol.md such as `refused`, `misuse` or `aborted`.
     """
 
     def __init__(self, code: str, text: str) -> None:
@@ -24,7 +24,7 @@ class NotDone(ArchoError):
 
 
 class Refused(NotDone):
-    """The robot or the console refused, or did not confirm; nothing was done."""
+    """The robot or the console refused, or did not confirm it."""
 
 
 class Misused(NotDone):

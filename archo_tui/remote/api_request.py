@@ -102,7 +102,7 @@ class Request:
         self._console.close()
 
     def shut_down(self) -> None:
-        """Shut the connection down, which ends `replies` in another thread; that one closes it."""
+        """Shut the connection down, so that `replies` ends in its thread, which closes it."""
         if self._console.socket is not None:
             with contextlib.suppress(OSError):  # It is closed already.
                 self._console.socket.shutdown(socket.SHUT_RDWR)

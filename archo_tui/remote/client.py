@@ -170,10 +170,10 @@ class Connection:
                     return
 
     def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield every further message of the console, whichever request it is for.
+        """Yield all messages of the console from now on, whichever request they are for.
 
         Args:
-            within: Seconds after which `Silent` is raised; None: it waits for any time.
+            within: Seconds for all messages together; None to wait for any time.
 
         Raises:
             Silent: The time is over.

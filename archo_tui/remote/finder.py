@@ -227,7 +227,7 @@ def _stop_result(console: Connection) -> StopResult:
 
 
 def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the selection; without `to`, with the console that CHOSEN names."""
+    """Return a copy of the selection; a missing `to` is the environment variable CHOSEN."""
     to = selection.get("to") or os.environ.get(CHOSEN, "")
     return {**selection, "to": to} if to else dict(selection)
 
@@ -246,7 +246,12 @@ def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connect
 
 
 def _could_be_meant(selection: Mapping[str, Any], console: Connection) -> bool:
-    """Return True unless the console's hello or card says that it is not meant."""
+    """Return whether a console could be meant.
+
+    Returns:
+        False if its hello, or the copy of that beside the socket, does not fit; True without
+        either.
+    """
     return not console.identity or is_meant(selection, console.identity)
 
 

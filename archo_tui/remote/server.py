@@ -227,7 +227,8 @@ def _parse_request(data: bytes) -> dict[str, Any] | None:
     """Return the request in a line.
 
     Returns:
-        None if the line has none, or its id cannot be repeated in the reply.
+        None if the line has none, or its id cannot be repeated in the reply. A STOP with such an
+        id is returned all the same, with None as its id.
     """
     try:
         request = decode(data)
@@ -303,7 +304,7 @@ class Server:
         return self._make_handler()
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Begin to listen; if no socket can be opened, only `notify` is called with the reason."""
         # A process in another container may have the same number: the name needs more.
         name = f"{os.getpid()}-{secrets.token_hex(4)}"
         self.hello = {**self.hello, "name": name}

@@ -431,10 +431,14 @@ def _print_result(
 
 
 def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
-    """Return why a command failed, with its verb in front unless the text names the verb.
+    """Return why a command failed, with the nearest command or option to a misspelled one.
 
-    A console knows nothing of a client's options, so the option nearest to a misspelled one is
-    named here.
+    The verb stands in front, unless the text says that there is no such command.
+
+    Args:
+        result: The console's result.
+        words: The verb and its values, as typed.
+        others: The commands of this program besides verbs, which the console does not know.
     """
     if not words:
         return str(result["text"])

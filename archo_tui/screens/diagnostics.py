@@ -11,7 +11,7 @@ from textual.containers import Vertical
 
 from archo_tui.robot.state import DiagnosticLevel
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.alarm_conditions import worst_diagnostics
+from archo_tui.station.alarm_conditions import diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
@@ -59,7 +59,7 @@ class DiagnosticList(Dialog[None]):
         self._rows.show(
             [
                 _Part(status.name, status.level, diagnostic_line(status, view.now))
-                for status in worst_diagnostics(view.snapshot, view.now)
+                for status in diagnostics_worst_first(view.snapshot, view.now)
             ]
         )
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.

@@ -66,7 +66,7 @@ def conditions(
         hosted: The nodes that this process runs.
         journal_failure: The reason why the journal cannot be written; "" if it can.
         recorder_trouble: The failure of recordings that the operator has to know; "" for none.
-        unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
+        unseen: The rest of the alarm's text, behind `NO NODES`; "" to raise no such alarm.
         earlier_stop: Unix time of a STOP from before the start of this console that the journal
             has no release of; None if there is none.
 
@@ -132,7 +132,10 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
-    """Return True if the robot has reported motion 1 s or more after a STOP was sent."""
+    """Return True if the robot moves in spite of a STOP, by a motion that is not old.
+
+    That is 1 s or more after an open STOP was asked for, or against a confirmed STOP.
+    """
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
         return False
@@ -262,7 +265,7 @@ _OTHERS = "others"  # Of the alarm for the parts that have none of their own.
 _MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all other alarms.
 
 
-def worst_diagnostics(snapshot: Snapshot, now: float) -> list[Diagnostic]:
+def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
     """Return the last status of each part with its level now, the worst first."""
     found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
     return sorted(found, key=lambda status: (_GRAVITY.index(status.level), status.name))
@@ -276,7 +279,7 @@ _GRAVITY = (
 
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
     """Yield an alarm for each part that is not OK; only one if all diagnostics are silent."""
-    bad = [s for s in worst_diagnostics(snapshot, now) if s.level is not DiagnosticLevel.OK]
+    bad = [s for s in diagnostics_worst_first(snapshot, now) if s.level is not DiagnosticLevel.OK]
     is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)
     if len(bad) > 1 and is_silent:
         last = max(status.received for status in bad)

@@ -18,13 +18,13 @@ class Frontend(Protocol):
     """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work of the operator, for whose end the app waits before it ends itself."""
+        """Start work that the operator requested; the app's shutdown waits for it."""
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start work of another program, for whose end no frontend waits when it ends itself."""
+        """Start work that another program requested; the shutdown does not wait for it."""
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
-        """Show the robot's answer to a goal of the queue: the verb that sent it has returned."""
+        """Show how the robot answered a queued goal, whose verb returned long before."""
 
     @property
     def has_person(self) -> bool:

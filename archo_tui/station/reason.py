@@ -15,7 +15,7 @@ Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it fro
 
 
 class Reason:
-    """The possible causes of a refusal whose reason is shown, as facts in a snapshot."""
+    """A watch on the causes of a refusal, which tells when its text on the screen is outdated."""
 
     def __init__(self, facts: Callable[[Snapshot], Facts]) -> None:
         """Create a reason that holds until one of its facts is over.

@@ -55,7 +55,7 @@ class Station:
         attached: True if the robot lives on without this process.
         on_disconnect: The policy for a running goal at the end: see shutdown.py.
         quiet: True if new alarms ring no bell and send no notification.
-        unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
+        unseen: The rest of the text of the alarm `NO NODES`; "" to raise no such alarm.
         file_is_default: True if no robot file was given, so that ARCHO's is used for any robot.
         bell: The alarms that have rung, kept here so that a restarted screen does not ring again.
         earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
@@ -101,7 +101,7 @@ class Station:
             attached: True if the robot lives on without this process.
             on_disconnect: The policy for a running goal at the end: see shutdown.py.
             quiet: True if new alarms ring no bell and send no notification.
-            unseen: The text behind `NO NODES` of the alarm for that; "" for no such alarm.
+            unseen: The rest of the text of the alarm `NO NODES`; "" to raise no such alarm.
             file_is_default: True if no robot file was given.
         """
         self.quiet, self.unseen = quiet, unseen

@@ -18,7 +18,7 @@ from archo_tui.verbs.look import Look
 from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
-from archo_tui.verbs.status import Events, Past, Status
+from archo_tui.verbs.status import Events, ShowHistory, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
 from archo_tui.verbs.topics import Topics
 
@@ -45,7 +45,7 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
         yield Give(command)
         if command.toggle:
             yield Give(command, on=False)
-    yield from (Status(ask, robot), Past(), Events(), Keep())
+    yield from (Status(ask, robot), ShowHistory(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
     yield from (

@@ -143,7 +143,7 @@ class Verb:
         return self.acts
 
     def tells_with(self, values: Values) -> bool:
-        """Return True if the outcome of these values is an answer to print, and no event has it."""
+        """Return True if the text of the outcome must be printed: no event shows it."""
         return self.tells
 
     def refusal(self, station: Station) -> str:

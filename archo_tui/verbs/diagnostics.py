@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.station.alarm_conditions import worst_diagnostics
+from archo_tui.station.alarm_conditions import diagnostics_worst_first
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
@@ -23,7 +23,7 @@ class ShowDiagnostics(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
-        lines = [diagnostic_line(status, now) for status in worst_diagnostics(snapshot, now)]
+        lines = [diagnostic_line(status, now) for status in diagnostics_worst_first(snapshot, now)]
         return Outcome(Code.DONE, "\n".join(lines) or no_diagnostics_text(snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
@@ -36,5 +36,5 @@ class ShowDiagnostics(Verb):
                 "message": status.message,
                 "age": now - status.received,  # In s.
             }
-            for status in worst_diagnostics(snapshot, now)
+            for status in diagnostics_worst_first(snapshot, now)
         ]

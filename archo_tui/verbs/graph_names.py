@@ -43,7 +43,9 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return True if a full name was found, or lies elsewhere and had time to be found.
+    """Return whether a full name can be used: it was found, or need not be waited for.
+
+    A name outside of the robot's namespace is waited for until THERE seconds after the start.
 
     Args:
         station: The station. Its snapshot has no names outside of the robot's namespace: such a

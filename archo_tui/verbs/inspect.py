@@ -37,7 +37,7 @@ class FollowedMessage(NamedTuple):
     Attributes:
         text: The message as YAML; "" for a program.
         data: The message as JSON has it; None for a person.
-        left_out: The messages that came before and were not shown.
+        left_out: The number of messages before it that were not shown.
     """
 
     text: str

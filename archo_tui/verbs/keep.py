@@ -13,7 +13,7 @@ from archo_tui.verbs.base import Values, Verb
 
 
 class Keep(Verb):
-    """The verb that records the last minute; it ends when the recording is on the disk."""
+    """The verb that records the last minute and the next seconds, until that is on the disk."""
 
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # A STOP is what it may record.

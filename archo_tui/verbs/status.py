@@ -52,9 +52,10 @@ class Status(Verb):
         return advice(alarm, remedy_hints(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if battery and motion were received, or had time enough to be.
+        """Return True once battery and motion were received, or are no longer waited for.
 
-        A topic without a publisher has until THERE, any other until PATIENCE.
+        Topics without a publisher are waited for until THERE seconds after the start, others
+        until PATIENCE seconds after it.
         """
         snapshot, robot = station.robot.snapshot, station.robot.file
         missing = []
@@ -107,8 +108,8 @@ class Events(Verb):
         return [event(found) for found in station.robot.snapshot.events[-last:]]
 
 
-class Past(Verb):
-    """The verb for the last hour: the plots of the screen, as numbers."""
+class ShowHistory(Verb):
+    """The verb `history`: the values of the last hour, and the last goals that ended."""
 
     id, title, tells = "history", "History", True
     help = "Show the measured values of the last hour, and the results of the last goals"

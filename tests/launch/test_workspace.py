@@ -170,6 +170,9 @@ def test_a_setup_may_use_what_setuptools_has(package: Package) -> None:
         )
     """
     (package.folder / "setup.py").write_text(textwrap.dedent(text), encoding="utf-8")
+    no_package = package.folder / "docs" / "example"  # Its parent has no __init__.py.
+    no_package.mkdir(parents=True)
+    (no_package / "__init__.py").touch()
     setup = run_setup(package)
     assert setup.console_scripts == {
         "talker": "my_robot.talker:main",

@@ -11,7 +11,7 @@ import pytest
 from archo_tui.paths import state_file
 from archo_tui.recording import box, store
 from archo_tui.robot.state import Latch
-from archo_tui.verbs.status import Past
+from archo_tui.verbs.status import ShowHistory
 from tests.remote.test_waits import waited
 from tests.support import clock
 from tests.support.console import FAST
@@ -61,7 +61,7 @@ def test_history_is_data_with_the_age_of_each_reading() -> None:
     robot: Any = StubRobot(NORMAL)
     station = stub_station(robot)
     station.on_snapshot(NORMAL)
-    told = json.loads(json.dumps(Past().data(station, {}), allow_nan=False))
+    told = json.loads(json.dumps(ShowHistory().data(station, {}), allow_nan=False))
     charge = told["charge"]
     assert charge["unit"] == "%"
     assert [one["age"] for one in charge["readings"]] == [0.0, 60.0, 600.0, 3600.0]

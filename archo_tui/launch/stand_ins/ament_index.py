@@ -55,7 +55,7 @@ class PackageIndex:
         return self._absent / name
 
     def missing_package(self, path: str) -> str:
-        """Return the name of the missing package whose empty prefix has the path; "" for none."""
+        """Return the missing package that has a path, by the prefix that it got; "" for none."""
         try:
             return Path(path).relative_to(self._absent).parts[0]
         except (ValueError, IndexError):

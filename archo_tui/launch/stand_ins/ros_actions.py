@@ -311,7 +311,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _in_one_line(value: Any) -> str:
-    """Return a value as YAML 1.1, which launch_ros writes.
+    """Return a value as one line of YAML 1.1, as launch_ros writes it.
 
     So the text `1e3` is not quoted, and nodes read it as a number, as on ROS 2.
     """
