@@ -70,8 +70,7 @@ def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventR
         if act is not None:
             echoes[act.number].append(event)
             continue
-        record = event.audit_record
-        done = "" if record is None or record.code is not Code.DONE else record.verb
+        done = _verb(event) if event.code == Code.DONE else ""
         if stop is not None and done == "release" and _is_prompt(event):
             rows.remove(stop)
             text = _stop_text(stop.events[0], event)
@@ -108,6 +107,17 @@ def without_repeats(text: str) -> str:
     return f"{title}: {' '.join(rest)}" if rest else title
 
 
+def _verb(event: Event) -> str:
+    """Return the verb of what was done; "" if it is not known.
+
+    Recordings do not keep it: there, of the verbs that matter here, the text tells it.
+    """
+    if event.audit_record is not None:
+        return event.audit_record.verb
+    titles = (("STOP", "stop"), ("release stop", "release"), ("set ", "set"))
+    return next((verb for title, verb in titles if event.text.startswith(title)), "")
+
+
 def _is_prompt(event: Event) -> bool:
     """Return True for what this console did, unless the answer came late."""
     return event.level in _REQUESTED and not _is_late(event)
@@ -141,7 +151,7 @@ def _is_warned(event: Event) -> bool:
     """
     if event.level not in OWN_LEVELS:
         return False
-    verb = "" if event.audit_record is None else event.audit_record.verb
+    verb = _verb(event)
     return verb in ("stop", "release") or (verb != "set" and outcome_glyph(event) not in "✓·")
 
 

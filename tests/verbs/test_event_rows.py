@@ -135,6 +135,16 @@ def test_a_warning_that_says_more_is_a_row(log: Event) -> None:
     assert len(texts_of(log, did(10.2, "stop", "STOP: confirmed", command=STOP))) == 2
 
 
+def test_a_recorded_stop_its_warning_and_its_release_are_one_row() -> None:
+    released = "release stop: Released; nothing resumes by itself"
+    (text,) = texts_of(
+        logged(10, "Emergency stop"),
+        Event(10.2, "YOU", "console", "STOP: confirmed", STOP, code="done"),
+        Event(20, "YOU", "console", released, code="done"),
+    )
+    assert text.endswith(", released: nothing resumes by itself")
+
+
 def test_a_warning_of_what_was_set_is_a_row_since_it_is_news() -> None:
     threshold = "battery_monitor low_battery_threshold 90"
     command = f"ros2 param set /{threshold}"
