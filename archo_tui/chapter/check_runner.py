@@ -89,7 +89,10 @@ class CheckRunner:
         return [file.not_run for file in files if file is not None and file.not_run]
 
     def wait_for_crashes(self) -> None:
-        """Spin until every node has run for 1.5 s, so that a timer of 1 s has fired."""
+        """Restart crashed nodes, then spin until the check has lasted 1.5 s or a node crashes.
+
+        So a timer of 1 s has fired.
+        """
         nodes = self.restart_crashed()
         with contextlib.suppress(CrashedError):
             self.spin_until(lambda: False, self._began + _MIN_RUN - self.now(), nodes)

@@ -97,7 +97,7 @@ class _MoveProbe:
 
     @property
     def _nodes(self) -> list[HostedNode]:
-        """Return the running nodes that serve the action."""
+        """Return the started nodes that serve the action, also those that have crashed since."""
         return [hosted for hosted in self._runner.running() if hosted.name in self._node_names]
 
     def _until(self, holds: Any, seconds: float) -> bool:

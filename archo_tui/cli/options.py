@@ -183,7 +183,7 @@ def _about_options(group: argparse._ArgumentGroup) -> None:
 
 
 class _VerbOption(argparse.Action):
-    """An option of a verb that stands before the verb: `verb_options` collects it as typed."""
+    """A verb's option that is typed before the verb; it is added to `verb_options` as typed."""
 
     def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
         given = [value] if isinstance(value, str) else []

@@ -19,7 +19,7 @@ def complain(text: str) -> None:
 
 
 class ClosedOutput(TextIOBase):
-    """A stand-in for a closed standard output, in which Python would lose what is printed."""
+    """A stand-in for a closed standard output: a write raises OSError, so that no text is lost."""
 
     def write(self, text: str) -> int:
         raise OSError(errno.EBADF, os.strerror(errno.EBADF))

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 
 class OneLineErrorParser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line that says what is wrong, and where to look."""
+    """An argument parser that raises an ArchoError of one line where others print and exit.
+
+    The line says what is wrong, the nearest known option, and which `--help` to read.
+    """
 
     def __init__(self, prog: str, description: str, **more: Any) -> None:
         width = _columns() - 2  # As in argparse, which imports all of shutil for it.

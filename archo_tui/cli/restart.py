@@ -11,7 +11,7 @@ _added: list[str] = []  # Options that take the place of those that were typed.
 
 
 def use_namespace(namespace: str) -> None:
-    """Have the console started again for the robot of another namespace."""
+    """Set the namespace that `command_line` gives the console when it starts itself again."""
     _added[:] = ["--namespace", namespace]
 
 

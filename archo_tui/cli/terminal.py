@@ -17,9 +17,9 @@ _FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", 
 
 
 def require_terminal(stdin: TextIO | None) -> None:
-    """Raise ArchoError unless a screen can be shown; remove what would disturb it.
+    """Unset variables that would disturb a screen; raise ArchoError unless one can be shown.
 
-    Called before Textual is imported, which reads its settings once.
+    Called before Textual is imported, which reads these environment variables once.
     """
     for name in _FOREIGN:
         os.environ.pop(name, None)

@@ -150,7 +150,8 @@ def file_writer(
 
     Args:
         console: The console.
-        text: The text to save, or a function that makes it; the error to show is an ArchoError.
+        text: The text to save, or a function that returns it; the text of an ArchoError that the
+            function raises is shown.
         what: The action, as the event names it: `save events`.
     """
     warned: set[Path] = set()  # Existing files that the operator was warned about.

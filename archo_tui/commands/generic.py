@@ -51,7 +51,14 @@ class _GenericCommand(VerbCommand):
         return [Choice(name, partial(self._open_form, console, name), types)]
 
     async def _open_form(self, console: Console, name: str) -> None:
-        """Open the form for the type of an action or service; its values go to `send`."""
+        """Open the form for a goal or a request; once it is filled in, `self.send` gets its values.
+
+        Show a message instead if the type is not certain, or not installed.
+
+        Args:
+            console: The console.
+            name: The full name of the action or service.
+        """
         from archo_tui.screens.message_form import MessageForm
 
         try:

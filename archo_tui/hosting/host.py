@@ -277,9 +277,9 @@ class Host:
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
     def _carry_out_stop_early(self, new: HostedNode) -> None:
-        """Make a node whose constructor is about to spin it carry out a STOP that is not released.
+        """Make a node carry out a STOP that is not released, before its constructor spins it.
 
-        Only the first spin after a STOP does so; from then on the node receives requests itself.
+        Do nothing if it was told at an earlier spin: since then it receives requests itself.
         """
         is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
@@ -403,10 +403,10 @@ class Host:
         return next(hosted for hosted in self.nodes if hosted.name == name)
 
     def stop(self) -> list[str]:
-        """Stop every node, within END_TIMEOUT.
+        """Stop every node and program, within END_TIMEOUT; programs are then ended by force.
 
         Returns:
-            The names of the nodes that did not end.
+            The names of the nodes and programs that did not end.
         """
         end = time.monotonic() + END_TIMEOUT
         # Whoever holds the lock may hang in the import of a file.

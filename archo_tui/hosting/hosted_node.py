@@ -323,10 +323,11 @@ class HostedNode:
         return "" if outcome.ok else outcome.text
 
     def set_parameter(self, name: str, value: Any) -> str:
-        """Set a parameter of a node that does not spin yet, with a time limit.
+        """Set a parameter of a node that does not spin yet, within CONSTRUCTION_TIME.
 
         Returns:
-            The reason why the node refuses it; "" if it does not.
+            "" if the node accepts it; else its reason, what its callback raised, or that the time
+            ran out.
         """
         try:
             result = run_limited(

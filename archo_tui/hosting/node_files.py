@@ -202,7 +202,10 @@ class NodeFile(UserFile):
         return nodes
 
     def restore(self) -> None:
-        """Put the modules of the previous text back, whose nodes are constructed again."""
+        """Put the modules of the previous text back, so that its nodes can be constructed again.
+
+        Like a failed load, this makes every file of the folder count as a change.
+        """
         for name in self._modules:
             sys.modules.pop(name, None)
         sys.modules.update(self._before)

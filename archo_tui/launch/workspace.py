@@ -208,7 +208,7 @@ def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
 
 
 def _package_folders(folder: Path) -> Iterator[Path]:
-    """Yield the folders of packages in a folder, itself included; none within another package.
+    """Yield each folder at or below a folder that is a package, but none inside another package.
 
     Raises:
         ArchoError: There are too many folders.

@@ -16,7 +16,11 @@ class Conditions:
     """
 
     def __init__(self, clock: Clock) -> None:
-        """Create it for the running loop; `clock` measures the timeouts."""
+        """Create the conditions of the running loop, none of them waited for yet.
+
+        Args:
+            clock: Measures the timeouts.
+        """
         self._clock = clock
         self._changed = asyncio.Event()
 

@@ -58,7 +58,7 @@ def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
 
 
 def _is_in_answer(before: Goal | None, goal: Goal) -> bool:
-    """Return True if the answer to the typed line reports this change already."""
+    """Return True if the answer to what was typed here has told this change of the goal already."""
     if before is None or before.phase == Phase.SENT:  # Otherwise the answer came late.
         has_just_begun = goal.phase == Phase.MOVING and not _has_feedback(goal)
         return goal.mine and (has_just_begun or goal.phase in (Phase.SENT, Phase.REFUSED))

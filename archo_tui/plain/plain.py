@@ -392,7 +392,10 @@ class Plain:
         self._conditions.check_again()
 
     async def _follow(self, verb: Echo, values: Values) -> None:
-        """Print each message of a topic until an empty line, the end, or another topic."""
+        """Print each message of a topic until the task is cancelled.
+
+        Print the reason and return if there is no such topic, or a message cannot be shown.
+        """
         try:
             await self._conditions.wait_at_most(
                 lambda: verb.is_ready(self._station, values), PATIENCE - self._station.age

@@ -199,10 +199,14 @@ class Assistants:
         return self._station.clock.monotonic()
 
     def _request_of(self, requester: Requester, words: list[str]) -> ApprovalRequest:
-        """Return the assistant's approval request whose number is typed.
+        """Return the assistant's approval request that has the typed number.
+
+        Args:
+            requester: The assistant.
+            words: The words that were typed: the number alone.
 
         Raises:
-            ValueError: It has none of that number.
+            ValueError: The words are no number, or this assistant has no request of that number.
         """
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10

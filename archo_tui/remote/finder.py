@@ -103,7 +103,10 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
 
 
 def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
-    """Close the consoles that watch a robot on which another one acts; return the others."""
+    """Return the connections except to consoles that only watch what another one can operate.
+
+    The connections that are left out are closed.
+    """
     watching = _only_watching(found)
     for console in watching:
         console.close()

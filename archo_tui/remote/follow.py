@@ -38,13 +38,13 @@ async def follow(station: Station, send: Callable[[dict[str, Any]], None], numbe
 async def follow_goal(
     station: Station, requester: Requester, send: Callable[[dict[str, Any]], None], number: Any
 ) -> NoReturn:
-    """Send the state of the goal that is driven for `requester` whenever it has changed.
+    """Send the state of the goal of `requester` whenever it has changed, until cancelled.
 
     Args:
         station: The station that drives it.
-        requester: The client that waits for its goals.
+        requester: The client that waits for its goals; it may have none yet.
         send: Sends a message to that client.
-        number: The `id` of its request.
+        number: The `id` of its request, which each message repeats.
     """
     last = None
     while True:

@@ -455,7 +455,10 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
 
 
 def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
-    """Call off the request, wait until that is confirmed, and return the exit code."""
+    """Call off the request, print what came of it, and return INTERRUPTED.
+
+    The wait for the console's reply lasts _CALL_OFF_TIMEOUT seconds at most.
+    """
     try:
         console.send({"give_up": True})
         for reply in console.remaining_replies(_CALL_OFF_TIMEOUT):

@@ -95,7 +95,8 @@ class GoalDriver:
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
         """Send goals one after the other, behind a goal that runs or is being sent.
 
-        Their requester is the current one (see robot/requester.py). Called on the event loop.
+        Their requester is the current one (see robot/requester.py). Unless it is YOU, a future of
+        the outcome of each goal is added to its `ends`. Called on the event loop.
 
         Args:
             goals: At least one.
@@ -199,7 +200,7 @@ class GoalDriver:
         return min(since, key=lambda goal: goal.number, default=None)
 
     def _settle_ended_goals(self) -> None:
-        """Set the outcome of each goal that has ended, for those that wait for it."""
+        """Report each goal that has ended: call `on_ended`, and set its outcome for who waits."""
         for queued, before in list(self._underway):
             goal = self._goal_after(before)
             outcome = None if goal is None else goal.outcome_at(self._clock.monotonic())

@@ -141,7 +141,7 @@ class Station:
         return self.clock.monotonic() - self._begun
 
     def node_started(self) -> None:
-        """Restart `age` from 0, since a node that was just started may not be found yet."""
+        """Restart the `age` of the station from 0: a node just started may not be found yet."""
         self._begun = self.clock.monotonic()
 
     @property
@@ -197,7 +197,9 @@ class Station:
         self.restart(f"operate the robot in {namespace}")
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Set the newest snapshot of the robot, and refresh.
+        """Take in a new snapshot of the robot, and refresh.
+
+        Questions are closed if another console has sent a STOP since the last snapshot.
 
         Returns:
             The alarms whose state has changed.

@@ -63,7 +63,8 @@ class Go(Verb):
     def values(self, words: Sequence[str]) -> Values:
         """Return the values of each goal, as a list under GOALS.
 
-        If a goal is one number, each word is a goal of its own.
+        The words are the fields of one goal. Where a goal is a single number, each word is a goal
+        of its own (`go 3 12 7`), unless a word has a `=`.
         """
         if self._fields is None:
             raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))

@@ -32,8 +32,8 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
     return outside if outside in found and inside not in found else inside
 
 
-def nearest_node(name: str, nodes: Iterable[str]) -> str:
-    """Return `nearest_hint` for a node as it is typed: without its first `/`."""
+def nearest_node_hint(name: str, nodes: Iterable[str]) -> str:
+    """Return ` (nearest: NODE)` for a name that no node has, or ""; ignore each first `/`."""
     return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
 
 
@@ -43,9 +43,9 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return whether a full name can be used: it was found, or need not be waited for.
+    """Return True if a name was found, or is outside of the robot's namespace and may be tried.
 
-    A name outside of the robot's namespace is waited for until THERE seconds after the start.
+    Such a name may be tried from THERE seconds after the start.
 
     Args:
         station: The station. Its snapshot has no names outside of the robot's namespace: such a

@@ -9,7 +9,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import ACTION, SERVICE, NodeState, Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import full_name, nearest_node
+from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 from archo_tui.words.goal import activity
 
 _FINAL = "finalized"  # The state from which there is no transition.
@@ -36,7 +36,7 @@ class Lifecycle(Verb):
     async def prepare(self, station: Station, values: Values) -> Values:
         name, managed = self._name(station, values), _managed(station.robot.snapshot)
         if name not in managed:
-            raise ArchoError(f"{name} is not a managed node{nearest_node(name, managed)}")
+            raise ArchoError(f"{name} is not a managed node{nearest_node_hint(name, managed)}")
         given = {"node": name}
         if "transition" in values:
             given["transition"] = values["transition"].lower()

@@ -14,7 +14,7 @@ from archo_tui.robot.stops import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import full_name, nearest_node
+from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
 
@@ -69,7 +69,7 @@ class _NodeVerb(Verb):
         full = full_name(station.robot.snapshot, name, hosted)
         if full in hosted:
             return hosted[full]
-        raise ArchoError(f"{name} does not run in this process{nearest_node(full, hosted)}")
+        raise ArchoError(f"{name} does not run in this process{nearest_node_hint(full, hosted)}")
 
     async def run(self, station: Station, values: Values) -> Outcome:
         name: str = values["node"]
@@ -158,7 +158,7 @@ class LogLevel(Verb):
     async def prepare(self, station: Station, values: Values) -> Values:
         name, nodes = self._name(station, values), self._nodes(station)
         if name not in nodes:
-            raise ArchoError(f"no node {name} is on the graph{nearest_node(name, nodes)}")
+            raise ArchoError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
         given = {"node": name}
         if "level" in values:
             given["level"] = values["level"].upper()

@@ -23,7 +23,7 @@ from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import full_name, nearest_node
+from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 
 _NODE, _NAME = Argument("node"), Argument("name")
 _FILE = Argument("file")
@@ -72,7 +72,7 @@ class _ParameterVerb(Verb):
         snapshot = station.robot.snapshot
         nodes = {n.name for n in snapshot.nodes} | {p.node for p in snapshot.parameters}
         if node not in nodes:
-            near = nearest_node(node, nodes)
+            near = nearest_node_hint(node, nodes)
             return Outcome(Code.MISUSE, f"no node {node} is on the graph{near}")
         near = nearest_hint(name, [p.name for p in snapshot.parameters if p.node == node])
         return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")

@@ -48,7 +48,11 @@ class ReleaseStop(Verb):
         return unavailable or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the release is offered and the robot has reported a stop or none."""
+        """Return True if the release is offered, and the robot's report of a stop has come.
+
+        The report is awaited only from a robot that reports stops. If every node that held the
+        STOP has ended, return True at once: a release only forgets it.
+        """
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         is_awaited = stopped is None and described is not None and described.reports_stop
         if _is_held_by_nobody(station.robot.snapshot):

@@ -99,7 +99,7 @@ def get_package_share_path(package_name: str, print_warning: bool = True) -> Pat
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
-    """Return the install prefix of each package of the workspace."""
+    """Return the install prefix of each package of the workspace, without AMENT_PREFIX_PATH."""
     return {name: get_package_prefix(name) for name in index.workspace.packages}
 
 

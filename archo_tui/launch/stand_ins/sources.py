@@ -35,7 +35,12 @@ class PythonLaunchDescriptionSource:
         self._loaded: dict[str, LaunchDescription] = {}
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Return the path of the file, and what it describes."""
+        """Return the path of the file, and what it describes; each file is loaded once.
+
+        Raises:
+            NotHereError: Its package is not here, or it is not in Python: it is to be left out.
+            InvalidLaunchFileError: There is no such file.
+        """
         path = os.path.abspath(perform_substitutions(context, self._path))
         missing = ament_index.index.missing_package(path)
         if missing:

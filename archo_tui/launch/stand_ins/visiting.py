@@ -23,7 +23,8 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
         within: The line of the entity that contains it.
 
     Raises:
-        SubstitutionFailure: The launch file is wrong; any other error passes, too.
+        SubstitutionFailure: The launch file is wrong.
+        Exception: Any other error of the launch file; `context.failed_at` tells its place.
     """
     if not isinstance(entity, LaunchDescriptionEntity):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
