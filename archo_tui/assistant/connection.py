@@ -150,7 +150,10 @@ class ConsoleConnection:
 
 
 def _stop_each(to: str) -> list[dict[str, Any]]:
-    """Send STOP to each console that could be meant, and return their results.
+    """Send STOP to each console that could be meant, wait for all, and return their results.
+
+    Args:
+        to: Process id, namespace or socket name of a console; "" means each.
 
     Raises:
         Unreached: No console could be reached.

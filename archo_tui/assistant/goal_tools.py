@@ -173,6 +173,9 @@ async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
 
 
 def _intact_schema(schema: Any) -> dict[str, Any]:
-    """Return a schema, or one for any object if parts of it would have to be cut or hidden."""
+    """Return a schema unchanged, or that of any object.
+
+    The latter replaces one that is not of an object, or of which `sanitize` would change a part.
+    """
     is_one = isinstance(schema, dict) and schema.get("type") == "object"
     return schema if is_one and schema == sanitize(schema) else {"type": "object"}

@@ -28,7 +28,7 @@ class ToolAnswer(NamedTuple):
     failed: bool = False
 
     def as_data(self, notice: str = "") -> dict[str, Any]:
-        """Return the answer as a JSON object, in which the robot's words are sanitized and apart.
+        """Return the answer as a JSON object; the robot's words are sanitized, below their own key.
 
         Args:
             notice: What else the assistant must know, such as a restart of the console; or "".

@@ -173,12 +173,12 @@ class BlackBox:
     def trigger(
         self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
     ) -> None:
-        """Record the last minute and the next seconds, because something happened.
+        """Record the last minute and the next seconds, or prolong the recording that runs.
 
         Args:
             why: The reason, in a few words.
             by_hand: True if the operator asked for it: such a recording is not deleted for room.
-            on_written: Called on another thread with the recording's name and "" when it is on the
+            on_written: Called on any thread with the recording's name and "" when it is on the
                 disk, or with "" and the reason if it could not be written.
         """
         now = self._clock.monotonic()
@@ -299,7 +299,10 @@ class BlackBox:
         return {name: attached[name] for name in attached if name.startswith("journal")}
 
     def _abandon(self, current: _ContinuousBag) -> None:
-        """Leave a bag that cannot be written as it is; `_tick_continuous` begins a new one."""
+        """Give up a bag that cannot be written; `_tick_continuous` begins a new one later.
+
+        Its folder stays, but is deleted if it holds nothing of use yet.
+        """
         current.stop_collecting()
         current.failed = self._clock.monotonic()
         if current.writer is not None:
@@ -313,7 +316,10 @@ class BlackBox:
             self._add_event("WARN", "console", text)
 
     def _write_event(self, recording: _EventRecording) -> None:
-        """Write a recording to the disk on the writing thread, and make room for the next ones."""
+        """Write a recording to the disk, then delete the oldest ones beyond the budget.
+
+        Writing thread only. A failure is kept and told to `on_written`, never raised.
+        """
         from archo_tui.recording import bag, store
 
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
@@ -341,7 +347,10 @@ class BlackBox:
             self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _retry_disk(self) -> None:
-        """Clear the failure if somebody has made room on the disk since."""
+        """Try the disk again, on the writing thread: clear the failure if it can be written.
+
+        If so, also delete the oldest recordings beyond the budget.
+        """
         from archo_tui.recording import store
 
         try:

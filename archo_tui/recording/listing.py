@@ -45,7 +45,12 @@ def list_recordings(*, as_json: bool) -> Iterator[str]:
 
 
 def format_line(recording: store.Recording, width: int) -> str:
-    """Return name, length, size and reason of a recording, its name padded to `width` cells."""
+    """Return a recording's name, length, size and reason.
+
+    Args:
+        recording: The recording.
+        width: The cells of the name, to which it is padded.
+    """
     length, size = f"{recording.seconds:5.0f} s", size_text(recording)
     return f"{recording.name:<{width}}  {length}  {size}  {why_text(recording)}"
 

@@ -102,7 +102,14 @@ def _have_same_bytes(ours: _Layout, theirs: _Layout, root: str) -> bool:
 
 
 def _parse_layout(text: str, root: str) -> _Layout:
-    """Return each message's fields without what takes no bytes: constants, defaults, bounds."""
+    """Return the fields of each message of a definition, by `package/Name`.
+
+    Constants, defaults and bounds are left out, since they take no bytes.
+
+    Args:
+        text: The definition of a message, followed by those of the messages in it.
+        root: The `package/Name` of the first.
+    """
     found: _Layout = {}
     for number, part in enumerate(_SEPARATOR.split(text)):
         name, body = root, part

@@ -27,7 +27,7 @@ class Player:
     """The player of one bag. Event loop only; the bag is read on a thread of its own."""
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
-        """Begin to read the first hour; the player is paused at the start.
+        """Begin to read the first hour, on a thread; the player is paused at the start.
 
         Args:
             bag: The bag.
@@ -119,7 +119,10 @@ class Player:
         return sorted(self._window.marks, key=lambda mark: mark.time)
 
     def step_mark(self, step: int) -> TimelineMark | None:
-        """Pause and move to the next mark (1) or the one before (-1); None if there is none."""
+        """Pause, move to the next mark (1) or the one before (-1), and return it.
+
+        If there is none in what is read, return None and do not pause.
+        """
         here, marks = self.position, self.marks
         neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
         if not neighbour:

@@ -147,7 +147,7 @@ class RecordedStation(Station):
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Show the player's position, once a second."""
+        """Refresh, once a second; return no alarm, since none changes by that."""
         return self.refresh()
 
     def refresh(self) -> list[Alarm]:

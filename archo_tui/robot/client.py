@@ -515,7 +515,11 @@ class Robot:
             self._thread.submit(self._stopping.send_again)
 
     def _on_answer(self, turn: int) -> None:
-        """Send STOP again if the request of that turn left before it and was answered after it."""
+        """Send STOP again if the robot may have obeyed the answered request after the STOP.
+
+        Args:
+            turn: The request's number in the order in which requests leave.
+        """
         if self._stopping.is_behind(turn):
             self._thread.submit(self._stopping.send_after_late_answer)
 

@@ -105,7 +105,7 @@ class Lifecycles:
         return self._words.get(node, "")
 
     async def transitions(self, node: str) -> tuple[str, ...]:
-        """Return the words of the transitions that a node can make now; () if it is silent."""
+        """Ask a node which transitions it can make now; () if it does not answer or has none."""
         return tuple(harmless(found.label) for found in await self._available(node))
 
     async def change(

@@ -58,10 +58,10 @@ class Stops:
         self._service_names = frozenset((stop.service, full_name, full_name.lstrip("/")))
 
     def is_stop_call(self, words: Sequence[str]) -> bool:
-        """Return True for `call SERVICE ...` of the STOP's own service, which is a STOP, too.
+        """Return True if the words call the STOP's own service, which is a STOP, too.
 
-        Without a request in the robot file any further words are accepted, except exactly
-        `--help`. With one, they must name exactly that request: another may be the release.
+        If the robot file names a request for it, exactly that must be typed: another may be the
+        release. If not, any words do, except `--help` alone. `--yes` does not count.
 
         Args:
             words: The verb and its arguments.

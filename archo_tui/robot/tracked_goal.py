@@ -60,7 +60,8 @@ class TrackedGoal:
         tried_to_cancel: When the console itself last tried to cancel it, in monotonic seconds.
         gate: The last check that it passed as it was sent from here; None if others sent it.
         is_cancelled: True if the operator cancelled it before the server accepted it.
-        cancel_began: True once it was cancelled at its acceptance, for that reason or for a STOP.
+        cancel_began: True once the console cancels it because it was accepted too late: after
+            `is_cancelled`, or after a STOP that was read since it was typed.
         cancel_outcome: The outcome of that cancel; None before.
     """
 

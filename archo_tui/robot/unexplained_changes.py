@@ -72,7 +72,7 @@ class UnexplainedChanges:
 
     @classmethod
     def of_robot(cls, file: RobotFile, full_name: Callable[[str], str]) -> UnexplainedChanges:
-        """Create the comparison for the commands and services of a robot file.
+        """Create the comparison with the verbs that a robot file's commands and STOP stand for.
 
         Args:
             file: The robot file.

@@ -42,7 +42,7 @@ class VerbRunner:
             clock: The clock of the events.
             stops: The STOPs that were read.
             reporter: Reports how each verb ended.
-            snapshots: Sends a snapshot that shows it.
+            snapshots: Sends a snapshot after each verb.
             watching: True to refuse every verb.
         """
         self._thread, self._clock, self._stops = thread, clock, stops

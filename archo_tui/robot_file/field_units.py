@@ -10,7 +10,9 @@ from archo_tui.robot_file.model import MessageField, RobotFile
 def field_units(
     file: RobotFile, full_name: Callable[[str], str], topic: str, type_name: str
 ) -> dict[str, str]:
-    """Return the units of a topic's fields by path; a field that the file converts has none.
+    """Return the units of a topic's fields by path, as far as the robot file tells them.
+
+    A field with a scale, an offset or a condition is left out: its unit in the message is unknown.
 
     Args:
         file: The robot file.

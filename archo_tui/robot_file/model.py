@@ -265,7 +265,7 @@ class CommandService:
         return (self.off or f"{self.id}_off") if self.toggle else ""
 
     def toggles_reading_of(self, topic: Literal["battery", "motion"]) -> bool:
-        """Return True if this toggles a reading of that topic."""
+        """Return True if this inverts a state that the topic reports, as `battery.charging`."""
         return any(reading.startswith(f"{topic}.") for reading in self.toggle.values())
 
 

@@ -24,12 +24,12 @@ class Base(Screen[ScreenResultType]):
         self._compositor = DirtyCompositor()
 
     async def on_event(self, event: Event) -> None:
-        """Handle a new size as the one that the terminal has now, whatever size the event has.
+        """Handle a Resize as one to the size that the terminal has now, whatever size it names.
 
-        Each change of size makes a screen send itself one more event. If the terminal is resized
-        again before that event is handled, Textual goes back and forth between the two sizes for
-        ever, and no key is handled any more. The event itself is that of all screens: what one of
-        them marks in it, the others would find.
+        Each change of size makes a screen send itself one more Resize. If the terminal is resized
+        again before that is handled, Textual goes back and forth between the two sizes for ever,
+        and no key is handled any more. The size goes into a new event: all screens get the same
+        one, and would find in it what another screen has marked.
         """
         size = self.app.size
         await super().on_event(Resize(size, size) if isinstance(event, Resize) else event)

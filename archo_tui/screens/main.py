@@ -355,7 +355,10 @@ class MainScreen(Base[None]):
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Focus the widget that had the focus before a field; the parameters if it has no room."""
+        """Leave a field: close and clear a search, or focus the widget that had the focus before.
+
+        The parameters get the focus if there is no such widget, or its panel has no room.
+        """
         before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
         if isinstance(self.focused, Search):

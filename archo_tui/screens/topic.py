@@ -159,7 +159,10 @@ class TopicDialog(Dialog[None]):
         self.call_after_refresh(self._show_again)
 
     def _cover_panels(self) -> None:
-        """Leave in sight what stands above and below the panels, in a replay the time line, too."""
+        """Set the margins of the box so that it covers the panels, but nothing above or below them.
+
+        In a replay the time line stays in sight, in a wide terminal also Graph and the goal.
+        """
         main = main_screen(self.app)
         if (
             main is not None and self.head.is_attached
@@ -307,7 +310,10 @@ class TopicDialog(Dialog[None]):
         self._search.open()
 
     def action_fold(self) -> None:
-        """Open or close the message or array under the cursor; show the next elements of one."""
+        """Open or close the message or array under the cursor.
+
+        On the row that stands for more elements, show the next ones; after the last, the first.
+        """
         field = self._rows.item
         if field is None or field.kind is FieldKind.VALUE:
             return
@@ -344,9 +350,9 @@ class TopicDialog(Dialog[None]):
         self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
 
     def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
-        """Show the elements of other arrays of the message that is shown.
+        """Open exactly these arrays of the message that is shown, and close all others.
 
-        The keys that follow are for what is shown then, so they wait for it.
+        Keys are held until the elements are shown (`is_asking`), since they are meant for them.
 
         Args:
             open_arrays: The arrays, by path, each with the number of the first element.

@@ -237,10 +237,10 @@ class TerminalApp(App[None]):
         name: str | None = None,
         pause: bool = False,
     ) -> Timer:
-        """Call a function once, also if the delay passes while the timer begins to wait.
+        """Call a function once, even if the delay is over before the timer's task runs at first.
 
-        Textual's timer would then skip its only turn. It waits for 8 ms before it lays out all
-        screens for a new size of the terminal, so a busy machine lost that size for ever.
+        Textual's timer would then skip its only turn. Textual lays out all screens for a new size
+        of the terminal by a timer of 8 ms, so a busy machine lost that size for ever.
         """
         timer = super().set_timer(delay, callback, name=name, pause=pause)
         timer._skip = False

@@ -27,7 +27,8 @@ class Decoder:
 
         Args:
             data: The bytes that were read.
-            after_a_pause: True if nothing came for a while: an incomplete character is given up.
+            after_a_pause: True if nothing came for a while: an incomplete character is given up if
+                ASCII follows.
         """
         if after_a_pause and data[:1].isascii():
             self._decoder.reset()  # The rest of the character will not come.

@@ -72,7 +72,10 @@ class Keyboard:
         return messages + self._all_messages(self._sequences.on_silence(now))
 
     def _drop_stray_end(self, text: str) -> str:
-        """Drop the rest of a paste's end mark whose escape came alone and was taken as a key."""
+        """Return a text without the rest of a paste's end mark at its beginning.
+
+        The mark's escape came alone before, and was taken as a key that ends the paste.
+        """
         if not text or not self._stray_end:
             return text
         while text and text[0] == self._stray_end[:1]:

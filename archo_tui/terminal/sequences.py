@@ -157,7 +157,10 @@ class Sequences:
             self._ground(char)
 
     def _abort(self, char: str) -> None:
-        """Drop a control sequence that holds a character which cannot be in one."""
+        """Drop a control sequence that a character breaks off, and take that character by itself.
+
+        SUB is dropped, too.
+        """
         self._state = self._ground
         if char != _SUBSTITUTE:
             self._ground(char)

@@ -22,7 +22,7 @@ def log_file() -> Path:
 
 @contextlib.contextmanager
 def guarded_stderr(path: Path) -> Iterator[None]:
-    """Redirect descriptor 2 to a file, while Textual keeps the terminal behind it.
+    """Redirect descriptor 2 to a file; Textual draws on a copy of the old one (`sys.__stderr__`).
 
     If the file cannot be written, what is printed is lost: a clean screen matters more.
     """

@@ -97,7 +97,11 @@ def _line(name: str, value: str, least_greatest: str, curve: str, columns: Colum
 
 
 def plot_columns(width: int) -> int:
-    """Return the number of columns of a plot in so many cells: two dots in each."""
+    """Return the number of dots across a plot: two in each cell that its axis leaves.
+
+    Args:
+        width: The cells of its lines, axis included.
+    """
     return max(2 * (width - _AXIS - 2), 0)
 
 

@@ -181,7 +181,10 @@ class GoalPanel(Panel):
         self._size_board()
 
     def _size_board(self) -> None:
-        """Show the board if there is room for it or if it has the focus, else hide it."""
+        """Show the board if it has room or the focus, else hide it.
+
+        Without known limits it is hidden, and its focus goes to the field.
+        """
         size, is_focused = self.app.size, self.board is self.screen.focused
         if is_focused and not self._has_board:  # The limits are no longer known.
             self.focus_field()

@@ -51,7 +51,10 @@ class Plot(NamedTuple):
 
 
 def plots(robot: RobotFile) -> tuple[Plot, ...]:
-    """Return a plot for each reading that the robot reports."""
+    """Return the plots of charge, speed, way left, x and y, as far as the robot file names them.
+
+    What is left is that of the first kind of goal.
+    """
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
     if robot.battery is not None:

@@ -7,7 +7,10 @@ from textual.widget import Widget
 
 
 class QuietFocus(Widget):
-    """A widget whose `watch_has_focus` redraws what changes; listed last among the bases."""
+    """A widget that Textual does not redraw as the focus comes or goes.
+
+    Its `watch_has_focus` redraws what changes. List it last among the bases.
+    """
 
     def on_focus(self, event: events.Focus) -> None:
         event.prevent_default()  # Textual would redraw the widget and its children.

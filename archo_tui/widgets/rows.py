@@ -234,7 +234,11 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return size.width <= self._width and size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
-        """Lay out new items, or all if widths changed, and return the number of lines."""
+        """Lay out the items and return the number of lines.
+
+        Args:
+            is_changed: True if widths changed: all are laid out again, else only new ones.
+        """
         known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
         self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
         self._laid_out = self._items  # Keeps the objects alive, whose ids are the keys above.

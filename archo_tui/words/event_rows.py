@@ -88,7 +88,7 @@ def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventR
 def without_repeats(text: str) -> str:
     """Return `reset encoder: zero` for `reset encoder: Encoder reset to zero`.
 
-    The words at the beginning of the answer go that the request has already, in whatever form.
+    The answer loses its first words, as long as the request has them, too, if in another form.
     """
     title, _, answer = text.partition(": ")
     known, words = {_stem(word) for word in title.split()}, answer.split()

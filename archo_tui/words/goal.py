@@ -172,7 +172,12 @@ def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spa
 
 
 def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
-    """Return how to give a goal while there is none, or why none can be given."""
+    """Return how to give a goal while there is none, or why none can be given.
+
+    Args:
+        snapshot: The state of the robot.
+        ask: How to give one, as the front end says it; "" leaves it out.
+    """
     if not snapshot.file.goals:
         return (("the robot file names no goal", OLD),)
     kind = snapshot.file.goals[0]

@@ -58,9 +58,9 @@ class ResourceRow(NamedTuple):
 
 
 def topic_lines(info: TopicInfo) -> Spans:
-    """Return who publishes and who subscribes, each with its QoS, and what does not fit.
+    """Return the mismatches of a topic, then its publishers and subscribers, each with its QoS.
 
-    Types stand there if they differ.
+    Types are shown only if they differ.
     """
     parts = {"from": info.publishers, "to": info.subscriptions}
     ends = [end for side in parts.values() for end in side]

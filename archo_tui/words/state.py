@@ -168,7 +168,12 @@ def time_factor_text(snapshot: Snapshot) -> str:
 
 
 def motion_unit(snapshot: Snapshot, name: str) -> str | None:
-    """Return the unit of the motion's count or speed, or None if the robot file names none."""
+    """Return the unit of a reading of the motion, or None if the robot file has no such reading.
+
+    Args:
+        snapshot: The state of the robot.
+        name: "count" or "speed".
+    """
     types = {} if snapshot.file.motion is None else snapshot.file.motion.types
     fields = [getattr(given, name) for given in types.values()]
     return next((field.unit for field in fields if field is not None), None)

@@ -42,7 +42,11 @@ def summary(view: TopicView, *, is_frozen: bool) -> Spans:
 
 
 def value_text(field: FieldView) -> str:
-    """Return the value of a field with its unit, or the name that its type gives to the value."""
+    """Return what stands behind the name of a field: `12.3 m`, or `4 CHARGING` for a constant.
+
+    An array has its type, and bytes the first of them; the row for more elements says how to show
+    them; a message has "".
+    """
     if field.kind is FieldKind.GROUP:
         return ""
     if field.kind is FieldKind.ARRAY:
