@@ -574,7 +574,7 @@ class Robot:
             latch_doubt=self._stopping.latch.doubt,
             latch_time=self._stopping.latch.time,
             released=self._stopping.latch.released,
-            stop_held_by_nobody=self._stopping.latch.holders_have_ended,
+            stop_held_by_nobody=self._stopping.is_held_by_nobody,
             stop_not_obeyed=self._stopping.latch.is_not_obeyed,
             still_running_after_stop=self._goal_watcher.still_running,
             namespace=self._graph.namespace,

@@ -116,9 +116,7 @@ class StopVerbs:
             release: The service that releases a STOP, as in the robot file.
         """
         self._stopping.latch.check_holders()
-        is_confirmed = self._stopping.open is None
-        has_ended = self._stopping.latch.holders_have_ended
-        return is_confirmed and has_ended and release not in self._graph.offered
+        return self._stopping.is_held_by_nobody and release not in self._graph.offered
 
     async def give_up_stop(self) -> Outcome:
         """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""

@@ -203,6 +203,11 @@ class Stopping:
         self._on_change()
 
     @property
+    def is_held_by_nobody(self) -> bool:
+        """True if all nodes that held the STOP have ended here, and no further STOP is open."""
+        return self.open is None and self.latch.holders_have_ended
+
+    @property
     def must_repeat(self) -> bool:
         """True if the open STOP must be sent again.
 

@@ -164,9 +164,8 @@ class TopicDialog(Dialog[None]):
         In a replay the time line stays in sight, in a wide terminal also Graph and the goal.
         """
         main = main_screen(self.app)
-        if (
-            main is not None and self.head.is_attached
-        ):  # A dialog that goes has no widgets any more.
+        # A dialog that goes has no widgets any more.
+        if main is not None and self.head.is_attached:
             covered = main.panels_region
             above = covered.y - self.head.rows
             below = main.size.height - covered.bottom - 1  # The footer has one of its own.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Latch, Snapshot
+from archo_tui.robot.state import Latch
 from archo_tui.robot_file import model
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Question, Values, Verb
@@ -44,7 +44,7 @@ class ReleaseStop(Verb):
         released = snapshot.motion.stopped is False  # None if the robot does not report it.
         asked = snapshot.open_stop is not None or not station.robot.stops.are_answered
         released = released and not asked and snapshot.latch is Latch.NONE
-        unavailable = "" if _is_held_by_nobody(snapshot) else super().disabled_reason(station)
+        unavailable = "" if snapshot.stop_held_by_nobody else super().disabled_reason(station)
         return unavailable or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
@@ -55,7 +55,7 @@ class ReleaseStop(Verb):
         """
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         is_awaited = stopped is None and described is not None and described.reports_stop
-        if _is_held_by_nobody(station.robot.snapshot):
+        if station.robot.snapshot.stop_held_by_nobody:
             return True
         return super().is_ready(station, values) and not is_awaited
 
@@ -64,14 +64,9 @@ class ReleaseStop(Verb):
 
     def question(self, station: Station, values: Values) -> Question:
         text = "Release the stop? Moves are allowed again; nothing resumes by itself."
-        if _is_held_by_nobody(station.robot.snapshot):
+        if station.robot.snapshot.stop_held_by_nobody:
             text = "Every node that held the stop has ended here. Forget the stop?"
         return Question("Release", text, "Stay stopped", "Release")
-
-
-def _is_held_by_nobody(snapshot: Snapshot) -> bool:
-    """Return True if all nodes that held the STOP have ended: a release only forgets it."""
-    return snapshot.stop_held_by_nobody and snapshot.open_stop is None
 
 
 class GiveUpStop(Verb):

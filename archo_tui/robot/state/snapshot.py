@@ -46,8 +46,8 @@ class Snapshot(NamedTuple):
         latch_doubt: Why a latch that is UNCERTAIN is so.
         latch_time: The Unix time of that STOP.
         released: When the robot last confirmed a release.
-        stop_held_by_nobody: True if every node that confirmed that STOP ran in this process, and
-            has ended.
+        stop_held_by_nobody: True if every node that confirmed that STOP ran in this process and
+            has ended, and no further STOP is open.
         stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
         still_running_after_stop: The names of goals that still run after a STOP was answered.
         namespace: The namespace of the robot.
