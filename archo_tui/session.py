@@ -201,7 +201,7 @@ class Session:
             self.host = Host(
                 *(self._context, robot.note, robot.end_goals_of_node),
                 early_stop_request=robot.early_stop_request,
-                on_early_stop=robot.early_stop_confirmed,
+                on_early_stop=robot.on_early_stop,
                 make_program=self._make_program,
             )
             robot.own_nodes = self.host.names

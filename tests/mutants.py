@@ -389,7 +389,7 @@ FAULTS = [
     Fault("screens/base.py", "            widget.action_select_all()", "            pass", "tests/commands/test_palette.py"),
     Fault("widgets/field.py", 'return self.value != "" or', "return", CONSOLE + "/test_goals.py"),
     Fault("cli/terminal.py", 'streams["stderr"] = sys.__stderr__', "pass", "tests/test_cli.py"),
-    Fault("robot/client.py", "self._goals.are_over = True", "pass", "tests/station/test_shutdown.py"),
+    Fault("robot/client.py", "self._goals.sending_has_ended = True", "pass", "tests/station/test_shutdown.py"),
     # robot files, interface files, what survived
     Fault("robot_file/mismatch.py", 'has several types: {\', \'.join(found)}" if len(found) > 1 else ""', 'has several types: {\', \'.join(found)}" if False else ""', ROBOT + "/test_checks.py"),
     Fault(E + "qos.py", "max(self.depth, 1)", "max(self.depth, 2)", CONTRACT),

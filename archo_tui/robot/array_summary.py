@@ -14,15 +14,15 @@ _NOT_NUMBERS = ("boolean", "string", "wstring")
 
 
 class ArraySummary(NamedTuple):
-    """An array in place of which few values are shown.
+    """A summary of an array, shown in place of its elements.
 
     Attributes:
         type: The type of its elements and its length, as .msg files write them: `float32[360]`.
         length: The number of its elements.
-        least: The least number; None for elements that are no numbers, or all NaN.
+        least: The least number; None if the elements are no numbers, are bytes, or are all NaN.
         greatest: The greatest number; None as for `least`.
-        nan: The number of elements that are NaN.
-        first: For an array of bytes, the first ones in hexadecimal.
+        nan: The number of elements that are NaN; 0 if they are no numbers.
+        first: The first 16 bytes in hexadecimal, for an array of `uint8` or `byte`; else "".
     """
 
     type: str
@@ -34,7 +34,9 @@ class ArraySummary(NamedTuple):
 
 
 def summarize(value: Any, element: str) -> ArraySummary:
-    """Return the summary of an array. It takes long for a large one.
+    """Return the summary of an array.
+
+    A large array takes long: call this on no thread that others wait for.
 
     Args:
         value: The array as rclpy has it: a list, an `array.array`, a NumPy array.
@@ -58,6 +60,6 @@ def summarize(value: Any, element: str) -> ArraySummary:
 
 
 def as_list(value: Any) -> list[Any]:
-    """Return the elements of an array as Python's own values."""
+    """Return the elements of an array in a list; numbers of NumPy become Python's own."""
     found: list[Any] = value.tolist() if hasattr(value, "tolist") else list(value)
     return found

@@ -7,8 +7,8 @@ in a std_msgs/msg/String:
      "arguments": {"node": "/motor_controller", "values": {"max_speed": 0.5}},
      "text": "set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"}
 
-`text` is the line that people read, the same as on /rosout. Anybody can publish there. So a record
-may only tell who did what, and hold goals back: a STOP came, holds, or is no longer certain.
+`text` is the line that people read, the same as on /rosout. Any node can publish on TOPIC. So a
+record may only tell who did what, and hold goals back: a STOP came, holds, or is no longer certain.
 Unknown names in the object are ignored. The number in TOPIC grows when the meaning of a name
 changes; a console with another number counts as one that publishes nothing.
 """
@@ -34,9 +34,9 @@ class AuditRecord(NamedTuple):
     """The record of a verb that was carried out, or was refused.
 
     Attributes:
-        verb: Its id: `stop`, `go`, or that of a command in the robot file.
-        arguments: Its values by name.
-        code: How it ended.
+        verb: The id of the verb: `stop`, `go`, or the id of a command in the robot file.
+        arguments: The values of the verb's arguments, by their names.
+        code: How the verb ended.
     """
 
     verb: str
@@ -44,15 +44,15 @@ class AuditRecord(NamedTuple):
     code: Code
 
     def json_safe(self) -> AuditRecord:
-        """Return a copy with only what JSON can hold, and with safe texts of bounded length."""
+        """Return a copy whose texts are safe to show, with arguments that JSON can hold."""
         return AuditRecord(harmless(self.verb), json_safe(self.arguments), self.code)
 
 
 class PublishedRecord(NamedTuple):
-    """A record that another console published.
+    """A record that a console published.
 
     Attributes:
-        console: The name of the console.
+        console: The name of the console, as it says itself.
         record: The record.
         text: The line for people; it may hold any characters.
     """
@@ -62,8 +62,11 @@ class PublishedRecord(NamedTuple):
     text: str
 
 
-def write(console: str, record: AuditRecord, text: str) -> str:
-    """Return a record as JSON; if it would exceed MAX_LENGTH, the names without their values.
+def to_json(console: str, record: AuditRecord, text: str) -> str:
+    """Return a record as one JSON object, in the form of this module; nothing is sent.
+
+    If the JSON would be longer than MAX_LENGTH, the values in arguments that are mappings become
+    null: their names remain.
 
     Args:
         console: The name of this console.
@@ -82,8 +85,11 @@ def write(console: str, record: AuditRecord, text: str) -> str:
     return json.dumps({**form, "arguments": names})
 
 
-def read(form: str) -> PublishedRecord | None:
-    """Return the record in a text; None if the text has not this form."""
+def parse(form: str) -> PublishedRecord | None:
+    """Return the record in a JSON text; None if the text is no such record, or is over MAX_LENGTH.
+
+    The texts in it are not made safe.
+    """
     if len(form) > MAX_LENGTH:
         return None
     try:
@@ -99,7 +105,11 @@ def read(form: str) -> PublishedRecord | None:
 
 
 def json_safe(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values as JSON can hold them, with safe texts of bounded length."""
+    """Return a copy of values that JSON can hold, with texts that are safe to show.
+
+    NaN, infinity and everything that JSON has not become texts. A list keeps its first 100 items, a
+    text some 500 characters; what is nested more than four levels deep becomes `...`.
+    """
     return _mapping(values, 0)
 
 

@@ -1,4 +1,4 @@
-"""The number of bytes that a message takes as CDR.
+"""The number of bytes that a message takes as CDR, the binary form in which DDS sends messages.
 
 The `serialize_message` of Jazzy returns as many bytes as it had estimated, the last of which are
 whatever lay in that memory. Readers refuse a message with more bytes than its fields have. Sizes
@@ -23,9 +23,9 @@ class _FieldType(NamedTuple):
     """The type of a field.
 
     Attributes:
-        base: The type of one element, without a bound.
-        is_array: True for an array or a sequence.
-        has_length: True for a sequence: its length stands before its elements.
+        base: The type of the field, or of one element of it, without the bound of a string.
+        is_array: True for an array of fixed length, and for a sequence.
+        has_length: True for a sequence, whose length is written before its elements.
     """
 
     base: str
@@ -34,12 +34,17 @@ class _FieldType(NamedTuple):
 
 
 def cdr_size(message: Any) -> int:
-    """Return the size of a message in bytes, the four of the encapsulation header included."""
+    """Return the number of bytes of a message as CDR, with the 4 of the encapsulation header."""
     return _ENCAPSULATION + _message_end(message, 0)
 
 
 def _message_end(message: Any, offset: int) -> int:
-    """Return the offset at which a message ends that begins at `offset`."""
+    """Return the offset at which a message ends.
+
+    Args:
+        message: The message.
+        offset: The offset at which it begins, in bytes behind the encapsulation header.
+    """
     fields = message.get_fields_and_field_types()
     for name, kind in fields.items():
         offset = _field_end(_parse_type(kind), getattr(message, name), offset)

@@ -78,15 +78,19 @@ from archo_tui.robot_file import model
 
 
 class Robot:
-    """The robot on the graph of a context, whatever robot it is.
+    """The robot as front ends see it: its newest snapshot, and the verbs that operate it.
+
+    The end of each verb that sends or changes something is reported: as an event, in the ROS log,
+    and to the robot's other consoles.
 
     Attributes:
-        watching: True if every verb is refused, and nothing is called but what reads.
+        watching: True if every verb is refused, and no service is called but those that only read.
         file: The robot file.
-        stops: The STOPs that were read, which void what was typed before them.
-        own_nodes: Returns the full names of the nodes that this process hosts, whose coming and
-            leaving its host reports.
-        unended_nodes: Returns those of them whose code may still run.
+        stops: The count of STOPs that were read; a request that was typed before a STOP is not
+            sent.
+        own_nodes: Returns the full names of the nodes that this process hosts. Their host reports
+            when they come and leave, so the robot does not. The session sets this function.
+        unended_nodes: Returns those of the own nodes whose code may still run. The session sets it.
     """
 
     def __init__(
@@ -100,14 +104,18 @@ class Robot:
         watching: bool = False,
         secrets: SecretNames | None = None,
     ) -> None:
-        """Join the graph; nothing is received before `start`.
+        """Create the console's node, which joins the graph, and all that handles its messages.
+
+        Nothing is received before `start`. The classes of messages are imported, which may take
+        long.
 
         Args:
             context: The rclpy context of the console's node.
             file: The robot file.
             clock: The clock of all times.
-            on_event: Called on the ROS thread with each event, also with one that repeats.
-            on_message: Called on the ROS thread with the topic and each message that is received.
+            on_event: Called on the ROS thread with each event, also with one that repeats another.
+            on_message: Called on the ROS thread with the topic and each message that is received,
+                secret values of parameters masked.
             watching: True to refuse every verb.
             secrets: Decides which parameters are secret; None for the usual names.
         """
@@ -236,7 +244,7 @@ class Robot:
             file, self._graph, self._stopping, self._telemetry, lambda: self._poller.faults
         )
         for kind in file.goals:
-            self._goals.open(kind)
+            self._goals.track_action(kind)
         self._thread = RosThread(node, context, clock, self._reporter.error)
         self._runner = VerbRunner(
             self._thread, clock, stops, self._reporter, self._snapshots, watching=watching
@@ -279,12 +287,14 @@ class Robot:
         self._snapshots.send()  # What the robot file says is known before any message comes.
 
     def start(self) -> None:
-        """Begin to receive."""
+        """Start the ROS thread: poll the graph at once, and receive messages from now on."""
         self._thread.submit(self._poller.poll)
         self._thread.start()
 
     def subscribe(self, receiver: Receiver) -> None:
-        """Call a function on the running loop with each snapshot, at once with the newest.
+        """Call a function with the newest snapshot now, and with each later one on this loop.
+
+        If several come before the loop gets to them, only the newest is delivered.
 
         Args:
             receiver: The function; it takes the place of an earlier one.
@@ -293,104 +303,166 @@ class Robot:
         receiver(self._snapshots.mailbox.latest)
 
     def stop(self) -> None:
-        """Send no more snapshots, and leave the graph."""
+        """Deliver no more snapshots, end the ROS thread, and leave the graph. No STOP is sent.
+
+        Waits up to 3 s for a callback that is running; if that does not end, nothing is destroyed.
+        """
         self._snapshots.mailbox.close()
         if self._thread.stop():
             self._goals.close()
 
     @property
     def snapshot(self) -> Snapshot:
-        """The newest snapshot."""
+        """The newest snapshot, also if it was not delivered yet. Any thread."""
         return self._snapshots.mailbox.latest
 
     async def emergency_stop(self) -> Outcome:
-        """Send STOP; for a robot that has none, cancel every goal: see `StopVerbs`."""
+        """Send STOP, and return when the robot has answered; see `StopVerbs`.
+
+        A robot whose file names no STOP has every goal cancelled instead; the code is NOT_OFFERED
+        then.
+        """
         return await self._stop_verbs.emergency_stop()
 
     async def release_emergency_stop(self) -> Outcome:
-        """Release the STOP: the robot may move again, but continues no goal by itself."""
+        """Request the release of the STOP; return when the robot has answered.
+
+        The robot may move then, but continues no goal by itself. See `StopVerbs`.
+        """
         return await self._stop_verbs.release_emergency_stop()
 
     async def give_up_stop(self) -> Outcome:
-        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
+        """Give up a STOP that the robot has not confirmed: send it no more.
+
+        Nothing is sent to the robot.
+        """
         return await self._stop_verbs.give_up_stop()
 
     def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the call that makes a starting node carry out an earlier STOP: see `StopVerbs`."""
+        """Return the call that a starting hosted node must carry out before it spins.
+
+        Returns:
+            The full name of the STOP's service, "" if no STOP is unreleased, and the request.
+        """
         return self._stop_verbs.early_stop_request()
 
-    def early_stop_confirmed(self, node: str) -> None:
-        """Record that a starting node has confirmed the STOP before it spins. Any thread."""
+    def on_early_stop(self, node: str) -> None:
+        """Record that a starting hosted node has carried out the STOP. Any thread.
+
+        The node then counts as one of those that hold the STOP.
+
+        Args:
+            node: The full name of the node.
+        """
         self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
     ) -> Outcome:
-        """Send a goal; return when it was accepted or refused: see `GoalVerbs`."""
+        """Send a goal; return when it was accepted, refused, or not answered: see `GoalVerbs`."""
         return await self._goal_verbs.send(kind, values, queued=queued)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Request the cancel of the running goal: see `GoalVerbs`."""
+        """Request the cancel of the goal of this console that runs; see `GoalVerbs`.
+
+        Args:
+            another: True for the goal of another client instead.
+        """
         return await self._goal_verbs.cancel(another=another)
 
     async def cancel_all(self) -> Outcome:
-        """Request the cancel of every goal of the robot's actions, whoever sent it."""
+        """Request the cancel of every goal of the actions known here, whoever sent it."""
         return await self._goal_verbs.cancel_all()
 
     async def stop_sending_goals(self) -> None:
-        """Send no goal from now on, also none that was typed before: the console ends."""
+        """Refuse to send any goal from now on, also one that was typed before: the console ends.
+
+        Running goals go on, and are not cancelled.
+
+        Raises:
+            TimeoutError: The ROS thread does not answer.
+        """
 
         async def there() -> None:
-            self._goals.are_over = True
+            self._goals.sending_has_ended = True
 
         await self._thread.run(there, services.DEADLINE)
 
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
-        """Call the service of a command in the robot file: see `ServiceVerbs`."""
+        """Call the service of a command in the robot file: see `ServiceVerbs`.
+
+        Args:
+            command: The command.
+            on: For a command that switches something, False to switch it off.
+        """
         return await self._service_verbs.command(command, on)
 
     async def call(
         self, service: str, type_name: str, values: Mapping[str, Any], wait: float = CALL_WAIT
     ) -> Outcome:
-        """Call any service; the outcome holds the answer: see `ServiceVerbs`."""
+        """Call any service; return an outcome that holds the answer; see `ServiceVerbs`."""
         return await self._service_verbs.call(service, type_name, values, wait)
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none of them: see `NodeVerbs`."""
+        """Set parameters of a node, all of them or none.
+
+        The text of the outcome tells the values that the node reports then, or why it refused.
+
+        Args:
+            node: The full name of the node.
+            values: The values by name, of the Python types that fit.
+        """
         return await self._node_verbs.set_parameters(node, values)
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node has on the graph, or an outcome that tells why it is not known."""
+        """Ask for what a node, by its full name, publishes, serves and uses, and for its log level.
+
+        Returns:
+            The description, or an outcome that says why there is none: no such node, or no answer.
+        """
         return await self._node_verbs.describe(node)
 
     async def topic_info(self, topic: str) -> TopicInfo | Outcome:
-        """Return the publishers and subscriptions of a topic, or why they are not known."""
+        """Return the publishers and subscriptions of a topic, by its full name, with their QoS.
+
+        Returns:
+            The ends of the topic, or an outcome that says that the ROS thread does not answer.
+        """
         return await self._node_verbs.topic_info(topic)
 
     async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log; the text of the outcome names it."""
+        """Ask a node for the level of its log, which the text of the outcome tells.
+
+        Args:
+            node: The full name of the node.
+        """
         return await self._node_verbs.log_level(node)
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
-        """Set the level of a node's log: see `NodeVerbs`."""
+        """Set the level of a node's log, and report what it is then; see `NodeVerbs`."""
         return await self._node_verbs.set_log_level(node, level)
 
     async def change_lifecycle(self, node: str, transition: str) -> Outcome:
-        """Have a managed node make a transition: see `NodeVerbs`."""
+        """Request a transition of a managed node, and wait for its end: see `NodeVerbs`."""
         return await self._node_verbs.change_lifecycle(node, transition)
 
     async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
-        """Return the words of the transitions that a managed node can make now; () if silent."""
+        """Ask a managed node for the transitions that it can make now, as words: `activate`.
+
+        Returns:
+            The words; () if the node does not answer or can make none.
+        """
         return await self._node_verbs.lifecycle_transitions(node)
 
     def form(self, type_name: str) -> tuple[TypedField, ...] | None:
-        """Return the fields of a goal or a request, for a form.
+        """Return the fields of a goal or a request for a form, with their default values.
 
         Args:
-            type_name: The type of the action or the service.
+            type_name: The type of the action or the service: `package/kind/Name`.
 
         Returns:
-            The fields; None if the type is not installed here.
+            The fields by dotted path, those of nested messages included; None if the type is not
+            installed here.
         """
         found = message_classes.load(type_name)
         if found is None:
@@ -400,14 +472,14 @@ class Robot:
         )
 
     async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
-        """Return the types with which nodes serve a name, in any namespace.
+        """Return the types with which nodes serve a service or an action, in any namespace.
 
         Args:
-            name: The full name of a service, or of an action.
+            name: The full name of the service or the action.
             is_action: True for an action.
 
         Returns:
-            The types; empty if no node serves it, or the ROS thread does not answer.
+            The types, sorted; empty if no node serves the name, or the ROS thread does not answer.
         """
 
         async def there() -> tuple[str, ...]:
@@ -426,7 +498,9 @@ class Robot:
         message_class: Any,
         on_data: Callable[[float, bytes], None] = lambda *_: None,
     ) -> AsyncIterator[Inspection]:
-        """Subscribe to a topic for as long as the context is entered.
+        """Count the messages of a topic while the context is entered; its value is the inspection.
+
+        The subscription is made with a QoS that fits the publishers, and ends with the context.
 
         Args:
             topic: The full name of the topic.
@@ -445,11 +519,14 @@ class Robot:
             await self._thread.run(begin, QUESTION_TIMEOUT)
             yield inspection
         finally:
-            self._thread.submit(inspection.unsubscribe)  # After the other, however late.
+            self._thread.submit(inspection.unsubscribe)  # Runs after `begin`, however late that is.
 
-    def refit(self, inspection: Inspection) -> None:
-        """Have an inspection subscribe again if its publishers have changed their QoS."""
-        self._thread.submit(inspection.refit)
+    def resubscribe_if_needed(self, inspection: Inspection) -> None:
+        """Have an inspection subscribe again if its QoS no longer fits the publishers.
+
+        Returns at once: the ROS thread does it later.
+        """
+        self._thread.submit(inspection.resubscribe_if_needed)
 
     async def follow_topic(
         self,
@@ -457,14 +534,22 @@ class Robot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Show a topic several times a second until the task is cancelled: see `TopicFollower`."""
+        """Show the messages of a topic five times a second until the task is cancelled.
+
+        Args:
+            topic: The full name of the topic.
+            request: Returns what the next view has to have, as which arrays are open.
+            show: Called on the running loop with each view.
+        """
         await TopicFollower(self, self._clock, topic, request, show).run()
 
     def end_goals_of_node(self, served: Sequence[str]) -> None:
-        """End the goals of actions whose node, hosted by this process, has gone. Any thread.
+        """End the running goals of a hosted node that has gone, as GONE. Any thread.
+
+        Returns at once: the ROS thread does it later.
 
         Args:
-            served: The full names of the actions; other names are ignored.
+            served: The full names of the actions that the node served; other names are ignored.
         """
 
         def end() -> None:
@@ -482,11 +567,14 @@ class Robot:
         command: str = "",
         audit_record: AuditRecord | None = None,
     ) -> None:
-        """Add an event, of which other consoles are not told. Any thread.
+        """Add an event to the log of this console; other consoles and /rosout get none. Any thread.
+
+        Returns at once: the ROS thread adds it, with the present time.
 
         Args:
-            level: The level; with the level and source of `YOU`, those of the requester are taken.
-            source: Who or what it is about.
+            level: The level of the event. If level and source are those of `YOU`, the present
+                requester's are taken: a shell or an assistant may be the one who asked.
+            source: Who or what the event is about.
             text: The line for people.
             command: The `ros2` command line that does the same; "" if there is none.
             audit_record: The record of what was done; None if nothing was.
@@ -497,7 +585,10 @@ class Robot:
         self._thread.submit(lambda: self._reporter.add(event))
 
     async def wait_for_events(self) -> None:
-        """Wait until the snapshot has all events that were noted before."""
+        """Wait until a snapshot with all events that were noted before has been sent.
+
+        Return after 2 s without it if the ROS thread is busy.
+        """
 
         async def there() -> None:
             self._snapshots.send()
@@ -515,20 +606,20 @@ class Robot:
             self._thread.submit(self._stopping.send_again)
 
     def _on_answer(self, turn: int) -> None:
-        """Send STOP again if the robot may have obeyed the answered request after the STOP.
+        """Send STOP again if the robot may have obeyed an answered request after the STOP.
 
         Args:
-            turn: The request's number in the order in which requests leave.
+            turn: The number of the request in the order in which requests leave.
         """
         if self._stopping.is_behind(turn):
             self._thread.submit(self._stopping.send_after_late_answer)
 
     def _forget_periods(self, node: str, old: object, new: object) -> None:
-        """Measure the periods of topics and feedback again: a parameter has changed.
+        """Measure the periods of topics and feedback again, because a parameter has changed.
 
         Args:
-            node: The full name of its node.
-            old: Its value before.
+            node: The full name of the node that has the parameter.
+            old: The value of the parameter before.
             new: Its present value.
         """
         self._telemetry.forget_periods(node, old, new)
@@ -544,7 +635,7 @@ class Robot:
         self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 
     def _goal_ended(self, goal: Goal, text: str) -> None:
-        """Report how a goal ended."""
+        """Add an event with an audit record about how a goal ended, and have it shown."""
         assert goal.code is not None  # It has ended.
         verb = verb_of(self.file, self._interface_checks, goal.kind, goal.fields)
         record = AuditRecord(*verb, goal.code)
@@ -553,7 +644,7 @@ class Robot:
         )
 
     def _build_snapshot(self) -> Snapshot:
-        """Return a snapshot of all that is known now."""
+        """Return a snapshot of all that is known now; nothing is sent."""
         return Snapshot(
             file=self.file,
             battery=self._telemetry.battery,

@@ -1,4 +1,4 @@
-"""The offsets of other computers' clocks from this one's, by the stamps of what they send."""
+"""The offsets of other computers' clocks from this one's, found by the stamps in their messages."""
 
 from __future__ import annotations
 
@@ -11,27 +11,33 @@ _COMPARED = 3  # Stamps; the one that fits best counts, since a message may be l
 
 
 class ClockOffsets:
-    """The offset of each source of stamps. No input or output.
+    """The offset between the clock of each source of stamps, a node or a topic, and this one's.
+
+    No input or output.
 
     Attributes:
-        large: The sources whose offset is larger than LARGEST: their clock minus ours, in seconds.
+        large: The offsets larger than LARGEST, by source: its clock minus ours, in seconds.
     """
 
     def __init__(self) -> None:
-        """Begin without a source."""
+        """Create a table without sources."""
         self.large: Mapping[str, float] = {}
         self._offsets: dict[str, deque[float]] = {}
 
     def add(self, source: str, stamp: Any, now: float) -> bool:
-        """Compare a stamp with the time at which it came.
+        """Compare a stamp with the time of its receipt, and update `large`.
+
+        The smallest offset of the last three stamps counts, as a message may be late; the first two
+        of a source change nothing.
 
         Args:
-            source: A node, or a topic.
-            stamp: A builtin_interfaces Time; one of zero is no stamp.
-            now: Unix time by this computer's clock.
+            source: The name of the node or the topic.
+            stamp: A builtin_interfaces Time; a stamp of zero is ignored.
+            now: The Unix time of the receipt by this computer's clock.
 
         Returns:
-            True if `large` differs from before by a source, or by a second and more.
+            True if `large` gained or lost the source, or its offset there changed by a second or
+            more.
         """
         if not (stamp.sec or stamp.nanosec):
             return False
@@ -49,7 +55,7 @@ class ClockOffsets:
         return True
 
     def forget(self, sources: Collection[str]) -> None:
-        """Forget sources that are not there any more, or whose stamps are of no clock."""
+        """Remove sources from `large`, and forget their stamps; unknown sources are ignored."""
         self.large = {name: offset for name, offset in self.large.items() if name not in sources}
         for source in sources:
             self._offsets.pop(source, None)

@@ -16,9 +16,10 @@ _numbers = itertools.count(1)
 
 
 def new_node_name() -> str:
-    """Return a new node name: user, host and process, as in `_archo_console_anna_lab_4711`.
+    """Return a new name for a console's node: `_archo_console_anna_lab_4711` (user, host, process).
 
-    A second name in one process ends with `_2`, and so on.
+    The second name in one process ends with `_2`, and so on. Other characters than letters, digits
+    and `_` become `_`; at most 200 characters are kept.
     """
     number = next(_numbers)
     more = f"_{number}" if number > 1 else ""
@@ -27,7 +28,7 @@ def new_node_name() -> str:
 
 
 def author(node: str) -> str:
-    """Return the name of the console with that node, as `anna_lab_4711`; "" for another node.
+    """Return the name of the console whose node this is: `anna_lab_4711`; "" for any other node.
 
     Args:
         node: The name of a node, with or without its namespace.

@@ -1,4 +1,4 @@
-"""Message definitions, for bags, derived from message classes: the same on both engines."""
+"""Message definitions for recordings, derived from message classes: the same on both engines."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ _PRIMITIVES = {"boolean": "bool", "float": "float32", "double": "float64", "octe
 
 
 def definition(kind: Any) -> str:
-    """Return the `ros2msg` text of a message class, with every nested message below it.
+    """Return the definition of a message class in the format `ros2msg`, without comments.
 
-    The form is that of https://mcap.dev/spec/registry#ros2msg.
+    The definitions of all nested messages follow, each once. The format is that of
+    https://mcap.dev/spec/registry#ros2msg.
     """
     parts, wanted, seen = [field_lines(kind)], list(_nested_types(kind)), set[str]()
     while wanted:
@@ -33,13 +34,16 @@ def definition(kind: Any) -> str:
 
 
 def field_lines(kind: Any) -> str:
-    """Return a line for each field of a message class: its type as .msg files have it, its name."""
+    """Return one text with a line for each field of a message class: its type, its name.
+
+    The types are written as in .msg files; an empty message has rosidl's own field.
+    """
     types = kind.get_fields_and_field_types()
     return "".join(f"{ros2msg_type(types[name])} {name}\n" for name in types)
 
 
 def ros2msg_type(kind: str) -> str:
-    """Return a field's type as .msg files write it: `sequence<double, 5>` is `float64[<=5]`."""
+    """Return a rosidl type as .msg files write it: `float64[<=5]` for `sequence<double, 5>`."""
     if found := _SEQUENCE.fullmatch(kind):
         most = f"<={found['most']}" if found["most"] else ""
         return f"{ros2msg_type(found['of'])}[{most}]"
@@ -51,7 +55,7 @@ def ros2msg_type(kind: str) -> str:
 
 
 def _nested_types(kind: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and class of each message type among the fields."""
+    """Yield name and class of each field, or element of a field, that is a message."""
     for each in kind.get_fields_and_field_types().values():
         bare = element_of(each) or each
         if "/" in bare:
@@ -59,7 +63,7 @@ def _nested_types(kind: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _load_class(name: str) -> Any:
-    """Return the class of `package/Name`; an action's parts are named `Action_Part`."""
+    """Return the class of a message, or of a part of an action: `package/Action_Goal`."""
     found = message_classes.load_nested(name)
     action, _, part = base_name(name).rpartition("_")
     return found or getattr(message_classes.load(f"{package_of(name)}/action/{action}"), part)

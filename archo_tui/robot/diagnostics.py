@@ -1,4 +1,4 @@
-"""The table of diagnostic statuses by name. No input or output."""
+"""The last diagnostic statuses by name. No input or output."""
 
 from __future__ import annotations
 
@@ -15,32 +15,41 @@ _LEVELS = dict(enumerate(DiagnosticLevel))
 
 
 class Diagnostics:
-    """The last status of each name.
+    """The last status of each name: a part of the robot, as /diagnostics calls it.
 
     Attributes:
-        all: The statuses, by name.
+        all: The statuses, sorted by name.
     """
 
     def __init__(self) -> None:
-        """Begin without a status."""
+        """Create a table without a status."""
         self.all: tuple[Diagnostic, ...] = ()
         self._by_name: Mapping[str, Diagnostic] = {}
         self._periods: dict[str, Period] = {}
 
     def copy(self) -> Diagnostics:
-        """Return a table with the same statuses, which changes independently."""
+        """Return an independent table with the same statuses."""
         copied = Diagnostics()
         copied.all, copied._by_name, copied._periods = self.all, self._by_name, dict(self._periods)
         return copied
 
     def add(self, message: Any, now: float) -> bool:
-        """Add the statuses of a DiagnosticArray that came at `now`, in monotonic seconds.
+        """Update the table with the statuses of a DiagnosticArray.
+
+        At most 1,000 names are kept. Then a new name that is OK is ignored, and one that is not
+        takes the place of the name that has been OK and silent for the longest time, if any is. An
+        unknown level counts as ERROR.
+
+        Args:
+            message: The DiagnosticArray.
+            now: The monotonic time of its receipt in seconds.
 
         Returns:
-            True if a level differs from the one before, or a name is new.
+            True if a level differs from the one before, or a name came or went; not for another
+            text.
         """
         found = dict(self._by_name)
-        well: list[str] | None = None  # What gives way to a part that is not well.
+        well: list[str] | None = None  # Names that may be dropped for one that is not OK.
         for status in message.status:
             name = harmless(status.name) or "(without a name)"
             level = _LEVELS.get(_number(status.level), DiagnosticLevel.ERROR)
@@ -71,7 +80,7 @@ class Diagnostics:
 
 
 def _names_that_are_ok(found: Mapping[str, Diagnostic]) -> list[str]:
-    """Return the names of the statuses that are OK, the oldest last."""
+    """Return the names of the statuses that are OK, the one that was received longest ago last."""
     well = filter(_is_well, found.values())
     return [status.name for status in sorted(well, key=lambda status: -status.received)]
 
@@ -81,5 +90,5 @@ def _is_well(status: Diagnostic | None) -> bool:
 
 
 def _number(level: Any) -> int:
-    """Return a level as a number: rosidl's Python has a `byte` as one byte."""
+    """Return a level as a number; rosidl's Python has a `byte` as `bytes` of length one."""
     return level[0] if isinstance(level, bytes) else int(level)

@@ -1,7 +1,8 @@
 """The log lines from before the start of the console. ROS thread only.
 
 Nodes of rclcpp and rclpy publish /rosout transient local with a lifespan of 10 s (rcl's
-`rcl_qos_profile_rosout_default`), so a subscription that asks for it gets the last 10 s at most.
+`rcl_qos_profile_rosout_default`), so a subscription that is transient local, too, gets the lines of
+the last 10 s.
 """
 
 from __future__ import annotations
@@ -22,7 +23,10 @@ _DEPTH = 1000  # As the publishers' own.
 
 
 class EarlierLog:
-    """A collector of the lines that nodes kept, which reports them once, with their own times."""
+    """A collector of the log lines that nodes wrote before the console started.
+
+    During the first 3 s it receives them, then it reports them once, by their stamps, and ends.
+    """
 
     def __init__(
         self,
@@ -31,13 +35,14 @@ class EarlierLog:
         is_ours: Callable[[str], bool],
         report: Callable[[Event], object],
     ) -> None:
-        """Subscribe beside the subscription that goes on.
+        """Subscribe to /rosout as transient local, beside the console's other subscription.
 
         Args:
-            node: The console's node. Its other subscription asks for nothing from before, since it
-                would then get nothing of a node that keeps nothing.
+            node: The console's node. Its other subscription is volatile: a transient-local one
+                would get nothing from a node whose publisher is volatile.
             clock: The console's clock.
-            is_ours: Returns True for the full name of a node of this robot.
+            is_ours: Returns True for the full name of a node of this robot; lines of others are
+                dropped.
             report: Adds an event to the log.
         """
         self._node, self._clock = node, clock
@@ -54,12 +59,15 @@ class EarlierLog:
         self._due = clock.monotonic() + _WINDOW
 
     def report_if_due(self) -> None:
-        """Report what was collected, once the window is over, and collect no more."""
+        """Once 3 s have passed, report the collected lines, the oldest first, and unsubscribe.
+
+        Before that, and after the first time, nothing is done.
+        """
         if self._subscription is not None and self._clock.monotonic() >= self._due:
             self._end()
 
     def on_live_line(self, message: Log) -> None:
-        """Take note of a line that is reported already."""
+        """Record a line that the other subscription received, so that it is not reported twice."""
         if self._subscription is not None:
             self._live.add(_key(message))
 
@@ -79,12 +87,15 @@ class EarlierLog:
         self._live.clear()
 
     def _time(self, message: Any) -> float:
-        """Return when a line was logged, within its lifespan also if the clocks differ."""
+        """Return the Unix time at which a line was logged, moved into the 10 s before the start.
+
+        The clock of its computer may differ from this one's.
+        """
         return min(max(_stamp(message), self._begun - _LIFESPAN), self._begun)
 
 
 def _stamp(message: Any) -> float:
-    """Return the Unix time at which a line was logged, by the clock of its computer."""
+    """Return the Unix time in seconds at which a line was logged, by the clock of its computer."""
     return float(message.stamp.sec + message.stamp.nanosec * 1e-9)
 
 

@@ -1,4 +1,7 @@
-"""The QoS of a topic's ends: what fits its publishers, and which ends do not fit. Pure."""
+"""The QoS of a topic's ends: which QoS fits its publishers, and which ends do not match.
+
+An end is a publisher or a subscription, given as rclpy's `TopicEndpointInfo`. No input or output.
+"""
 
 from __future__ import annotations
 
@@ -24,18 +27,24 @@ _DEPTH = 10  # Messages that wait, as in rclpy's examples.
 
 
 def is_latched(publishers: Sequence[Any]) -> bool:
-    """Return True if every publisher, given by rclpy's info of it, keeps its last message."""
+    """Return True if every publisher of a topic is transient local; False if there is none.
+
+    Args:
+        publishers: rclpy's `TopicEndpointInfo` of each publisher.
+    """
     durable = DurabilityPolicy.TRANSIENT_LOCAL
     return bool(publishers) and all(p.qos_profile.durability == durable for p in publishers)
 
 
 def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
-    """Return the QoS with which a subscription gets the messages of all publishers.
+    """Return the QoS with which a subscription gets the messages of all publishers, depth 10.
 
-    A subscriber that requests latched or reliable messages gets none from other publishers.
+    It is reliable only if all publishers are, and transient local only if all are: a subscription
+    gets nothing from a publisher that offers less than it asks for. Without publishers it is
+    reliable and volatile.
 
     Args:
-        publishers: rclpy's `TopicEndpointInfo` of each.
+        publishers: rclpy's `TopicEndpointInfo` of each publisher.
     """
     latched = is_latched(publishers)
     reliable = all(p.qos_profile.reliability == ReliabilityPolicy.RELIABLE for p in publishers)
@@ -49,9 +58,10 @@ def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
 def topic_info(
     topic: str, publishers: Sequence[Any], subscriptions: Sequence[Any], console: str
 ) -> TopicInfo:
-    """Return all ends of a topic, and those that do not fit.
+    """Return the publishers and subscriptions of a topic, sorted, and the pairs that do not match.
 
-    The arguments are those of `mismatches`.
+    Subscriptions of hidden nodes are left out, except the console's own. The arguments are those of
+    `mismatches`.
     """
     shown = [end for end in subscriptions if "/_" not in _node(end) or _node(end) == console]
     return TopicInfo(
@@ -70,20 +80,21 @@ def _end(info: Any) -> TopicEnd:
 def mismatches(
     topic: str, publishers: Iterable[Any], subscriptions: Iterable[Any], console: str = ""
 ) -> tuple[str, ...]:
-    """Describe each subscription that cannot read what a publisher sends, and what to change.
+    """Return a sentence for each subscription that cannot read a publisher, with the remedy.
 
     With different types or QoS, nothing is delivered. With different versions of one type, such as
     one with an additional field, DDS delivers all the same, and what is read may be wrong.
 
     Args:
         topic: The full name of the topic.
-        publishers: rclpy's `TopicEndpointInfo` of each.
-        subscriptions: The same; those of hidden nodes are ignored.
-        console: The full name of this console's node, which is hidden but not ignored. Only the
-            versions are compared: its QoS always fits, and its reader reports another type.
+        publishers: rclpy's `TopicEndpointInfo` of each publisher.
+        subscriptions: The same of each subscription; those of hidden nodes are ignored.
+        console: The full name of this console's node, which is hidden but not ignored. Of its
+            subscription only the version of the type is compared, as its QoS always fits.
 
     Returns:
-        A sentence for each subscribing node and reason, sorted; it names all publishers.
+        A sentence for each pair of a subscribing node and a reason, sorted. It names all publishers
+        that the reason holds for.
     """
     found: dict[tuple[str, str, str, str], set[str]] = {}
     offered = list(publishers)
@@ -108,9 +119,10 @@ def mismatches(
 
 
 def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:
-    """Return the sentence for two endpoints that DDS does not match, why, and the remedy.
+    """Return why DDS does not match a publisher with a subscription; None if it does.
 
-    None means that DDS matches them.
+    Returns:
+        The form of the sentence, the reason for it, and the remedy.
     """
     wanted, given = subscription.topic_type, publisher.topic_type
     if wanted != given:
@@ -131,7 +143,7 @@ def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None
 
 
 def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:
-    """Return the same as `_unmatched` for different versions of one type."""
+    """Return the same as `_unmatched` for two versions of one type; None for one version."""
     kind, wanted, given = subscription.topic_type, _hash(subscription), _hash(publisher)
     if not (wanted and given) or wanted == given or publisher.topic_type != kind:
         return None
@@ -141,7 +153,7 @@ def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] 
 
 
 def _hash(info: Any) -> str:
-    """Return the first digits of a type's hash; "" before ROS 2 Iron, or if DDS has none.
+    """Return the first eight digits of a type's hash; "" before ROS 2 Iron, or if DDS has none.
 
     The whole hash is `RIHS01_` and 64 digits (REP 2016), or `INVALID`.
     """

@@ -1,4 +1,4 @@
-"""The events of the session: a bounded log in which repeats are counted, not repeated."""
+"""The log of the session's events, of bounded length, in which repeats are counted."""
 
 from __future__ import annotations
 
@@ -24,12 +24,17 @@ _READING = re.compile(r"-?(?<![\d.])\d+\.\d+(?!\.?\d)")
 
 
 def _repeat_key(level: str, source: str, text: str) -> object:
-    """Return a key that is equal for an event and its repeats."""
+    """Return a key that is the same for events that differ only in their decimal numbers."""
     return level, source, _READING.sub("#", text)
 
 
 class EventLog:
-    """A log in which an event replaces an earlier one that differs only in its readings."""
+    """A log in which a log line replaces an earlier line that differs only in its decimal numbers.
+
+    At most 1,000 events are kept. Of these 200 are the console's own, which lines of nodes never
+    push out; of each kind the oldest goes first. Of one source, 50 different DEBUG and INFO lines a
+    second are kept.
+    """
 
     def __init__(self) -> None:
         self._count = 0
@@ -42,10 +47,14 @@ class EventLog:
         self._windows: dict[str, tuple[float, int]] = {}
 
     def add(self, event: Event) -> Event:
-        """Append an event, or count it as a repeat; the console's own events are never merged.
+        """Append an event, or replace the earlier event that it repeats, and count the repeat.
+
+        The console's own events are never repeats. If the log is full, an old event is dropped. If
+        a source logs too many DEBUG or INFO lines, one line with LEFT_OUT counts those that are
+        left out.
 
         Returns:
-            The event as it is in the log: with its number, its count, and safe texts.
+            The event as the log has it: with its number, its count, and safe texts.
         """
         self._count += 1
         self._all = None
@@ -75,7 +84,12 @@ class EventLog:
         return event
 
     def _has_room(self, source: str, time: float) -> bool:
-        """Count a line of a source; return False if it logged too many in the present period."""
+        """Count a line of a source; return False if 50 came before it in the present second.
+
+        Args:
+            source: The name of the logger.
+            time: Unix time in seconds.
+        """
         since, lines = self._windows.get(source, (time, 0))
         if not 0 <= time - since < _PERIOD:
             since, lines = time, 0
@@ -87,14 +101,19 @@ class EventLog:
     def _place(
         self, level: str, source: str, text: str
     ) -> tuple[OrderedDict[object, tuple[int, Event]], object]:
-        """Return the part of the log for such an event, and its key there."""
+        """Return the part of the log in which such an event is kept, and its key there."""
         if level in OWN_LEVELS:
             return self._own, self._count
         return self._routine if level in ROUTINE else self._worse, _repeat_key(level, source, text)
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
-        """Return a log of these events, which come from a log: oldest first, and numbered."""
+        """Return a new log with these events, unchanged.
+
+        Args:
+            events: Events that a log returned, the oldest first. An event that is added later gets
+                a higher number than all of them.
+        """
         log, events = cls(), tuple(events)
         for log._count, event in enumerate(events, 1):
             kept, key = log._place(event.level, event.source, event.text)
@@ -113,7 +132,10 @@ class EventLog:
         return log
 
     def all(self) -> tuple[Event, ...]:
-        """Return all events, the oldest first; the same tuple until an event is added."""
+        """Return all events, the one that was last received or repeated at the end.
+
+        The tuple is the same object until an event is added.
+        """
         if self._all is None:
             places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))

@@ -1,4 +1,4 @@
-"""A minute of the values of one field that somebody looks at, and its range."""
+"""A minute of the values of one field, for the curves of a topic that is open, and their range."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _CURVES = 2  # Curves of different lengths that are remembered: beside the field
 
 
 class _KnownCurve(NamedTuple):
-    """A curve that was returned.
+    """A curve that was returned, kept so that its columns need not be computed again.
 
     Attributes:
         oldest: The number of its first column, counted from the time 0.0.
         settled: The number of the first column that may still change.
-        values: Its columns.
+        values: The range of values in each column; None without a value.
     """
 
     oldest: int
@@ -34,7 +34,12 @@ class _KnownCurve(NamedTuple):
 
 
 class FieldHistory:
-    """The values of one field in the last minute, and its range since the topic was opened."""
+    """The values of one field in the last minute, and their range since the first one.
+
+    Attributes:
+        least: The least value ever added; infinity before the first.
+        greatest: The greatest value ever added; minus infinity before the first.
+    """
 
     def __init__(self) -> None:
         self.least, self.greatest = math.inf, -math.inf
@@ -48,10 +53,10 @@ class FieldHistory:
         return not self._tenths
 
     def add(self, tenth: int, value: float) -> None:
-        """Add a finite value.
+        """Add a finite value; of each tenth of a second only the least and the greatest are kept.
 
         Args:
-            tenth: Its time in tenths of a second, not before the last one.
+            tenth: The time of the value in tenths of a second, not before that of the last value.
             value: The value.
         """
         # It is called thousands of times a second: `min` and `max` would take twice as long.
@@ -72,9 +77,17 @@ class FieldHistory:
             del self._tenths[:-_KEPT], self._least[:-_KEPT], self._greatest[:-_KEPT]
 
     def curve(self, now: float, columns: int) -> Curve:
-        """Return the values of the last minute in a number of columns, the newest last.
+        """Return the last minute in columns of equal length, each with the range of its values.
 
-        The columns begin at multiples of their length, so that a column that is past never changes.
+        A value holds for 1.5 s, or until the next one; a column without a value is None. The
+        columns begin at multiples of their length, so that a column that is past never changes.
+
+        Args:
+            now: The present time in seconds, of the same clock as the tenths.
+            columns: The number of columns.
+
+        Returns:
+            The least and the greatest value of each column, the newest column last.
         """
         width = SPAN / columns
         oldest = math.floor(now / width) - columns + 1
@@ -89,12 +102,12 @@ class FieldHistory:
         return tuple(values)
 
     def _columns(self, oldest: int, columns: int, width: float) -> list[Range | None]:
-        """Return the ranges of some columns.
+        """Return the ranges of some columns; None for a column without a value.
 
         Args:
             oldest: The number of the first column, counted from the time 0.0.
-            columns: How many.
-            width: Seconds of each.
+            columns: The number of columns.
+            width: The length of a column in seconds.
         """
         found: list[Range | None] = [None] * columns
         first = bisect_left(self._tenths, math.floor((oldest * width - _HOLDS) * PER_SECOND))

@@ -1,4 +1,4 @@
-"""The notes in the definition of a type: units of fields, and names of values."""
+"""The notes in the definition of a type: the units of fields, and the names of their values."""
 
 from __future__ import annotations
 
@@ -38,8 +38,9 @@ class FieldNotes(NamedTuple):
     """The notes on the fields of one type.
 
     Attributes:
-        units: The unit by field, for those whose comment names one.
-        names: The names of values by field, for those that have constants: `{0: "UNKNOWN"}`.
+        units: The units by field, for those fields whose comment names one.
+        names: The names of a field's values by field, where the type has constants for them:
+            `{"status": {0: "UNKNOWN"}}`.
     """
 
     units: Mapping[str, str] = {}
@@ -48,14 +49,17 @@ class FieldNotes(NamedTuple):
 
 @lru_cache(256)
 def notes_of(type_name: str) -> FieldNotes:
-    """Return the notes on a type, such as `sensor_msgs/msg/BatteryState`. It reads a file."""
+    """Return the notes on a type, such as `sensor_msgs/msg/BatteryState`; empty if it is not found.
+
+    The first call for a type reads its interface file.
+    """
     parts = parse_type(type_name)
     lines = None if parts is None else type_lines(parts)
     return FieldNotes() if lines is None else read_notes(lines)
 
 
 def read_notes(lines: Sequence[str]) -> FieldNotes:
-    """Return the notes in the lines of a .msg file."""
+    """Return the notes in the lines of a .msg file: units in comments, and constants."""
     units, kinds = {}, {}
     for line in lines:
         found = _FIELD.match(line)
@@ -68,10 +72,11 @@ def read_notes(lines: Sequence[str]) -> FieldNotes:
 
 
 def unit_in(comment: str) -> str:
-    """Return the unit that the comment behind a field names, or "" for none.
+    """Return the unit that the comment behind a field names, as a symbol: `m/s`; "" for none.
 
-    It stands in brackets (`[rad]`), behind `in` (`in Volts`), or first in a part of the comment
-    (`% of full`); a symbol that is also a word must be all of that part.
+    The unit stands in brackets (`[rad]`), first in a part of the comment (`% of full`), or behind
+    `in` (`in Volts`), looked for in this order. First in a part, a symbol that is also a word (`A`)
+    counts only if it is all of that part.
     """
     for inside in _BRACKETS.findall(comment):
         if unit := _unit(inside.strip()):
@@ -91,7 +96,7 @@ def _unit(text: str) -> str:
 
 
 def _constants(lines: Sequence[str]) -> Iterator[tuple[str, str, int]]:
-    """Yield type, name and value of each constant that is a whole number."""
+    """Yield type, name and value of each constant of an integer type."""
     for line in lines:
         found = _CONSTANT.match(line)
         if found is not None and _INTEGER.fullmatch(found[1]):
@@ -104,13 +109,14 @@ def _constants(lines: Sequence[str]) -> Iterator[tuple[str, str, int]]:
 def _names(
     kinds: Mapping[str, str], constants: Sequence[tuple[str, str, int]]
 ) -> dict[str, dict[int, str]]:
-    """Return the names of values by field.
+    """Return the names of each field's values.
 
-    A constant belongs to the field of its type with whose name it begins, the longest first. Where
-    none does so, those of a type belong to the only field of that type.
+    A constant belongs to the field of the same type with whose name its own begins, the longest
+    such field, and loses that beginning. All other constants of a type belong to the only field of
+    that type, if there is only one and it has no names yet. The first name of a value counts.
 
     Args:
-        kinds: The types by field.
+        kinds: The type of each field, by the field's name.
         constants: Type, name and value of each constant.
     """
     prefixed: dict[str, dict[int, str]] = {}

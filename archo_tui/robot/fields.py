@@ -34,18 +34,22 @@ _REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError
 
 
 def element_of(kind: str) -> str | None:
-    """Return the type of the elements of a list type; None for a type that is no list."""
+    """Return the type of the elements of an array type; None for any other type.
+
+    Args:
+        kind: The type as rosidl writes it: `sequence<double>`, `double[3]`.
+    """
     found = _ARRAY.fullmatch(kind)
     return None if found is None else found["of"] or found["each"]
 
 
 def put(message: Any, path: str, value: Any, where: str = "") -> None:
-    """Set a field of a message.
+    """Set a field of a message to a value that was checked against the type of the field.
 
     Args:
         message: The message, which is changed.
-        path: The dotted path of the field.
-        value: The value; for a field that is a message, a mapping.
+        path: The dotted path of the field; no part of it may be an array.
+        value: The value as plain Python data; for a field that is a message, a mapping.
         where: The path of the message itself, for errors.
 
     Raises:
@@ -71,15 +75,15 @@ def put(message: Any, path: str, value: Any, where: str = "") -> None:
 
 
 def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
-    """Set fields of a message, and return the message.
+    """Set fields of a message in place, and return the same message.
 
     Args:
-        message: The message, which is changed.
+        message: The message, which is changed; also before an error.
         values: The values by dotted path.
         where: The path of the message itself, for errors.
 
     Raises:
-        ValueError: As in `put`; or two paths overlap.
+        ValueError: A value does not fit, as in `put`; or one path is inside of another one.
     """
     parts = sorted(path.split(".") for path in values)
     for outer, inner in itertools.pairwise(parts):  # A whole message would replace its fields.
@@ -92,15 +96,18 @@ def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
 
 
 def checked(kind: str, value: Any, where: str) -> Any:
-    """Return a value as a field of that type takes it.
+    """Return a value in the form in which a field of a type takes it.
+
+    A mapping becomes a message, a number for a `byte` becomes `bytes`, a number for a float field a
+    float; other values stay as they are.
 
     Args:
         kind: The type, as rosidl writes it.
-        value: The value.
+        value: The value as plain Python data.
         where: The path of the field, for errors.
 
     Raises:
-        ValueError: As in `put`.
+        ValueError: In one line the field, the value, and what is allowed.
     """
     array, nested = _ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
     if array is not None:
@@ -126,7 +133,7 @@ def _list(array: re.Match[str], value: Any, where: str) -> list[Any]:
 
 
 def _message(nested: re.Match[str], value: Any, where: str) -> Any:
-    """Return the message of a nested type with the values of a mapping."""
+    """Return a new message of a nested type with the values of a mapping."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{where}: {_shown(value)} is not the fields of {nested[0]}")
     message_class = load_nested(nested[0])
@@ -136,7 +143,7 @@ def _message(nested: re.Match[str], value: Any, where: str) -> Any:
 
 
 def _single(kind: str, value: Any) -> Any:
-    """Return a value for a field that is no list and no message.
+    """Return a value for a field that is no array and no message.
 
     Raises:
         ValueError: What is allowed; `checked` puts the field and the value before it.
@@ -161,7 +168,7 @@ def _single(kind: str, value: Any) -> Any:
 
 
 def _whole(value: Any, low: int, high: int) -> int:
-    """Return a value that is a whole number within low .. high; raise ValueError otherwise."""
+    """Return a value that is a whole number within low .. high; raise ValueError for any other."""
     if not isinstance(value, int) or isinstance(value, bool):
         raise ValueError("is not a whole number")
     if not low <= value <= high:

@@ -26,30 +26,31 @@ _FARTHEST = 10**30  # Beyond the range of every type, which is checked separatel
 
 
 def is_integer(field: TypedField) -> bool:
-    """Return True for a field that takes whole numbers only."""
+    """Return True for a field of an integer type; arrays of integers are none."""
     return field.type in INTEGERS
 
 
 def is_number(field: TypedField) -> bool:
-    """Return True for a field that takes numbers only."""
+    """Return True for a field of an integer or float type; arrays of numbers are none."""
     return is_integer(field) or field.type in ("float", "double")
 
 
 def is_list(field: TypedField) -> bool:
-    """Return True for a field that takes a list."""
+    """Return True for a field that is an array."""
     return element_of(field.type) is not None
 
 
 def parse(field: TypedField, given: FormField, text: str) -> Any:
-    """Return the value that was typed for a field.
+    """Return the value that a typed text stands for, checked against the field's type and limits.
 
     Args:
         field: The field.
-        given: Its label and limits in the robot file.
-        text: What was typed.
+        given: The label and limits of the field in the robot file. Limits that are parameters are
+            not checked.
+        text: What was typed; for a string, all of it; for an array, a list as YAML has it.
 
     Raises:
-        ValueError: In one line why the text is no value for the field.
+        ValueError: In one line, with the label, why the text is no value for the field.
     """
     label = given.label or field.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
@@ -72,16 +73,19 @@ def parse(field: TypedField, given: FormField, text: str) -> Any:
 
 
 def check_range(field: TypedField, given: FormField, value: Any, shown: str) -> None:
-    """Check a number against the limits of a field, as far as these are known.
+    """Raise ValueError if a number is outside the limits of a field.
+
+    The limits are those of the robot file, except those that are parameters, and those of an
+    integer type. A value that is converted, as a yaw, must be finite, too.
 
     Args:
         field: The field.
-        given: Its label and limits in the robot file.
+        given: The label and limits of the field in the robot file.
         value: The number.
         shown: The number as an error quotes it.
 
     Raises:
-        ValueError: It is outside the limits, or not finite though it is converted.
+        ValueError: In one line, with the label, which limit is exceeded.
     """
     label = given.label or field.path
     low, high = INTEGERS.get(field.type, (None, None))
@@ -98,10 +102,15 @@ def check_range(field: TypedField, given: FormField, value: Any, shown: str) -> 
 def check_ranges(
     fields: Iterable[TypedField], form: Mapping[str, FormField], values: Mapping[str, Any]
 ) -> None:
-    """Check every number among values by dotted path as `check_range` does.
+    """Raise ValueError for the first number that is outside the limits of its field.
+
+    Args:
+        fields: The fields; those that are no numbers are not checked.
+        form: The labels and limits in the robot file, by dotted path.
+        values: The value of every field, by dotted path.
 
     Raises:
-        ValueError: A number is outside its limits.
+        ValueError: As in `check_range`.
     """
     for field in filter(is_number, fields):
         value = values[field.path]
@@ -109,18 +118,22 @@ def check_ranges(
 
 
 def _number_of(given: Limit, otherwise: float | None) -> float | None:
-    """Return a limit as a number; `otherwise` for none, or for a parameter that is not reported."""
+    """Return a limit as a number.
+
+    Returns:
+        The number of the robot file; `otherwise` if it gives none, or refers to a parameter.
+    """
     return otherwise if given is None or isinstance(given, ParameterRef) else given
 
 
 def parse_all(
     fields: Iterable[TypedField], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Return the values of the fields that have a text, by dotted path.
+    """Return the values of the fields that have a text, by dotted path; other fields are left out.
 
     Args:
         fields: The fields.
-        form: Their labels and limits in the robot file, by dotted path.
+        form: The labels and limits in the robot file, by dotted path.
         texts: What was typed, by dotted path.
 
     Raises:
@@ -140,16 +153,18 @@ def texts_by_path(
     *,
     partial: bool = False,
 ) -> dict[str, str]:
-    """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by dotted path.
+    """Return the texts in words such as `x=1.5 y=2`, by dotted path; nothing is parsed yet.
+
+    For a single field all the words may be its text, without a name. Names are matched in any case.
 
     Args:
         fields: The fields.
-        form: Their labels in the robot file, by dotted path.
+        form: The labels in the robot file, by dotted path.
         words: The words: a label or a path, `=`, and the text.
-        partial: True allows to leave fields out; a text without its name is then refused.
+        partial: True to let words leave fields out; a text without its name is then refused.
 
     Raises:
-        ValueError: In one line what was expected.
+        ValueError: In one line what was expected: a name is unknown, is given twice, or is missing.
     """
     labels = {
         (form.get(field.path, FormField()).label or field.path): field.path for field in fields
@@ -191,7 +206,7 @@ def _value(field: TypedField, text: str) -> Any:
 
 
 def _list(element: TypedField, text: str) -> list[Any]:
-    """Parse a list by the type of its elements; YAML decides what a message means."""
+    """Parse a list: each element by the type of the elements, messages as YAML."""
     if "/" not in element.type:
         return [_value(element, item) for item in bounded_yaml.scalar_texts(text)]
     items = bounded_yaml.load(text)
@@ -201,11 +216,14 @@ def _list(element: TypedField, text: str) -> list[Any]:
 
 
 def default_text(field: TypedField, given: FormField) -> str:
-    """Return the text in the field at first: the message's default value, or "" if out of range.
+    """Return the text that a form shows in a field at first: the default value of the message.
 
     Args:
         field: The field.
-        given: Its label and limits in the robot file.
+        given: The label and limits of the field in the robot file.
+
+    Returns:
+        The text; "" for a number that is outside the limits.
     """
     text = typed_text(field.default)
     if is_number(field):
@@ -217,7 +235,10 @@ def default_text(field: TypedField, given: FormField) -> str:
 
 
 def range_text(given: FormField) -> str:
-    """Return the known limits of the robot file: `1 .. 40`, `at least 1`, `at most 40`, or ""."""
+    """Return the limits in the robot file: `1 .. 40`, `at least 1`, `at most 40`, or "".
+
+    A limit that is a parameter is left out.
+    """
     low, high = _number_of(given.low, None), _number_of(given.high, None)
     if low is not None and high is not None:
         return f"{low:.15g} .. {high:.15g}"

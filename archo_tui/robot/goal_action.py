@@ -1,4 +1,4 @@
-"""An action whose goals are tracked: its client, and the topics on which its goals are reported."""
+"""An action whose goals are tracked: its client, and its feedback and status."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ class GoalAction:
     """The client of one action, and the subscriptions to its feedback and status.
 
     Attributes:
-        kind: A kind of goal for this action.
-        since: When it was made, in Unix seconds.
+        kind: The first kind of goal that was opened for this action.
+        since: When this object was made, in Unix seconds.
         name: The full name of the action.
         reported: The ids of the goals in the last status message; None before the first.
-        type: The class of the action; None if it is not installed here, and nothing else works.
-        client: rclpy's client; None in a console that only watches.
+        type: The class of the action. None if it is not installed here: then nothing is subscribed
+            to, and `client` and `status_topic` are not set.
+        client: rclpy's action client; None in a console that only watches.
         status_topic: The name of the topic with the status.
     """
 
@@ -37,14 +38,14 @@ class GoalAction:
         watching: bool,
         since: float,
     ) -> None:
-        """Make the client and the subscriptions.
+        """Create the client, and subscribe to feedback and status, if the type is installed here.
 
         Args:
             node: The console's node.
             kind: A kind of goal for this action.
             on_feedback: Called with this object and each feedback message.
             on_status: Called with this object and each status message.
-            watching: True to make no client except that for results.
+            watching: True to create no client except that for results.
             since: The time now, in Unix seconds.
         """
         self._node, self.kind, self.since = node, kind, since
@@ -73,7 +74,7 @@ class GoalAction:
 
     @property
     def is_served(self) -> bool:
-        """True if a server is found."""
+        """True if a server of the action is found; False if its type is not installed here."""
         if self.type is None:
             return False
         if self.client is None:
@@ -81,7 +82,15 @@ class GoalAction:
         return bool(self.client.server_is_ready())
 
     def ask_result(self, goal_id: bytes) -> Any:
-        """Request the result of a goal by its id; return the future of the answer."""
+        """Request the result of a goal, which its server sends when the goal has ended.
+
+        Args:
+            goal_id: The 16 bytes of the goal's UUID.
+
+        Returns:
+            The future of the answer. It ends with the answer of the server that knows the goal, or,
+            if none does, when all have answered.
+        """
         request = self.type.Impl.GetResultService.Request(goal_id=UUID(uuid=list(goal_id)))
         future = self._results.call_async(request)
         known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
@@ -90,5 +99,5 @@ class GoalAction:
 
     @property
     def servers(self) -> int:
-        """The number of servers; one request reaches all of them."""
+        """The number of servers of the action; normally 1. Each request reaches all of them."""
         return int(self._node.count_services(f"{self.kind.action}/_action/cancel_goal"))

@@ -21,7 +21,7 @@ FIND_PERIOD = 0.05  # Seconds between two looks for a server, or for an answer.
 
 
 class GoalCanceller:
-    """The sender of requests to cancel goals, which reports their answers."""
+    """The sender of requests to cancel goals."""
 
     def __init__(
         self, node: Node, clock: Clock, pending: Services, note: Callable[[str, str], None]
@@ -32,12 +32,21 @@ class GoalCanceller:
             node: The console's node.
             clock: The clock of all times.
             pending: Calls services, and watches deadlines.
-            note: Called with level and text of an event that no verb reports any more.
+            note: Called with level and text of an event: a rejection that came after its deadline.
         """
         self._node, self._clock, self._services, self._note = node, clock, pending, note
 
     async def cancel(self, tracked: TrackedGoal) -> Outcome:
-        """Request the cancel of a goal that was sent; return the answer."""
+        """Request the cancel of a goal, and wait up to DEADLINE for the answer.
+
+        The goal is CANCELLING from the request on. If the server rejects the cancel or does not
+        answer, its former phase returns; after a rejection its result is requested, as the server
+        may not know it.
+
+        Returns:
+            ACCEPTED, REFUSED or TIMEOUT; REFUSED at once if the goal has ended or was never
+            accepted.
+        """
         if tracked.handle is None:
             return Outcome(Code.REFUSED, "the goal has ended")
         before = tracked.goal.phase
@@ -51,18 +60,27 @@ class GoalCanceller:
             tracked.update(phase=before, cancel_asked=None)
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer to the cancel in {services.DEADLINE:g} s")
-        if tracked.goal.is_running:  # A restarted server does not know it, which its answer shows.
+        if (
+            tracked.goal.is_running
+        ):  # Its answer shows if a restarted server does not know the goal.
             tracked.ask_result()
         return Outcome(
             Code.REFUSED, "the robot rejected the cancel: the goal continues or has ended"
         )
 
     def begin_cancel(self, tracked: TrackedGoal) -> None:
-        """Begin to cancel a goal that was sent, without waiting for the answer."""
+        """Request the cancel of a goal without waiting for the answer, whose outcome is dropped."""
         self._task(self.cancel, tracked)
 
     async def cancel_at_acceptance(self, tracked: TrackedGoal) -> Outcome:
-        """Wait for the answer to the cancel that begins when a goal is accepted."""
+        """Wait until a sent goal is accepted and cancelled, and return the outcome of that cancel.
+
+        The cancel itself is not sent from here: `cancel_if_unwanted` sends it.
+
+        Returns:
+            TIMEOUT if the goal is not accepted within DEADLINE; DONE if it ended without being
+            driven.
+        """
         end = self._clock.monotonic() + services.DEADLINE
         while tracked.goal.phase == Phase.SENT and self._clock.monotonic() < end:
             await self._services.pause(FIND_PERIOD)
@@ -75,7 +93,10 @@ class GoalCanceller:
         return Outcome(Code.DONE, f"the goal was not driven: {tracked.goal.message}".rstrip(": "))
 
     def cancel_if_unwanted(self, tracked: TrackedGoal) -> None:
-        """Begin to cancel a goal that was accepted too late; only once, as a second is refused."""
+        """Begin to cancel an accepted goal that a STOP or a cancel voided before its acceptance.
+
+        Nothing is done for any other goal, nor a second time. The outcome is stored in the goal.
+        """
 
         async def cancel() -> None:
             tracked.cancel_outcome = await self.cancel(tracked)
@@ -87,14 +108,18 @@ class GoalCanceller:
     async def cancel_all(
         self, actions: Callable[[], Collection[GoalAction]], others: Iterable[str], until: float
     ) -> Outcome:
-        """Request actions to cancel all their goals, whoever sent them.
+        """Request actions to cancel all their goals, whoever sent them, and wait for the answers.
 
         All requests leave at once: an action that does not answer delays no other.
 
         Args:
             actions: Returns the actions that the console knows; their servers are waited for.
-            others: The full names of further actions.
+            others: The full names of further actions, which are asked without waiting for a server.
             until: The monotonic time in seconds until which missing servers are waited for.
+
+        Returns:
+            ACCEPTED with the number of goals; REFUSED if no goal was cancelled; TIMEOUT with the
+            names of actions that did not answer in DEADLINE; NOT_OFFERED if no action has a server.
         """
         asked: dict[str, Any] = {}
         while True:
@@ -123,10 +148,13 @@ class GoalCanceller:
         return Outcome(Code.ACCEPTED, f"cancelling {taken} {'goal' if taken == 1 else 'goals'}")
 
     async def _cancel_every(self, action: str) -> tuple[int, bool]:
-        """Request an action, by its full name, to cancel all its goals.
+        """Request an action to cancel all its goals, and wait up to DEADLINE for its servers.
+
+        Args:
+            action: The full name of the action.
 
         Returns:
-            How many it cancels, and True if all its servers have answered.
+            The number of goals that it cancels, and True if all its servers have answered.
         """
         name = f"{action}/_action/cancel_goal"
         servers = max(self._node.count_services(name), 1)
@@ -140,7 +168,13 @@ class GoalCanceller:
         return sum(len(answer.goals_canceling) for answer in answers), len(answers) >= servers
 
     async def _in_time(self, future: Any) -> Any:
-        """Return the answer to a cancel; None after DEADLINE. A later rejection is an event."""
+        """Return the answer to a cancel; None after DEADLINE.
+
+        A rejection that comes later is reported as an event.
+
+        Args:
+            future: The future of the answer.
+        """
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:
@@ -154,5 +188,5 @@ class GoalCanceller:
         return future.result() if await in_time else None
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Begin a coroutine function as a task of the node's executor, and return the task."""
+        """Start a coroutine function as a task of the node's executor, and return the task."""
         return self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]

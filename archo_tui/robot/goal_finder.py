@@ -27,13 +27,20 @@ _RUNNING = {
 
 
 def _seconds(status: Any) -> float:
-    """Return when the server accepted a goal, in seconds on the robot's clock."""
+    """Return when the server accepted a goal, in seconds by the robot's clock.
+
+    Args:
+        status: A message action_msgs/msg/GoalStatus.
+    """
     stamp = status.goal_info.stamp
     return float(stamp.sec + stamp.nanosec / 1e9)
 
 
 class GoalFinder:
-    """The receiver of status and feedback, which passes them on to goals, and tracks new ones."""
+    """The receiver of status and feedback messages.
+
+    It passes them on to the goals that are tracked, and tracks those that other clients sent.
+    """
 
     def __init__(
         self,
@@ -49,16 +56,26 @@ class GoalFinder:
         Args:
             node: The console's node.
             clock: The clock of all times.
-            register: The goals that are tracked.
-            canceller: Cancels a goal that turns out to have been accepted.
-            note: Called with level and text of an event.
+            register: The goals that are tracked; found ones are added.
+            canceller: Cancels a goal whose feedback shows that it was accepted after a STOP or a
+                cancel.
+            note: Called with level and text of an event: a goal of another client was found.
             watching: True for a console that sends nothing.
         """
         self._node, self._clock, self._register = node, clock, register
         self._canceller, self._note, self._watching = canceller, note, watching
 
     def on_status(self, action: GoalAction, message: Any) -> None:
-        """Handle the status of all goals of an action; track those that others sent."""
+        """Update the goals of an action by a status message, and track those that others sent.
+
+        Each goal that is new to the console is reported as an event, and its result is requested. A
+        goal of another client that is no longer in the message ends, if the action has a single
+        server.
+
+        Args:
+            action: The action.
+            message: The status of all goals that its server knows.
+        """
         reported = {bytes(s.goal_info.goal_id.uuid): s for s in message.status_list}
         # Each of several servers reports only its own goals.
         alone = self._node.count_publishers(action.status_topic) == 1
@@ -76,7 +93,10 @@ class GoalFinder:
                 tracked.end_forgotten()
 
     def _is_missed(self, action: GoalAction, goal_id: bytes, status: Any) -> bool:
-        """Return True for a goal that began and ended between two status messages."""
+        """Return True for an ended goal that began and ended between two status messages.
+
+        False for goals that ended before the console began.
+        """
         if status.status not in ENDS or goal_id in self._register.ended_ids:
             return False
         if action.reported is not None:
@@ -84,7 +104,7 @@ class GoalFinder:
         return _seconds(status) >= action.since  # Otherwise it ended before the console began.
 
     def _track_reported(self, action: GoalAction, goal_id: bytes, status: Any) -> None:
-        """Track a goal that appears in the status of its action."""
+        """Track a goal that appears in a status message, and request its result."""
         now = self._clock.monotonic()
         age = self._clock.now() - _seconds(status)
         begun = now - age if 0 <= age <= _LONGEST_AGE else now
@@ -97,7 +117,16 @@ class GoalFinder:
     def _track_found(
         self, action: GoalAction, goal_id: bytes, phase: Phase, begun: float, *, is_new: bool
     ) -> TrackedGoal:
-        """Track a goal that another client sent, or a lost one whose node is found again."""
+        """Track a goal that another client sent, or that was lost, and report it as an event.
+
+        Args:
+            action: The action.
+            goal_id: The 16 bytes of the goal's UUID. A lost goal with it is taken out of `lost`,
+                and keeps its values.
+            phase: The phase of the goal.
+            begun: When the goal began, in monotonic seconds.
+            is_new: False if the goal may have been underway for some time.
+        """
         now, time = self._clock.monotonic(), self._clock.now()
         asked = now if phase == Phase.CANCELLING else None
         lost = self._register.lost.pop(goal_id, None)
@@ -121,7 +150,11 @@ class GoalFinder:
         return tracked
 
     def on_feedback(self, action: GoalAction, message: Any) -> None:
-        """Pass a feedback message on to its goal, which may have been lost until now."""
+        """Pass a feedback message on to its goal, and track a goal again that was lost.
+
+        Feedback of any other goal is ignored. If the operator has cancelled the goal before its
+        acceptance was known, its cancel begins now.
+        """
         goal_id = bytes(message.goal_id.uuid)
         tracked = self._register.running.get(goal_id) or self._track_again(action, goal_id)
         if tracked is not None:
@@ -130,9 +163,10 @@ class GoalFinder:
                 self._canceller.cancel_if_unwanted(tracked)
 
     def _track_again(self, action: GoalAction, goal_id: bytes) -> TrackedGoal | None:
-        """Return a lost goal whose feedback comes again, now tracked; None for any other goal.
+        """Track a lost goal again whose feedback comes, and return it; None for any other goal.
 
-        Fast DDS does not send the status again to a console that lost sight of the node.
+        None, too, while the action has no server, and in the first second after the loss. Fast DDS
+        does not send the status again to a console that lost sight of the node.
         """
         lost, now = self._register.lost.get(goal_id), self._clock.monotonic()
         # Feedback from before its node left may be read a little later.

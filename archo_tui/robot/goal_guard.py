@@ -1,4 +1,7 @@
-"""The decision whether a goal may be sent now: not while a STOP is open, holds, or is in doubt."""
+"""The decision whether a goal may be sent now.
+
+A goal is not sent while a STOP is open, holds, or is uncertain, nor to several servers.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ from archo_tui.robot_file.model import GoalKind, RobotFile
 
 
 class GoalGuard:
-    """The decision whether a goal may be sent. ROS thread only."""
+    """The last check by STOP and robot file whether a goal may be sent. ROS thread only."""
 
     def __init__(
         self,
@@ -32,19 +35,22 @@ class GoalGuard:
             graph: Tells which nodes serve an action.
             stopping: The STOP that is open, and the last one that was confirmed.
             telemetry: Tells whether the robot reports that it is stopped.
-            faults: Returns why actions of the robot file are not used, by name.
+            faults: Returns why actions are not used, by their names in the robot file.
         """
         self._file, self._graph, self._stopping = file, graph, stopping
         self._telemetry, self._faults = telemetry, faults
 
     def refusal(self, kind: GoalKind, gate: Gate, *, queued: bool) -> Outcome | None:
-        """Return why a goal is not sent; None if it may be.
+        """Return why a goal may not be sent now; None if it may be.
+
+        Reasons are a STOP, several servers of its action, or a fault of the action. The nodes that
+        hold the STOP are checked again, which may make it uncertain.
 
         Args:
-            kind: Its kind.
-            gate: Its last check. If it is shut, the goal is void for an earlier STOP, and says so.
-            queued: True for a goal of the queue: it is held behind a STOP, whatever the robot
-                would do with it.
+            kind: The kind of the goal.
+            gate: The last check of the goal. If it is shut, a STOP that is open or confirmed is no
+                reason here: sending the goal raises Void, which names that STOP as the reason.
+            queued: True for a goal of the queue, which is held (HELD) behind any STOP, not refused.
         """
         stop_state = self._stop_state()
         if queued and (
@@ -67,7 +73,7 @@ class GoalGuard:
         return None if fault is None else Outcome(Code.REFUSED, fault)
 
     def _stop_state(self) -> Snapshot:
-        """Return a snapshot with only what is known now about a STOP."""
+        """Return a snapshot that holds only what is known now about a STOP."""
         return Snapshot(
             file=self._file,
             motion=self._telemetry.motion,

@@ -1,4 +1,4 @@
-"""The goals that run, that were lost, and that ended last. ROS thread only."""
+"""The goals that run, those that were lost, and those that ended last. ROS thread only."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class GoalRegister:
 
     Attributes:
         running: The goals that run, by id, in the order in which tracking began.
-        ended_ids: The ids of the goals that ended last.
-        lost: The last goals whose node has left, by id.
-        history: The ended goals, the newest first.
+        ended_ids: The ids of the last 100 goals that ended.
+        lost: The goals that ended because their node left, by id; some 20 are kept.
+        history: The last 20 goals that ended, the newest first.
     """
 
     def __init__(
@@ -31,12 +31,13 @@ class GoalRegister:
         on_change: Callable[[bool], None],
         on_end: Callable[[Goal, str], None],
     ) -> None:
-        """Begin without goals.
+        """Create a register without goals.
 
         Args:
             clock: The clock of all times.
             on_change: Called after each change; with True if a goal is new or has another phase.
-            on_end: Called with a goal that was sent and has ended, and a text about its end.
+            on_end: Called with a goal that has ended and a text about its end, except for a refusal
+                that came in time: the verb reports it.
         """
         self._clock, self._on_change, self._on_end = clock, on_change, on_end
         self._numbers = itertools.count(1)
@@ -48,18 +49,18 @@ class GoalRegister:
 
     @property
     def goal(self) -> Goal | None:
-        """The goal to show: ours that runs, else another that runs, else the last that ended."""
+        """The goal to show: that of `shown`, or the last that ended; None before the first."""
         shown = self.shown
         return self._last if shown is None else shown.goal
 
     @property
     def shown(self) -> TrackedGoal | None:
-        """The running goal to show: ours, else the one that is tracked since the shortest time."""
+        """The running goal to show: ours, else the one tracked last; None if none runs."""
         return self.ours or next(reversed(self.running.values()), None)
 
     @property
     def ours(self) -> TrackedGoal | None:
-        """The running goal that this console sent."""
+        """The first running goal that this console sent; None if there is none."""
         return next((tracked for tracked in self.running.values() if tracked.goal.mine), None)
 
     def next_number(self) -> int:
@@ -67,16 +68,24 @@ class GoalRegister:
         return next(self._numbers)
 
     def prepare(self, goal: Goal, goal_id: bytes, action: GoalAction) -> TrackedGoal:
-        """Return a tracked goal that reports its changes here; `add` it just before it is sent."""
+        """Return a tracked goal that is not in the register yet; `add` it just before it is sent.
+
+        When it changes, the register is told.
+
+        Args:
+            goal: The state of the goal.
+            goal_id: The 16 bytes of its UUID.
+            action: Its action.
+        """
         return TrackedGoal(goal, goal_id, action, self._clock, self._goal_changed)
 
     def add(self, tracked: TrackedGoal) -> None:
-        """Add a running goal."""
+        """Add a goal to those that run, and report the change."""
         self.running[tracked.id] = tracked
         self._on_change(True)
 
     def _goal_changed(self, tracked: TrackedGoal, before: Goal) -> None:
-        """Move a goal that has just ended to the history, and report each change."""
+        """Report a change of a goal; move one that has just ended to the history."""
         goal = tracked.goal
         if before.is_running and not goal.is_running:
             self.running.pop(tracked.id, None)
@@ -85,14 +94,17 @@ class GoalRegister:
                 self.lost = {**dict([*self.lost.items()][-HISTORY:]), tracked.id: goal}
             self._last = goal
             self.history.appendleft(goal)
-            # The verb reports a refusal in time.
+            # A refusal that comes in time is reported by the verb.
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:
                 self._on_end(goal, _end_text(goal))
         self._on_change(goal.phase != before.phase)
 
 
 def _end_text(goal: Goal) -> str:
-    """Return how a goal ended; the robot's words alone if they name both goal and phase."""
+    """Return how a goal ended: `shelf 12 arrived: MESSAGE`.
+
+    The robot's message alone is returned if it has both the goal's name and the word for its phase.
+    """
     word, message = goal.word.lower(), goal.message.lower()
     if message and word in message and goal.name.lower() in message:
         return goal.message

@@ -1,4 +1,4 @@
-"""The verbs about goals: send and cancel them."""
+"""The verbs that send and cancel goals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from archo_tui.robot_file.model import GoalKind, RobotFile
 
 
 class GoalVerbs:
-    """The verbs about goals. Called on the event loop."""
+    """The verbs that send and cancel goals. Called on the event loop."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class GoalVerbs:
             goals: Sends and cancels the goals.
             guard: Decides whether a goal may be sent.
             watcher: Tells the lengths of ways.
-            stopping: Told that a goal was accepted, which ends an earlier STOP.
+            stopping: Ends an earlier STOP when a goal is accepted.
             lifecycles: Tell the states of managed nodes.
         """
         self._file, self._runner, self._services = file, runner, pending
@@ -61,10 +61,17 @@ class GoalVerbs:
     ) -> Outcome:
         """Send a goal; return when the robot has accepted or refused it, or has not answered.
 
+        An accepted goal ends a STOP that left before it. The outcome is reported to the other
+        consoles.
+
         Args:
             kind: The kind of goal.
             values: The values by dotted path.
-            queued: True for a goal of the queue, which is held behind a STOP, not sent.
+            queued: True for a goal of the queue, which is not sent but HELD while a STOP is open,
+                holds or is uncertain.
+
+        Returns:
+            The outcome; CANCELLED, or HELD if queued, if a STOP was read after the goal was typed.
         """
         length = self._goal_watcher.way_length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
@@ -87,7 +94,12 @@ class GoalVerbs:
         return await self._runner.run(*verb, title, ros2, go)
 
     def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
-        """Add to a refusal which managed node serves the action and is not active."""
+        """Return an outcome with, in a refusal, the action's managed nodes that are not active.
+
+        Args:
+            action: The action as the robot file names it.
+            outcome: The outcome of sending the goal.
+        """
         full = self._checks.full(action)
         nodes = [
             n for r in self._graph.resources if (r.kind, r.name) == (ACTION, full) for n in r.nodes
@@ -99,10 +111,14 @@ class GoalVerbs:
         return outcome._replace(text=f"{outcome.text}: {', '.join(idle)}")
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Request the cancel of the running goal.
+        """Request the cancel of the running goal; return when the robot has answered.
 
         Args:
-            another: True to cancel another client's goal, False for one of this console.
+            another: True to cancel the goal that another client sent, False for that of this
+                console.
+
+        Returns:
+            ACCEPTED, or why the goal is not cancelled; its end is reported later.
         """
         goal, command = self._goals.goal, ""
         if goal is not None:
@@ -112,7 +128,7 @@ class GoalVerbs:
         )
 
     async def cancel_all(self) -> Outcome:
-        """Request the cancel of every goal of the robot's actions, whoever sent it."""
+        """Request the cancel of every goal of the actions known here, whoever sent it."""
         return await self._runner.run(
             "cancel",
             {"all": True},
@@ -125,13 +141,17 @@ class GoalVerbs:
 def verb_of(
     file: RobotFile, checks: InterfaceChecks, kind: GoalKind, values: Mapping[str, Any]
 ) -> tuple[str, Mapping[str, Any]]:
-    """Return the verb that sends a goal, and its arguments, for the audit record.
+    """Return the id of the verb that sends a goal, and its arguments, for the audit record.
 
     Args:
         file: The robot file.
         checks: Tell the full name of an action.
         kind: The kind of goal, in the robot file or not.
         values: The values by dotted path.
+
+    Returns:
+        `go` for the first kind in the robot file, the kind's id for another, `send_goal` with the
+        action for a kind that is not in the file.
     """
     if kind not in file.goals:
         return "send_goal", {"action": checks.full(kind.action), "values": values}

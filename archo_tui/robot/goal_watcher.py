@@ -1,4 +1,4 @@
-"""The watch over the goals that run: their silence, their lengths, and a STOP that they ignore."""
+"""The check of the goals that run: their silence, their lengths, and a STOP that they ignore."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ class GoalWatcher:
     """The check of the goals that run, five times a second while any does. ROS thread only.
 
     Attributes:
-        still_running: The names of goals that still run after a STOP was answered.
+        still_running: The names of the running goals that began before a confirmed STOP, and should
+            have ended by now.
     """
 
     def __init__(
@@ -58,7 +59,12 @@ class GoalWatcher:
         self._timer.cancel()
 
     def on_change(self, is_new_phase: bool) -> None:
-        """Begin to watch, and show a change of a goal: a new phase at once."""
+        """Begin to check the goals, if that is not done yet, and send a snapshot.
+
+        Args:
+            is_new_phase: True to send the snapshot at once, since a goal is new or has another
+                phase; False to send it a little later.
+        """
         if self._timer.is_canceled():
             self._timer.reset()
         if is_new_phase:
@@ -67,7 +73,11 @@ class GoalWatcher:
             self._snapshots.send_soon()
 
     def check(self) -> None:
-        """Check the goals that run; end the watch when none does."""
+        """Check the goals that run; stop the timer if none does.
+
+        Lengths of ways are set where they became known. Silent goals become LOST, and goals without
+        a server GONE. Goals of this console that began before a confirmed STOP are cancelled again.
+        """
         if not self._goals.running:
             self._timer.cancel()
             self._set_still_running(())
@@ -85,10 +95,10 @@ class GoalWatcher:
             self._snapshots.send_soon()
 
     def way_length(self, kind: GoalKind) -> float | None:
-        """Return the length of the whole way for a kind of goal, by its robot file.
+        """Return the length of the whole way for a kind of goal, by the robot file.
 
         Returns:
-            The number there, or that of the parameter that is named there; None if not known.
+            The number in the robot file, or that of the parameter that it names; None if not known.
         """
         length = None if kind.remaining is None else kind.remaining.length
         if isinstance(length, ParameterRef):

@@ -37,7 +37,7 @@ class Goals:
     """The goals that run, and the last ones that ended.
 
     Attributes:
-        are_over: True once no goal may be sent any more.
+        sending_has_ended: True to refuse every further goal: the console ends.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Goals:
         on_end: Callable[[Goal, str], None],
         watching: bool = False,
     ) -> None:
-        """Begin without goals.
+        """Create the table, without goals and actions.
 
         Args:
             node: The console's node.
@@ -58,7 +58,8 @@ class Goals:
             pending: Calls services, and watches deadlines.
             on_change: Called after each change; with True if a goal is new or has another phase.
             note: Called with level and text of an event that no verb reports any more.
-            on_end: Called with a goal that was sent and has ended, and a text about its end.
+            on_end: Called with a goal that has ended, whoever sent it, and a text about its end;
+                not for a refusal that came in time.
             watching: True for a console that sends nothing.
         """
         self._node, self._clock, self._services = node, clock, pending
@@ -69,26 +70,32 @@ class Goals:
         self._register = register = GoalRegister(clock, on_change, on_end)
         self._canceller = canceller = GoalCanceller(node, clock, pending, note)
         self._finder = GoalFinder(node, clock, register, canceller, note, watching)
-        self.are_over = False
+        self.sending_has_ended = False
         self._pause = Pause()
 
     @property
     def goal(self) -> Goal | None:
-        """The goal to show: ours that runs, else another that runs, else the last that ended."""
+        """The goal to show: ours that runs, else another that runs, else the last that ended.
+
+        None before the first goal.
+        """
         return self._register.goal
 
     @property
     def history(self) -> Iterable[Goal]:
-        """The ended goals, the newest first."""
+        """The last 20 goals that ended, the newest first."""
         return self._register.history
 
     @property
     def running(self) -> int:
-        """The number of running goals."""
+        """The number of goals that run, whoever sent them."""
         return len(self._register.running)
 
-    def open(self, kind: GoalKind) -> GoalAction:
-        """Return the client of an action; its goals are tracked from the first call on."""
+    def track_action(self, kind: GoalKind) -> GoalAction:
+        """Track the goals of an action from the first call on, and return its client.
+
+        The first call subscribes to status and feedback; later calls return the same object.
+        """
         key = (kind.action, kind.type)
         if key not in self._actions:
             callbacks = self._finder.on_feedback, self._finder.on_status
@@ -105,9 +112,11 @@ class Goals:
     async def send(
         self, kind: GoalKind, values: Mapping[str, Any], length: float | None, gate: Gate
     ) -> Outcome:
-        """Send a goal; return when it was accepted, refused, or not answered in time.
+        """Send a goal; return when it was accepted, refused, or not answered within DEADLINE.
 
-        If a STOP is read before the goal is accepted, it is cancelled as soon as it is.
+        For an action that is not tracked yet, its server is waited for first. If a STOP is read
+        before the goal is accepted, or if it is cancelled meanwhile, it is cancelled as soon as it
+        is accepted.
 
         Args:
             kind: The kind of goal.
@@ -115,11 +124,16 @@ class Goals:
             length: The length of the way, in the unit of the remainder; None if not known.
             gate: The last check before the request is sent.
 
+        Returns:
+            The outcome; REFUSED if a goal of this console runs already, NOT_OFFERED without a
+            server, MISUSE if the values do not fit. TIMEOUT: the goal may be running, and is
+            tracked on.
+
         Raises:
             Void: A STOP was read after the goal was typed; nothing was sent.
         """
         known = (kind.action, kind.type) in self._actions
-        action = self.open(kind)
+        action = self.track_action(kind)
         if action.type is None:
             return Outcome(Code.REFUSED, mismatch.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
@@ -138,7 +152,7 @@ class Goals:
         return await self._send(tracked, request)
 
     def _request(self, tracked: TrackedGoal) -> Any:
-        """Return the request that sends a goal, or an Outcome that says why it is not sent."""
+        """Return the request that sends a goal, or an Outcome that says why it may not be sent."""
         action, kind = tracked.action, tracked.goal.kind
         if tracked.is_cancelled:
             return Outcome(Code.CANCELLED, NEVER_LEFT)
@@ -150,7 +164,7 @@ class Goals:
             return Outcome(Code.REFUSED, "a goal is already running: cancel it first")
         if not action.is_served:
             return Outcome(Code.NOT_OFFERED, not_offered(kind.action))
-        if self.are_over:
+        if self.sending_has_ended:
             return Outcome(Code.CANCELLED, "not sent: the console ends")
         try:
             return messages.goal_request(action.type, kind, tracked.goal.fields)
@@ -158,7 +172,7 @@ class Goals:
             return Outcome(Code.MISUSE, str(error))
 
     async def _send(self, tracked: TrackedGoal, request: Any) -> Outcome:
-        """Send the request of a goal; return as `send` does."""
+        """Send the request of a goal, track the goal, and return the outcome, as `send` does."""
         now, time = self._clock.monotonic(), self._clock.now()
         tracked.goal = tracked.goal._replace(
             sent=now, time=time, number=self._register.next_number()
@@ -209,7 +223,10 @@ class Goals:
         )
 
     def _answered(self, tracked: TrackedGoal, handle: Any) -> None:
-        """Handle the answer of a server that accepts or refuses a goal, in time or later."""
+        """Record the answer of a server that accepts or refuses a goal, in time or later.
+
+        A goal that was voided by a STOP or a cancel is cancelled now.
+        """
         if handle.accepted:
             tracked.on_accepted(handle)
             if tracked.is_void:
@@ -219,7 +236,7 @@ class Goals:
             tracked.end(Phase.REFUSED, "refused (the answer came late)")
 
     async def _wait_for_server(self, tracked: TrackedGoal) -> None:
-        """Wait until a client that was just made has found a server, for DEADLINE at most."""
+        """Wait up to DEADLINE until a new client has found a server, or its goal is unwanted."""
         end = self._clock.monotonic() + services.DEADLINE
         while (
             not (tracked.action.is_served or tracked.is_unwanted) and self._clock.monotonic() < end
@@ -227,12 +244,17 @@ class Goals:
             await self._services.pause(FIND_PERIOD)
 
     async def cancel(self, *, another: bool) -> Outcome:
-        """Request the cancel of a goal; return the answer. Its end is reported by the robot later.
+        """Request the cancel of a goal, and return the answer; the goal's end comes later.
 
-        A goal of this console is also cancelled before it was sent, and before it was accepted.
+        A goal that is about to be sent is not sent. A goal that is not accepted yet is cancelled
+        when it is accepted.
 
         Args:
-            another: True to cancel another client's goal, False for one of this console.
+            another: True to cancel the shown goal of another client, False for the goal of this
+                console.
+
+        Returns:
+            The outcome; REFUSED if no such goal runs.
         """
         if self._coming and not another:
             for coming in self._coming:
@@ -250,7 +272,7 @@ class Goals:
         return await self._canceller.cancel(tracked)
 
     async def cancel_all(self, others: Iterable[str] = (), until: float = 0.0) -> Outcome:
-        """Request every known action to cancel all its goals, whoever sent them.
+        """Request every tracked action to cancel all its goals, whoever sent them.
 
         Args:
             others: The full names of further actions.
@@ -263,7 +285,7 @@ class Goals:
         return await self._canceller.cancel_all(known, others, until)
 
     def update_lengths(self, length_of: Callable[[GoalKind], float | None]) -> None:
-        """Set the lengths of ways that became known only after their goals were sent.
+        """Set the lengths of ways of running goals that had none, or a guessed one.
 
         Args:
             length_of: Returns the length for a kind of goal; None if it is not known.
@@ -276,16 +298,23 @@ class Goals:
                 tracked.update(length=length, length_is_guessed=False)
 
     def on_refusal_log(self, reason: str) -> None:
-        """Record the reason in a log line about a refused goal."""
+        """Record a line of the robot's log as the reason of a refusal that is being waited for.
+
+        Args:
+            reason: The reason in the line.
+        """
         self._refusals.append(reason)
 
     def cancel_older(self, sent: float) -> tuple[str, ...]:
-        """Return the names of running goals that began before `sent`, and cancel ours among them.
+        """Cancel the goals of this console that began before `sent`, and name all that did.
 
-        Call it repeatedly: each is cancelled again after DEADLINE, until it ends.
+        Call this repeatedly: each goal is cancelled again after DEADLINE, until it ends.
 
         Args:
-            sent: Monotonic time in seconds.
+            sent: When a STOP left, in monotonic seconds.
+
+        Returns:
+            The names of all running goals that began before that, also of other clients' goals.
         """
         older = [tracked for tracked in self._register.running.values() if tracked.since < sent]
         now = self._clock.monotonic()
@@ -296,23 +325,26 @@ class Goals:
         return tuple(tracked.goal.name for tracked in older)
 
     def forget_periods(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
-        """Measure the periods of feedback again, because a parameter has changed.
+        """Measure the periods of all goals' feedback again, because a parameter has changed.
 
         Args:
-            old: Its value before.
+            old: The value of the parameter before.
             new: Its present value.
-            served: Returns True if the parameter's node serves that kind of goal.
+            served: Returns True if the node with the parameter serves that kind of goal.
         """
         for tracked in list(self._register.running.values()):
             tracked.forget_period(old if served(tracked.goal.kind) else None, new)
 
     def on_robot_message(self) -> None:
-        """Ask about lost goals: a message of the robot was received."""
+        """Record that the robot is heard: goals that were LOST with it become UNKNOWN.
+
+        Their servers are then asked about them. Goals that sent feedback stay LOST.
+        """
         for tracked in list(self._register.running.values()):
             tracked.on_robot_message()
 
     def end_goals_of_node(self, served: Callable[[GoalKind], bool]) -> None:
-        """End the goals of a node of this process that was stopped or restarted, or crashed.
+        """End the running goals of a hosted node that stopped, restarted or crashed, as GONE.
 
         Args:
             served: Returns True if that node served the kind of goal.
@@ -322,7 +354,10 @@ class Goals:
                 tracked.end_as_gone()
 
     def check(self, now: float, motion: Motion) -> None:
-        """Update every goal after a silence; call it about once a second.
+        """Update the phase of every running goal after a silence; call it every second.
+
+        After a gap of more than 2.5 s between two calls, silence counts from the end of the gap:
+        this process may have been suspended.
 
         Args:
             now: Monotonic time in seconds.
@@ -333,7 +368,10 @@ class Goals:
             tracked.check(now, motion, self._pause.resumed)
 
     async def _reason(self) -> str:
-        """Return why a goal was refused: ROS actions have no field for it, so the log has it."""
+        """Return why a goal was refused, from the robot's log, as an action's answer has no reason.
+
+        Waits up to 0.3 s for the log line.
+        """
         end = self._clock.monotonic() + _REASON_WAIT
         while not self._refusals and self._clock.monotonic() < end:
             await self._services.pause(0.02)

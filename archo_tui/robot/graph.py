@@ -1,4 +1,4 @@
-"""The nodes on the graph, what they offer, and when their messages came. ROS thread only."""
+"""The nodes on the graph, what they offer, and how often their messages come. ROS thread only."""
 
 from __future__ import annotations
 
@@ -27,29 +27,30 @@ _OF_NODES = ("rcl_interfaces", "type_description_interfaces")  # Services that e
 class Graph:
     """The robot's part of the graph as it was at the last poll.
 
-    Names are full names, except those in the robot file.
+    Names are full names, except those that come from the robot file.
 
     Attributes:
         namespace: The robot's namespace.
-        names: The nodes in the namespace, sorted.
-        node_counts: How many nodes have each of these names.
+        names: The nodes in the namespace, or below it, that are not hidden; sorted.
+        node_counts: The number of nodes that have each of these names.
         duplicate_nodes: The names that several nodes have.
         services: The types of each service in all namespaces, also of one that has only clients.
         offered: The names of the robot file for which a node publishes or serves something.
+            Services without a server are not among them.
         publishers: The nodes of each topic of the robot file that several nodes publish.
         servers: The nodes of each action of the robot file.
         action_types: The types of each action of the robot file.
         duplicates: The nodes of STOP's service and of each action that several nodes serve: one
             request would reach all of them.
-        has_clock: True if a node publishes simulated time.
+        has_clock: True if a node publishes simulated time on /clock.
         other_namespaces: The other namespaces that have nodes.
-        consoles: The other consoles in this namespace.
-        silent_consoles: Those of them that publish no audit records.
-        rest: Seconds after a poll in which another would exceed SHARE.
+        consoles: The other consoles in this namespace, as `anna_lab_4711`.
+        silent_consoles: Those of the other consoles that publish no audit records.
+        rest: The seconds to wait after a poll, so that polls take no more time than SHARE.
     """
 
     def __init__(self, node: Node, robot: RobotFile) -> None:
-        """Create a graph without nodes, before the first poll.
+        """Create a graph without nodes; `poll` fills it.
 
         Args:
             node: The console's node.
@@ -88,14 +89,24 @@ class Graph:
         self._publisher: dict[str, str] = {}  # The first publisher of each topic of the file.
 
     def poll(self) -> bool:
-        """Ask what is on the graph now, and return True if something came or went."""
+        """Read what is on the graph now into the attributes; return True if something has changed.
+
+        The QoS and the nodes of topics, services and actions are read a part at a time: on a large
+        graph they are complete only after several polls.
+        """
         begun = time.thread_time()
         changed = self._poll()
         self.rest = (time.thread_time() - begun) / SHARE
         return changed
 
-    def find_service(self, service: str) -> None:
-        """Add a service of the robot file to `offered` if it is served by now; ask nothing else."""
+    def recheck_service(self, service: str) -> None:
+        """Add a service to `offered`, and read the types of all services, if a server is there now.
+
+        Nothing else is asked: this is quick, for a STOP that waits for its server.
+
+        Args:
+            service: The service as the robot file names it.
+        """
         if self._node.count_services(service):
             self._read_services()
             self.offered |= {service}
@@ -173,7 +184,10 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _read_services(self) -> None:
-        """Read the names and types of services and actions, except those that every node has."""
+        """Read the types of all services, and those of the robot's services and actions.
+
+        The latter are without the services that every node has.
+        """
         services = dict(self._node.get_service_names_and_types())
         if services == self.services:
             return
@@ -190,15 +204,21 @@ class Graph:
                 self._named_services[name] = tuple(kinds)
 
     def is_published(self, topic: str) -> bool:
-        """Return True if a node publishes a topic, by its full name."""
+        """Return True if a node publishes a topic now, by its full name; this asks the graph."""
         return bool(self._node.count_publishers(topic))
 
     def is_ours(self, name: str) -> bool:
-        """Return True for a name in the robot's namespace, or below it, that is not hidden."""
+        """Return True for a full name in the robot's namespace, or below it, that is not hidden."""
         return name.startswith(self._below) and not is_hidden(name)
 
     def duplicate_servers(self, name: str) -> tuple[str, ...]:
-        """Return the nodes that serve a service or an action; empty if fewer than two do."""
+        """Return the nodes that serve a service or an action now; empty if fewer than two do.
+
+        If several of these nodes have one name, the result has that name as often.
+
+        Args:
+            name: The service or the action, with or without its namespace.
+        """
         found = []
         for service in (name, f"{name}{SEND}"):
             count = self._node.count_services(service)
@@ -209,25 +229,36 @@ class Graph:
         return tuple(found)
 
     def holders(self, service: str) -> dict[str, frozenset[bytes]]:
-        """Return the nodes that serve a service, each with ids that change when it is restarted.
+        """Return the nodes that serve a service now, with ids that change at a restart of the node.
 
-        The ids are those of its publishers of /parameter_events. Every node of rclcpp and rclpy
-        has one; another node has no ids, and its restart is not noticed.
+        The ids are those of the node's publishers of /parameter_events. Every node of rclcpp and
+        rclpy has one; another node has no ids, and its restart is not noticed. Every node on the
+        graph is asked.
+
+        Args:
+            service: The service, with or without its namespace.
+
+        Returns:
+            The ids by the full name of the node.
         """
         ids = _ids_by_node(self._node.get_publishers_info_by_topic("/parameter_events"))
         return {node: ids.get(node, frozenset()) for node, _ in self._servers(service)}
 
     def publisher_ids(self, topic: str) -> frozenset[bytes]:
-        """Return the ids of the publishers of a topic; they change when a node is restarted."""
+        """Return the ids of a topic's present publishers, which change at a node's restart."""
         by_node = _ids_by_node(self._node.get_publishers_info_by_topic(topic))
         return frozenset().union(*by_node.values())
 
     def served_types(self, name: str) -> list[str]:
-        """Return the types of a service's servers, sorted."""
+        """Return the types with which nodes serve a service now, sorted; every node is asked."""
         return sorted({kind for _, kinds in self._servers(name) for kind in kinds})
 
     def _servers(self, service: str) -> list[tuple[str, list[str]]]:
-        """Ask every node, and return those that serve a service, with its types there."""
+        """Ask every node on the graph for its services; return those that serve a service.
+
+        Returns:
+            The full name of each such node, and its types of the service.
+        """
         found, full = [], str(self._node.resolve_service_name(service))
         for node, namespace in sorted(set(self._node.get_node_names_and_namespaces())):
             with contextlib.suppress(NodeNameNonExistentError):  # It has left meanwhile.
@@ -237,7 +268,12 @@ class Graph:
         return found
 
     def on_topic_message(self, topic: str, now: float) -> None:
-        """Record a message on a topic of the robot file at `now`, in monotonic seconds."""
+        """Count a message for the rates of a topic of the robot file and of its first publisher.
+
+        Args:
+            topic: The topic as the robot file names it.
+            now: Monotonic time in seconds.
+        """
         _count_message(self._topic_rates, topic, now)
         name = self._publisher.get(topic)
         if name is not None:
@@ -245,12 +281,20 @@ class Graph:
             self._last_received[name] = now
 
     def on_log_line(self, name: str, now: float) -> None:
-        """Record a log line of a node at `now`, in monotonic seconds."""
+        """Record that a node was heard by a log line; a name that is not in `names` is ignored.
+
+        Args:
+            name: The full name of the node.
+            now: Monotonic time in seconds.
+        """
         if name in self.names:
             self._last_received[name] = now
 
     def node_states(self) -> tuple[NodeState, ...]:
-        """Return the state of every node, sorted by name."""
+        """Return for every node when it was last heard, and its rate, sorted by name.
+
+        Only nodes that publish a topic of the robot file have a rate.
+        """
         return tuple(
             NodeState(
                 name,
@@ -262,21 +306,24 @@ class Graph:
 
     @property
     def actions(self) -> Types:
-        """The types of every action that is served, by its name."""
+        """The types of every action of the robot that is served, by its full name."""
         return self._resources.actions
 
     @property
     def served_services(self) -> Types:
-        """The types of every service that is served, by its name; not those of every node."""
+        """The types of every service of the robot that is served, by its full name.
+
+        Services that every node has are left out.
+        """
         return self._resources.services
 
     @property
     def resources(self) -> tuple[Resource, ...]:
-        """The topics, services and actions; the same object until something changes."""
+        """The robot's topics, services and actions; the same object until something changes."""
         return self._resources.all
 
     def message_rates(self) -> dict[str, MessageRate]:
-        """Return the rate of each topic that the console reads, by its full name."""
+        """Return the rate of each topic of the robot file that was received, by its full name."""
         return {
             in_namespace(self.namespace, topic): rate for topic, rate in self._topic_rates.items()
         }
@@ -287,12 +334,12 @@ def _count_message(rates: dict[str, MessageRate], name: str, now: float) -> None
 
 
 def is_of_every_node(types: Sequence[str]) -> bool:
-    """Return True for a service that each node has: for its parameters, log or types."""
+    """Return True for the types of a service that every node has, as for its parameters."""
     return package_of(types[0]) in _OF_NODES
 
 
 def is_hidden(name: str) -> bool:
-    """Return True if a part of a name begins with `_`, as of ROS's tools that come and go."""
+    """Return True if a part of a full name begins with `_`, as in those of ROS's tools."""
     return "/_" in name
 
 

@@ -49,14 +49,14 @@ class GraphPoller:
         snapshots: SnapshotSender,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
-        """Create the poller.
+        """Create the poller; nothing is polled yet.
 
         Args:
             file: The robot file.
             clock: The console's clock.
             graph: The graph.
             checks: The comparison of the robot file with the types on the graph.
-            telemetry: Subscribes to what is published.
+            telemetry: Subscribes to the readings that are published.
             recorded_topics: Subscribe to what is published and only recorded.
             lifecycles: Ask managed nodes for their states.
             parameters: Reads the parameters of new nodes.
@@ -64,7 +64,7 @@ class GraphPoller:
             latch: The last confirmed STOP, which a restart of its node makes uncertain.
             changes: The changes that no console has explained.
             reporter: Reports what changed.
-            snapshots: Sends a snapshot that shows it.
+            snapshots: Sends a snapshot after a change.
             own_nodes: Returns the full names of the nodes that this process hosts.
         """
         self._file, self._clock, self._graph = file, clock, graph
@@ -80,12 +80,21 @@ class GraphPoller:
         self.faults: dict[str, str] = {}
 
     def poll_if_due(self) -> None:
-        """Poll each second; a very large graph less often."""
+        """Poll the graph, unless a rest after the last poll is due; call this each second.
+
+        The rest is longer than a second only on a very large graph.
+        """
         if self._clock.monotonic() >= self._next:
             self.poll()
 
     def poll(self) -> None:
-        """Poll the graph now."""
+        """Poll the graph now, and bring all that depends on it up to date.
+
+        Topics are subscribed to, parameters and states of new nodes requested, a confirmed STOP is
+        compared with its nodes, and `faults` is renewed. Nodes and consoles that came or left,
+        mismatches of QoS and unknown limits become events. A snapshot is sent soon if something
+        changed, or a message came.
+        """
         begun = self._clock.monotonic()
         changed = self._graph.poll()
         self._next = begun + self._graph.rest - _EARLY
@@ -119,7 +128,7 @@ class GraphPoller:
         return faults
 
     def _report_consoles(self) -> None:
-        """Report each console that comes or leaves; the header names those of the first poll."""
+        """Add an event for each console that came or left; none for those of the first poll."""
         now = set(self._graph.consoles)
         if self._consoles is not None:
             for name in sorted(now - self._consoles):
@@ -129,7 +138,7 @@ class GraphPoller:
         self._consoles = now
 
     def _report_mismatches(self) -> None:
-        """Warn of each new pair of a publisher and a subscription that DDS does not match."""
+        """Add a warning for each mismatch of a publisher and a subscription that is new."""
         mismatches = [text for resource in self._graph.resources for text in resource.mismatches]
         for text in mismatches:
             if text not in self._mismatches:

@@ -1,4 +1,4 @@
-"""A look at one topic: how often its messages come, how large they are, and the last of them.
+"""The inspection of one topic: how often its messages come, how large they are, and the last one.
 
 Messages are counted as bytes, and decoded only when they are asked for: many of them, or large
 ones, cost the ROS thread little, and the black box gets none.
@@ -22,19 +22,20 @@ MAX_BYTES = 8_000_000  # Of a message that is decoded; with many small parts it 
 
 
 class Inspection:
-    """A subscription to one topic, which lasts from `subscribe` to `unsubscribe`.
+    """A count of the messages of one topic, which lasts from `subscribe` to `unsubscribe`.
 
-    What it counts may be read on any thread.
+    Its attributes may be read on any thread.
 
     Attributes:
         topic: The full name of the topic.
-        count: The messages that came.
-        newest: The count when the last message had come, and its bytes.
-        size: The bytes of all of them.
-        first: When the first one came, in monotonic seconds; 0 before it.
-        last: When the last one came, in monotonic seconds; 0 before it.
-        least: The shortest time between two of them, in seconds; None before the second.
-        greatest: The longest time between two of them, in seconds; None before the second.
+        count: The number of messages that came.
+        newest: The last message: its number, counted from 1, and its bytes; (0, b"") before the
+            first.
+        size: The bytes of all messages that came.
+        first: When the first message came, in monotonic seconds; 0 before it.
+        last: When the last message came, in monotonic seconds; 0 before the first.
+        least: The shortest time between two messages, in seconds; None before the second.
+        greatest: The longest time between two messages, in seconds; None before the second.
     """
 
     def __init__(
@@ -67,9 +68,10 @@ class Inspection:
         self.greatest: float | None = None
 
     def subscribe(self) -> None:
-        """Subscribe, with a QoS that fits the publishers. ROS thread only.
+        """Begin to count, with a QoS that fits the present publishers. ROS thread only.
 
-        If the node listens to the topic already, no second subscription is made.
+        If the node listens to the topic already, no second subscription is made: its messages are
+        counted, the last one that it received at once.
         """
         self._is_tap = self._node.listens(self._class, self.topic)
         if self._is_tap:
@@ -78,8 +80,12 @@ class Inspection:
         self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
 
-    def refit(self) -> None:
-        """Subscribe again if the present publishers need another QoS. ROS thread only."""
+    def resubscribe_if_needed(self) -> None:
+        """Subscribe again if the publishers, or the node's other subscription, have changed.
+
+        Nothing is done while the QoS still fits, or without publishers. The counts go on. ROS
+        thread only.
+        """
         if self._node.listens(self._class, self.topic) != self._is_tap:
             self.unsubscribe()
             self.subscribe()
@@ -91,7 +97,7 @@ class Inspection:
         self.subscribe()
 
     def unsubscribe(self) -> None:
-        """Unsubscribe. ROS thread only."""
+        """End the subscription, if there is one; the counts stay. ROS thread only."""
         self._node.untap(self._take_message)
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
@@ -112,23 +118,25 @@ class Inspection:
         self.last = now
         self.size += len(data)
         self.newest = self.count + 1, data
-        self.count += 1  # Last: who sees it finds the rest.
+        self.count += 1  # Last: another thread that reads it finds the rest set.
         self._on_data(now, data)
 
     @property
     def rate(self) -> float | None:
-        """Return the messages in a second; None before the second message."""
+        """The mean rate in messages a second since the first; None before the second."""
         span = self.last - self.first
         return (self.count - 1) / span if span > 0 else None
 
     def decode(self, data: bytes) -> Any:
-        """Return a message without secrets. It takes long: call it on a thread of its own.
+        """Return the message in serialized bytes, secret values masked.
+
+        A large message takes long: call this on a thread of its own.
 
         Args:
             data: The bytes of the message.
 
         Raises:
-            ArchoError: It is larger than the bound, or no such message.
+            ArchoError: The message is larger than MAX_BYTES, or not of this topic's class.
         """
         if len(data) > MAX_BYTES:
             raise ArchoError(too_large(len(data)))
@@ -140,5 +148,5 @@ class Inspection:
 
 
 def too_large(size: int) -> str:
-    """Return why a message of so many bytes is not shown."""
+    """Return the line that says why a message of so many bytes is not shown."""
     return f"not shown: a message of {size / 1e6:.1f} MB, more than {MAX_BYTES / 1e6:g} MB"

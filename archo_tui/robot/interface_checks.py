@@ -1,6 +1,6 @@
-"""The checks of the robot file's services and actions against the graph: only what fits is used.
+"""The checks of the robot file's services and actions against the types on the graph.
 
-All of it runs on the ROS thread.
+Only what fits is called. All of it runs on the ROS thread.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from archo_tui.robot_file import mismatch, model
 
 
 class InterfaceChecks:
-    """The services and actions of a robot: their classes, and why one of them is not used.
+    """The comparison of the robot file's services and actions with the types that they have.
 
     Attributes:
-        forms: The fields of each goal form by the goal's id, if its type is installed here.
-        unfit: Why goals cannot be made as the robot file says, by action.
+        forms: The fields of each goal's form, by the goal's id, where its type is installed here.
+        unfit: Why the goals of an action cannot be made as the robot file says, by the action.
     """
 
     def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
-        """Compare the goals of the robot file with the types that are installed.
+        """Compare the goals of the robot file with the types that are installed here.
 
         Args:
             node: The console's node.
@@ -42,11 +42,11 @@ class InterfaceChecks:
                 self.unfit.setdefault(kind.action, fault)
 
     def full(self, name: str) -> str:
-        """Return the fully qualified name of a service or action of the robot file."""
+        """Return the full name of a service or an action: `/robot1/go_to` for `go_to`."""
         return str(self._node.resolve_service_name(name))
 
     def _type(self, name: str) -> str:
-        """Return the type of a service's servers; "" if there is no server, or several types."""
+        """Return the only type of a service; "" if it is unknown, or its servers have several."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
         if len(types) > 1:  # The list also has the types of clients.
@@ -54,14 +54,14 @@ class InterfaceChecks:
         return types[0] if len(types) == 1 else ""
 
     def fitting_class(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
-        """Return the class of a service whose request takes exactly these values.
+        """Return the class of a service if its request has exactly these fields, of fitting types.
 
         Args:
             name: The service, as the robot file names it.
-            values: The values of the request by field.
+            values: The values of the request, by field.
 
         Returns:
-            The class and ""; or None and the reason if it does not fit.
+            The class and ""; or None and a line that says why it does not fit.
         """
         full, kind = self.full(name), self._type(name)
         if not kind:
@@ -80,7 +80,11 @@ class InterfaceChecks:
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:
-        """Return why services and actions on the graph are not used, by their names in the file."""
+        """Return why services and actions are not used, by their names in the robot file.
+
+        Those that fit are left out. What is not on the graph yet is left out, too, except actions
+        in `unfit`.
+        """
         found: dict[str, str] = {}
         for name, values in self._requests():
             if name in self._graph.offered and not found.get(name):
@@ -94,7 +98,7 @@ class InterfaceChecks:
         return {name: reason for name, reason in found.items() if reason}
 
     def _requests(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Yield each service of the robot file with a request that may be sent to it."""
+        """Yield each service of the robot file, with the values of a request to it."""
         for command in self._robot.commands:
             yield command.service, dict.fromkeys(command.toggle, True)
         stop = self._robot.stop
@@ -103,12 +107,23 @@ class InterfaceChecks:
             yield stop.release, stop.release_request
 
     def cancel_commands(self) -> str:
-        """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
+        """Return the `ros2` command lines that cancel all goals of the robot file's actions.
+
+        They stand in one line, with `; ` between them.
+        """
         names = [self.full(kind.action) for kind in self._robot.goals]
         return "; ".join(ros2_command.cancel(name) for name in names)
 
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
-        """Return the `ros2` command line for a call; "" if the service's type does not fit."""
+        """Return the `ros2` command line that calls a service.
+
+        Args:
+            name: The service, as the robot file names it.
+            fields: The values of the request, by field.
+
+        Returns:
+            The line; "" if the service has no single type here, or the values do not fit it.
+        """
         full = self.full(name)
         types = self._graph.services.get(full, [])
         srv_type = message_classes.load(types[0]) if len(types) == 1 else None
@@ -121,7 +136,15 @@ class InterfaceChecks:
         return ros2_command.service_call(full, types[0], request)
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
-        """Return the `ros2` command line that sends a goal; "" if the values do not fit."""
+        """Return the `ros2` command line that sends a goal.
+
+        Args:
+            kind: The kind of goal.
+            values: The typed values by dotted path.
+
+        Returns:
+            The line; "" if the type is not installed here, or the values do not fit.
+        """
         action = message_classes.load(kind.type)
         try:
             goal = None if action is None else messages.goal_request(action, kind, values)
@@ -133,9 +156,13 @@ class InterfaceChecks:
 
 
 def _goal_fault(kind: model.GoalKind) -> str:
-    """Return what a robot file names that the action's type has not, or does not take; or ""."""
+    """Return why a goal cannot be made as the robot file says; "" if it can.
+
+    The fields that the file names are looked for in the action's type, which must take their
+    values. Without the type here, nothing is checked.
+    """
     action = message_classes.load(kind.type)
-    if action is None:  # `misfits` reports it once the action is on the graph.
+    if action is None:  # `misfits` reports this once the action is on the graph.
         return ""
     form = [(given.where or kind.where, path) for path, given in kind.form.items()]
     form += [(kind.where, path) for path in kind.fixed]
@@ -166,7 +193,12 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
 
 
 def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
-    """Return why the first unfit fixed value does not fit its field; "" if all do."""
+    """Return why a fixed value of the robot file does not fit its field; "" if all do.
+
+    Args:
+        kind: The kind of goal.
+        goal: A goal message of its type, which is filled.
+    """
     try:
         filled(goal, kind.fixed)
     except ValueError as error:
@@ -175,7 +207,10 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
 
 
 def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:
-    """Return the fields of a goal's form; None if the action's type is not installed here."""
+    """Return the fields of a goal's form; None if the action's type is not installed here.
+
+    A field that is converted, as a yaw, is a number in the form.
+    """
     goal_type = message_classes.load(kind.type)
     if goal_type is None:
         return None

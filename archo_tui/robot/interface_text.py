@@ -1,8 +1,8 @@
 """The definitions of interfaces as text, in the layout of `ros2 interface show`.
 
 The text is that of the interface files: those from which the embedded engine makes its classes, or
-those that are installed beside the Python packages of ROS 2. It is slow: call it on no thread that
-others wait for.
+those that are installed beside the Python packages of ROS 2. Files are read: call this on no thread
+that others wait for.
 """
 
 from __future__ import annotations
@@ -36,15 +36,17 @@ _PARTS = {"msg": (), "srv": ("Request", "Response"), "action": ("Goal", "Result"
 
 
 def definition_text(type_name: str) -> str | None:
-    """Return the definition of an interface: its file, and below each field its nested type.
+    """Return the text of an interface's file, with nested types below their fields.
 
-    Nested types are indented, and without comments, constants keep theirs.
+    Nested types are indented, and without comments. At most 5,000 lines are returned, and a line
+    that says so.
 
     Args:
         type_name: `package/kind/Name`.
 
     Returns:
-        The lines; None if neither its file nor its class is installed here.
+        The lines as one text; without a file, the fields of the installed class. None if neither is
+        here, or the name is no type.
     """
     parts = parse_type(type_name)
     lines = None if parts is None else type_lines(parts)
@@ -57,13 +59,19 @@ def definition_text(type_name: str) -> str | None:
 
 
 def definitions_text(types: Sequence[str]) -> str:
-    """Return the definitions of several types, each below its name."""
+    """Return the definitions of several types in one text, each below its name.
+
+    For a type that is not installed, a line says so.
+    """
     found = ((name, definition_text(name) or _NOT_INSTALLED) for name in types)
     return "\n\n".join(f"# {name}\n\n{text}" for name, text in found)
 
 
 def names_in(package: str) -> list[str]:
-    """Return the types that an installed package defines, as `package/kind/Name`."""
+    """Return the types that an installed package defines, sorted, as `package/kind/Name`.
+
+    The list is empty if the package is not found.
+    """
     found = {
         f"{package}/{kind}/{path.stem}"
         for folder in _folders(package)
@@ -80,8 +88,8 @@ def _with_nested(
 
     Args:
         of: The type.
-        lines: Its own lines.
-        above: The types that it is nested in; it is shown without comments then.
+        lines: The lines of its file.
+        above: The types that it is nested in, the outermost first; if any, comments are left out.
     """
     for line in lines:
         bare = line.partition("#")[0].rstrip() if above else line
@@ -94,7 +102,12 @@ def _with_nested(
 
 
 def _nested_type(package: str, line: str) -> InterfaceType | None:
-    """Return the message type of the field in a line; None for any other line."""
+    """Return the message type of the field in a line of a file; None for any other line.
+
+    Args:
+        package: The package of the file.
+        line: The line.
+    """
     found = _FIELD.match(line)
     if found is None or found["type"] in PRIMITIVES:
         return None
@@ -103,7 +116,10 @@ def _nested_type(package: str, line: str) -> InterfaceType | None:
 
 
 def type_lines(of: InterfaceType) -> list[str] | None:
-    """Return the lines of a type's file, else those of its class; None if it has neither."""
+    """Return the lines of a type's file, or, without a file, lines made from its installed class.
+
+    None if neither is here.
+    """
     for folder in _folders(of.package):
         try:
             text = read(folder / of.kind / f"{of.name}.{of.kind}").decode(errors="replace")
@@ -128,7 +144,7 @@ def _derived_lines(of: InterfaceType, found: Any) -> list[str]:
 
 
 def _folders(package: str) -> list[Path]:
-    """Return the folders with the package's msg/, srv/ and action/, in the order of search."""
+    """Return the folders with a package's msg/, srv/ and action/, in the order of search."""
     for finder in sys.meta_path:
         if isinstance(finder, InterfaceFinder):
             return finder.folders(package)

@@ -29,7 +29,7 @@ _NO_ANSWER = "no answer"
 
 
 class Lifecycles:
-    """The state of each managed node: asked when it comes, then followed by its events."""
+    """The state of each managed node: requested when it comes, then told by its events."""
 
     def __init__(
         self,
@@ -39,14 +39,14 @@ class Lifecycles:
         submit: Callable[[Callable[[], Any]], None],
         on_change: Callable[[], None],
     ) -> None:
-        """Create an empty table, before the first poll.
+        """Create an empty table; `poll` fills it.
 
         Args:
             node: The console's node.
             clock: The console's clock.
             pending: Makes the calls.
             submit: Runs a function, or what a coroutine function returns, on the ROS thread.
-            on_change: Called after a state has changed.
+            on_change: Called after a state has changed, or its node has left or stopped answering.
         """
         self._node, self._clock, self._services = node, clock, pending
         self._submit, self._on_change = submit, on_change
@@ -56,10 +56,12 @@ class Lifecycles:
         self._silent: set[str] = set()  # Nodes that left the last question unanswered.
 
     def poll(self, served: Mapping[str, Sequence[str]]) -> None:
-        """Follow the managed nodes that are there now.
+        """Follow the managed nodes that are on the graph now, and forget those that have left.
+
+        A new node is subscribed to and asked for its state; every node is asked again each 10 s.
 
         Args:
-            served: The types of each service that somebody serves, by full name.
+            served: The types of each service that a node serves, by its full name.
         """
         managed = {
             name.removesuffix(_GET_STATE)
@@ -87,9 +89,10 @@ class Lifecycles:
                 self._submit(partial(self._ask, node))
 
     def with_states(self, nodes: Sequence[NodeState]) -> tuple[NodeState, ...]:
-        """Return nodes of the graph with the states of those that are managed.
+        """Return nodes with the `lifecycle` of those that are managed; others stay as they are.
 
-        Of one that does not answer, the last state is followed by `, no answer`: it may hang.
+        If a node did not answer the last question, `, no answer` follows its last state: it may
+        hang.
         """
         return tuple(
             node._replace(lifecycle=self._shown(node.name)) if node.name in self._words else node
@@ -101,17 +104,23 @@ class Lifecycles:
         return ", ".join(filter(None, words))
 
     def word(self, node: str) -> str:
-        """Return the state of a node; "" if it is not managed, or has not answered."""
+        """Return the last known state of a node: `active`; "" if none is known."""
         return self._words.get(node, "")
 
     async def transitions(self, node: str) -> tuple[str, ...]:
-        """Ask a node which transitions it can make now; () if it does not answer or has none."""
+        """Ask a node which transitions it can make now, as words: `activate`.
+
+        Returns:
+            The words; () if it does not answer or can make none.
+        """
         return tuple(harmless(found.label) for found in await self._available(node))
 
     async def change(
         self, node: str, word: str, gate: Gate, late: Callable[[Outcome], None]
     ) -> Outcome:
-        """Have a node make a transition.
+        """Request a transition of a managed node, wait for its end, and ask for the new state.
+
+        The wait is CHANGE_TIMEOUT at most.
 
         Args:
             node: The full name of the node.
@@ -119,8 +128,13 @@ class Lifecycles:
             gate: The last check before the request is sent.
             late: Called with the outcome of an answer that comes after CHANGE_TIMEOUT.
 
+        Returns:
+            DONE or REFUSED with the state of the node then. REFUSED, too, if the transition is not
+            possible in its state; NOT_OFFERED for a node that is not managed; TIMEOUT without an
+            answer.
+
         Raises:
-            Void: A STOP was read after the request was typed.
+            Void: A STOP was read after the request was typed; nothing was sent.
         """
         if node not in self._words:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
@@ -166,7 +180,7 @@ class Lifecycles:
             self._on_change()
 
     async def _available(self, node: str) -> list[Any]:
-        """Return the transitions that a node can make now; [] if it does not answer."""
+        """Ask a node for the transitions that it can make now; [] if it does not answer."""
         name = f"{node}/get_available_transitions"
         answer = await self._services.call(
             GetAvailableTransitions, name, GetAvailableTransitions.Request(), once=True

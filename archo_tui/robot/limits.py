@@ -1,4 +1,4 @@
-"""The limits of goals that are parameters of a node: why one of them is not known."""
+"""The limits of goals that are parameters of a node: why the number of one is not known."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import ParameterRef, RobotFile
 from archo_tui.safe_text import harmless
 
-# Seconds that a limit must be unknown before that is reported: nodes come one after the other.
+# Seconds that a limit must be unknown before this is reported: nodes start one after the other.
 _SURE = 5.0
 
 
 class Limits:
-    """The limits that are parameters, and whether their numbers are known."""
+    """The limits in the robot file that refer to parameters, and which of them were reported."""
 
     def __init__(self, robot: RobotFile) -> None:
         self._links = [
@@ -39,8 +39,8 @@ class Limits:
         """Yield a level and a text for each limit whose number is not known, once per reason.
 
         A limit is left out until it was unknown for five seconds, and while the action of its goal
-        has no server. A value that is no number is a warning. All else is only information, as no
-        node is obliged to have the parameter.
+        has no server. The level is WARN for a value that is no number, else INFO, as no node is
+        obliged to have the parameter. A reason that ended and comes again is reported again.
 
         Args:
             now: Monotonic time in seconds.
@@ -71,7 +71,10 @@ class Limits:
 def _unknown_reason(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: ParameterRef
 ) -> tuple[str, str]:
-    """Return why a reference leads to no number, and the level; "" and "" if it leads to one."""
+    """Return why a reference to a parameter leads to no number, and the level of that event.
+
+    Both are "" if it leads to one.
+    """
     node = in_namespace(namespace, link.node)
     name = node.removeprefix("/")
     own = {parameter.name: parameter for parameter in parameters if parameter.node == node}

@@ -1,4 +1,4 @@
-"""The node of the robot's client, which hands every message to the black box, too."""
+"""The node of the console, which hands every message that it receives to the black box, too."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from rclpy.qos import QoSProfile
 MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
 
 
-class _Heard:
-    """A subscription with decoded messages.
+class _DecodedSubscription:
+    """A subscription whose messages rclpy decodes.
 
     Attributes:
         subscription: rclpy's object.
-        last: Its last message; None before the first.
+        last: The last message; None before the first.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,10 @@ class _Heard:
 
 
 class Listener(Node):
-    """A node that calls `on_message` with each message, before the callback of its subscription."""
+    """A node that calls `on_message` with each message, before the callback of its subscription.
+
+    Only subscriptions by `listen` and `listen_quietly` do so.
+    """
 
     def __init__(
         self,
@@ -35,43 +38,45 @@ class Listener(Node):
         masks: Mapping[Any, Callable[[Any], Any]],
         **options: Any,
     ) -> None:
-        """Make the node.
+        """Create the node.
 
         Args:
             name: The name of the node.
-            on_message: Called with topic and message, on the thread that spins the node.
-            masks: By message class, a function that returns the message for `on_message`, without
-                secrets, for a message that was received.
+            on_message: Called with the full name of the topic and the message, on the thread that
+                spins the node.
+            masks: Functions by message class, each of which returns a received message without
+                secrets, for `on_message`.
             **options: Passed to `rclpy.node.Node`.
         """
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
-        self._heard: dict[tuple[str, Any], _Heard] = {}  # By full topic and message class.
+        # By full topic and message class.
+        self._heard: dict[tuple[str, Any], _DecodedSubscription] = {}
         # The same; they outlast a subscription that is replaced by one with another QoS.
         self._taps: dict[tuple[str, Any], list[MessageCallback]] = {}
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe with rclpy's default event handlers, which log an incompatible QoS.
+        """Subscribe to a topic; rclpy logs publishers whose QoS is incompatible.
 
         Args:
             kind: The message class.
             topic: The name of the topic.
-            callback: Called with each message on the thread that spins the node.
+            callback: Called with each message, as received, on the thread that spins the node.
             qos: The QoS, or the depth of the history.
 
         Returns:
-            The subscription.
+            The subscription, for `destroy_subscription`.
         """
         return self._listen(kind, topic, callback, qos)
 
     def listen_quietly(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe as `listen` does, without event handlers, which rclpy checks at each wake-up.
+        """Subscribe as `listen` does, but log nothing about an incompatible QoS.
 
-        Use it where the QoS always fits.
+        Use it where the QoS always fits: rclpy checks the event handlers that log at each wake-up.
         """
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self._listen(kind, topic, callback, qos, event_callbacks=quiet)
@@ -79,22 +84,22 @@ class Listener(Node):
     def listen_raw(
         self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile
     ) -> Any:
-        """Subscribe to messages as bytes, of which `on_message` gets none.
+        """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get.
 
         Args:
             kind: The message class.
             topic: The name of the topic.
             callback: Called with each serialized message on the thread that spins the node.
-            qos: A QoS that fits the publishers.
+            qos: A QoS that fits the publishers; a QoS that does not is not logged.
 
         Returns:
-            The subscription.
+            The subscription, for `destroy_subscription`.
         """
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
 
     def listens(self, kind: Any, topic: str) -> bool:
-        """Return True if the node has a subscription by `listen` or `listen_quietly`.
+        """Return True while the node has a subscription by `listen` or `listen_quietly`.
 
         Args:
             kind: The message class.
@@ -105,10 +110,16 @@ class Listener(Node):
     def tap(self, kind: Any, topic: str, callback: MessageCallback) -> None:
         """Call a function with each message of a subscription, and at once with the last one.
 
+        The messages are as received, secrets included. The function stays when the subscription is
+        replaced.
+
         Args:
             kind: The message class.
-            topic: The full name of the topic, to which the node listens.
+            topic: The full name of the topic, to which the node must listen already.
             callback: Called with topic and message on the thread that spins the node.
+
+        Raises:
+            KeyError: The node does not listen to the topic.
         """
         self._taps.setdefault((topic, kind), []).append(callback)
         last = self._heard[topic, kind].last
@@ -116,7 +127,7 @@ class Listener(Node):
             callback(topic, last)
 
     def untap(self, callback: MessageCallback) -> None:
-        """Stop calling a function that was given to `tap`."""
+        """Stop calling a function that was given to `tap`; any other function is ignored."""
         for taps in self._taps.values():
             if callback in taps:
                 taps.remove(callback)
@@ -128,7 +139,7 @@ class Listener(Node):
         return super().destroy_subscription(subscription)
 
     def without_secrets(self, message: Any) -> Any:
-        """Return a message as `on_message` would get it. Any thread."""
+        """Return a message as `on_message` would get it: with secret values masked. Any thread."""
         mask = self._masks.get(type(message))
         return message if mask is None else mask(message)
 
@@ -142,7 +153,7 @@ class Listener(Node):
     ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
-        heard = _Heard()
+        heard = _DecodedSubscription()
 
         def both(message: Any) -> None:
             self._on_message(name, message if mask is None else mask(message))

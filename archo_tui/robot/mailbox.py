@@ -1,4 +1,4 @@
-"""The way of snapshots from the ROS thread to the frontend's loop."""
+"""The delivery of snapshots from the ROS thread to the front end's event loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Receiver = Callable[[Snapshot], None]
 
 
 class Mailbox:
-    """A place for the newest snapshot: at most one waits, however slow the loop is."""
+    """The place of the newest snapshot: only one waits for delivery, however slow the loop."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -23,23 +23,29 @@ class Mailbox:
         self._receiver: Receiver | None = None
 
     def open(self, receiver: Receiver) -> None:
-        """Call `receiver` on the running loop with each snapshot from now on."""
+        """Call a function on the running loop with each snapshot that is put from now on.
+
+        The function takes the place of an earlier one. The newest snapshot is not delivered again.
+        """
         with self._lock:
             self._waiting = False  # A delivery that an earlier loop did not get to is lost.
             self._loop = asyncio.get_running_loop()
             self._receiver = receiver
 
     def close(self) -> None:
-        """Stop delivering."""
+        """Deliver no more snapshots; `put` and `latest` still work."""
         self._receiver = None
 
     @property
     def latest(self) -> Snapshot:
-        """The newest snapshot."""
+        """The snapshot that was put last; an empty one before the first."""
         return self._latest
 
     def put(self, snapshot: Snapshot) -> None:
-        """Replace the newest snapshot, and have it delivered. Any thread."""
+        """Replace the newest snapshot, and have it delivered on the loop. Any thread.
+
+        A snapshot that still waits is never delivered. Before `open` nothing is delivered.
+        """
         with self._lock:
             self._latest = snapshot
             if self._waiting or self._loop is None:

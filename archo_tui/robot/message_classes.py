@@ -1,7 +1,7 @@
 """The Python classes of interfaces by their names, and the meaning of a service's answer.
 
-The graph and files name the packages, so nothing but a package of interfaces is imported: another
-one could do anything, as `import antigravity` opens a browser.
+The graph and files name the packages, so nothing but a package of interfaces is imported: any other
+could do anything, as `import antigravity` opens a browser.
 """
 
 from __future__ import annotations
@@ -21,7 +21,13 @@ EMPTY = "structure_needs_at_least_one_member"  # The field that rosidl adds to a
 
 
 def load(type_name: str) -> Any:
-    """Return the class of a type such as `std_msgs/msg/String`; None if it is not installed."""
+    """Import and return the class of a type such as `std_msgs/msg/String`.
+
+    Only packages of interfaces are imported. The first import of a package may take long.
+
+    Returns:
+        The class; None if it is not installed here, or the name is no type.
+    """
     parts = parse_type(type_name)
     if parts is None:
         return None
@@ -35,11 +41,12 @@ def load(type_name: str) -> Any:
 
 
 def load_all(file: RobotFile) -> None:
-    """Load the classes that a robot file names, and those that a STOP or a command usually has.
+    """Import the classes that a robot file names, and those that a STOP or a command usually has.
 
-    The first import of a package takes long where the disk is slow. On the ROS thread a STOP would
-    wait for it. The services of a file have their types on the graph only: most are of `std_srvs`,
-    or of a package that has an action of the robot, too.
+    Classes that are not installed are left out. The first import of a package takes long where the
+    disk is slow, and on the ROS thread a STOP would wait for it. The types of the file's services
+    are known on the graph only: most are of `std_srvs`, or of a package that has an action of the
+    robot, too.
     """
     topics = [file.battery, file.motion, file.pose]
     types = {kind for topic in topics if topic is not None for kind in topic.types}
@@ -53,11 +60,11 @@ def load_all(file: RobotFile) -> None:
 
 
 def _is_interfaces(package: str) -> bool:
-    """Return True for a package of interfaces, without importing it.
+    """Return True for an installed package of interfaces, without importing it.
 
     Raises:
         ImportError: The package cannot be looked for.
-        ValueError: The same.
+        ValueError: The package cannot be looked for.
     """
     spec = importlib.util.find_spec(package)
     if spec is None or spec.submodule_search_locations is None:
@@ -68,25 +75,33 @@ def _is_interfaces(package: str) -> bool:
 
 
 def name_of(made: Any) -> str:
-    """Return the type of a class, such as `std_msgs/msg/String`."""
+    """Return the type of an interface's class as `package/kind/Name`: `std_msgs/msg/String`."""
     package, kind, *_ = made.__module__.split(".")
     return str(InterfaceType(package, kind, made.__name__))
 
 
 def load_nested(type_name: str) -> Any:
-    """Return the class of a message in a field, whose type is `std_msgs/Header`, or None."""
+    """Return the class of a message that is a field, by its type as rosidl writes it.
+
+    Args:
+        type_name: `package/Name`: `std_msgs/Header`.
+
+    Returns:
+        The class; None if it is not installed here.
+    """
     return load(f"{package_of(type_name)}/msg/{base_name(type_name)}")
 
 
 def fields(message_class: Any) -> set[str]:
-    """Return the names of a message's fields."""
+    """Return the names of a message class's own fields, not those of nested messages."""
     return set(message_class.get_fields_and_field_types()) - {EMPTY}
 
 
-def _read(answer: Any) -> tuple[str, str]:
-    """Return the fields of a service's answer with the verdict and with the words; "" for none.
+def _verdict_and_words(answer: Any) -> tuple[str, str]:
+    """Return the names of the two fields of a service's answer that say if it worked, and why.
 
-    They are `success`, or else the only bool, and `message`, or else the only string.
+    The first is `success`, or else the only bool; the second `message`, or else the only string.
+    Each is "" if there is no such field.
     """
     kinds = answer.get_fields_and_field_types()
     bools = [name for name, kind in kinds.items() if kind == "boolean"]
@@ -97,19 +112,22 @@ def _read(answer: Any) -> tuple[str, str]:
 
 
 def refuses(answer: Any) -> bool:
-    """Return True if a service's answer says no."""
-    verdict, _ = _read(answer)
+    """Return True if a service's answer says no: its `success`, or else its only bool, is false."""
+    verdict, _ = _verdict_and_words(answer)
     return bool(verdict) and not getattr(answer, verdict)
 
 
 def says_more(answer: Any) -> bool:
-    """Return True if a service's answer has fields that `outcome_of` leaves out."""
-    return bool(fields(answer) - set(_read(answer)))
+    """Return True if a service's answer has other fields than its verdict and its message."""
+    return bool(fields(answer) - set(_verdict_and_words(answer)))
 
 
 def outcome_of(answer: Any) -> Outcome:
-    """Return the outcome that a service's answer means, with the answer's words."""
-    verdict, words = _read(answer)
+    """Return the outcome that a service's answer means, with the answer's message as its text.
+
+    DONE or REFUSED by `success`, or else the only bool; NOT_CONFIRMED if there is none.
+    """
+    verdict, words = _verdict_and_words(answer)
     if not verdict:
         return Outcome(Code.NOT_CONFIRMED, "answered, not confirmed")
     done, text = bool(getattr(answer, verdict)), getattr(answer, words, "")

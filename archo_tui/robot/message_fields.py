@@ -23,11 +23,11 @@ class FieldType(NamedTuple):
     """A field of a message, as its type describes it.
 
     Attributes:
-        name: Its name.
-        kind: Its type, as rosidl writes it.
-        type: Its type, as .msg files write it.
-        element: The type of its elements, as rosidl writes it; None if it is no array.
-        is_message: True for a nested message.
+        name: The name of the field.
+        kind: The type of the field, as rosidl writes it.
+        type: The type of a primitive field, as .msg files write it; else the same as `kind`.
+        element: The type of an array's elements, as rosidl writes it; None if it is no array.
+        is_message: True for a nested message, but not for an array of messages.
         notes: The notes on the type that has the field.
     """
 
@@ -40,7 +40,10 @@ class FieldType(NamedTuple):
 
 
 def field_types(message: Any) -> tuple[FieldType, ...]:
-    """Return the fields of a message. The first time, it reads the file of the type."""
+    """Return the fields of a message's class, in order.
+
+    The first time, the interface file of the class is read.
+    """
     message_class: Any = type(message)
     return _field_types(message_class)
 
@@ -60,21 +63,28 @@ def _field_type(name: str, kind: str, notes: FieldNotes) -> FieldType:
 
 
 def field_rows(message: Any, open_arrays: Mapping[str, int]) -> tuple[list[FieldView], bool]:
-    """Return the rows of a message, and True if it has more of them than `MAX_FIELDS`.
+    """Return the rows of a message, at most `MAX_FIELDS`, and True if it has more.
 
-    It takes long for a large message, and reads the files of the types that it sees first.
+    A large message takes long, and the interface files of types that are new are read: call this on
+    no thread that others wait for.
 
     Args:
         message: The message.
-        open_arrays: The arrays whose elements have rows, too, by path, each with the number of
-            the first element.
+        open_arrays: The arrays some of whose elements have rows, too: the number of the first such
+            element, by the path of the array.
     """
     found = list(islice(_fields(message, "", open_arrays), MAX_FIELDS + 1))
     return found[:MAX_FIELDS], len(found) > MAX_FIELDS
 
 
 def _fields(message: Any, before: str, open_arrays: Mapping[str, int]) -> Iterator[FieldView]:
-    """Yield the rows of a message whose path with its dot is `before`."""
+    """Yield the rows of a message's fields, nested ones included.
+
+    Args:
+        message: The message.
+        before: The path of the message with a dot behind it, or "".
+        open_arrays: As for `field_rows`.
+    """
     for field in field_types(message):
         yield from _row(f"{before}{field.name}", field, getattr(message, field.name), open_arrays)
 
@@ -82,7 +92,7 @@ def _fields(message: Any, before: str, open_arrays: Mapping[str, int]) -> Iterat
 def _row(
     path: str, field: FieldType, value: Any, open_arrays: Mapping[str, int]
 ) -> Iterator[FieldView]:
-    """Yield the row of a field or element with this path and value, and those below it."""
+    """Yield the row of a field or element, then those of the fields and elements inside of it."""
     kind, notes = field.kind, field.notes
     if field.element is not None:
         yield from _array(path, field, value, open_arrays)
@@ -104,7 +114,7 @@ def _row(
 def _array(
     path: str, field: FieldType, value: Any, open_arrays: Mapping[str, int]
 ) -> Iterator[FieldView]:
-    """Yield the row of an array, and of its elements if it is open."""
+    """Yield the row of an array, and, if it is open, those of some elements, and a row for more."""
     element, begin = field.element or "", open_arrays.get(path)
     summary = summarize(value, element)
     least, greatest = (
@@ -133,17 +143,22 @@ def _array(
 
 
 def shown_elements(begin: int, length: int) -> range:
-    """Return the numbers of the elements that are shown of an array, the last ones at its end."""
+    """Return the numbers of the elements that an open array shows: 20, or all of a shorter array.
+
+    Args:
+        begin: The number of the first one, which is moved so that no element is missing at the end.
+        length: The length of the array.
+    """
     begin = max(min(begin, length - SHOWN_ELEMENTS), 0)
     return range(begin, min(begin + SHOWN_ELEMENTS, length))
 
 
 def seconds(value: Any) -> float:
-    """Return a Time or a Duration in seconds."""
+    """Return a Time or a Duration of builtin_interfaces as a number of seconds."""
     return float(value.sec + value.nanosec / 1e9)
 
 
 def _shown(value: Any, kind: str) -> bool | float | str:
-    """Return a primitive value as it is shown."""
+    """Return a primitive value as it is shown: a long text is cut, a float32 has few digits."""
     shown: bool | float | str = primitive(value, kind)
     return shortened(shown) if isinstance(shown, str) else shown

@@ -29,7 +29,7 @@ from archo_tui.robot_file.model import RobotFile
 
 
 class MessageHandlers:
-    """The handlers of all messages that the console receives. ROS thread only."""
+    """The handlers of readings, log lines and audit records that are received. ROS thread only."""
 
     def __init__(
         self,
@@ -71,10 +71,14 @@ class MessageHandlers:
         self._own_nodes = own_nodes
 
     def on_reading(self, topic: str, news: News, motion: Motion) -> None:
-        """Handle a message with a reading.
+        """Handle a message with a reading, and send a snapshot, soon or later, if a value changed.
+
+        The rates of topic and node are updated. A message about the motion may also show that the
+        robot has obeyed a STOP, or not, and that another client changed something; LOST goals are
+        asked about again.
 
         Args:
-            topic: Its topic, as the robot file names it.
+            topic: The topic, as the robot file names it.
             news: What differs from the message before.
             motion: The last reading of the motion.
         """
@@ -103,12 +107,16 @@ class MessageHandlers:
         )
 
     def on_log(self, message: Log) -> None:
-        """Handle a log line of any node on the graph."""
+        """Handle a line on /rosout: add an event, unless the line is another robot's.
+
+        A line of another console is added only if that console publishes no audit records. The
+        stamp is compared with this computer's clock, and the reason of a refused goal is kept.
+        """
         node = logger_node(message.name)
         console = author(node)
         self._earlier_log.on_live_line(message)
         if console:
-            # Of every other console the same line comes with the record of what it did.
+            # Every other console sends the same line in its audit record.
             if console in self._graph.silent_consoles:
                 self._reporter.add(Event(self._clock.now(), "PEER", console, message.msg))
             return
@@ -130,13 +138,20 @@ class MessageHandlers:
             self._snapshots.send_soon()
 
     def on_stamp(self, topic: str, stamp: Any) -> None:
-        """Handle the stamp in the header of a message, by the full name of its topic."""
+        """Compare the stamp in a message's header with this computer's clock.
+
+        Nothing is done while this process hosts nodes, or time is simulated.
+
+        Args:
+            topic: The full name of the topic.
+            stamp: A builtin_interfaces Time.
+        """
         # A node of this process shares its clock, and simulated time is no time of day.
         if not (self._own_nodes() or self._graph.has_clock):
             self._compare_clocks(topic, stamp)
 
     def forget_clocks(self) -> None:
-        """Forget the clocks of nodes and topics that have left, and stamps of simulated time."""
+        """Forget the clock offsets of nodes and topics that left, or whose time is simulated."""
         gone = [
             source
             for source in self._clock_offsets.large
@@ -152,8 +167,16 @@ class MessageHandlers:
             self._snapshots.send_soon()
 
     def on_audit_record(self, message: String) -> None:
-        """Handle the record of what a console did; those of this console are left out."""
-        published = audit_records.read(message.data)
+        """Handle the record of what another console did, and add it as an event.
+
+        A STOP of another console voids goals and requests that have not left yet; a confirmed one,
+        or a release, changes the state of the STOP here. Records of this console, or of one that is
+        not on the graph, are ignored, as is any other text.
+
+        Args:
+            message: The record as JSON, as `audit_records` describes it.
+        """
+        published = audit_records.parse(message.data)
         if published is None or published.console not in self._graph.consoles:
             return
         console, record, text = published

@@ -1,6 +1,6 @@
 """The messages of an inspected topic between their arrival and their decoding.
 
-All are counted, some are kept: however many come, and however large they are, at most thirty a
+All are counted, some are kept: however many come, and however large they are, at most some thirty a
 second wait to be decoded.
 """
 
@@ -19,7 +19,7 @@ _BUCKETS_PER_SECOND = 2
 
 
 class RawMessage(NamedTuple):
-    """A serialized message and its time of arrival in seconds."""
+    """A serialized message and the time of its arrival in seconds."""
 
     time: float
     data: bytes
@@ -29,10 +29,10 @@ class _Bucket(NamedTuple):
     """The messages that came within half a second.
 
     Attributes:
-        number: Which half second, counted from 0.0.
-        first: When the first one came, in seconds.
-        messages: How many came.
-        size: Their bytes.
+        number: The number of the half second, counted from the time 0.0.
+        first: When the first message came, in seconds.
+        messages: The number of messages that came.
+        size: The bytes of all of them.
     """
 
     number: int
@@ -42,12 +42,12 @@ class _Bucket(NamedTuple):
 
 
 class MessageIntake:
-    """A buffer of messages, which one thread fills and another one drains.
+    """A buffer of the messages of one topic, which one thread fills and another one drains.
 
     Attributes:
-        received: The messages that came.
-        last: When the last one came, in seconds; None before the first.
-        last_size: The bytes of the last one.
+        received: The number of messages that came.
+        last: When the last message came, in seconds; None before the first.
+        last_size: The bytes of the last message; 0 before the first.
     """
 
     def __init__(self) -> None:
@@ -62,7 +62,10 @@ class MessageIntake:
         self._buckets: deque[_Bucket] = deque(maxlen=int(_WINDOW * _BUCKETS_PER_SECOND) + 1)
 
     def add(self, time: float, data: bytes) -> None:
-        """Take a message.
+        """Count a message, and keep it for `drain`, unless it is too large or too many wait.
+
+        The newest message is always kept, unless it is larger than MAX_BYTES. Of the others, one
+        each 40 ms is kept, up to 16 MB.
 
         Args:
             time: When it came, in seconds.
@@ -93,11 +96,18 @@ class MessageIntake:
 
     @property
     def is_too_large(self) -> bool:
-        """True if the last message is too large to be decoded."""
+        """True if the last message is larger than MAX_BYTES, and so is not decoded."""
         return self.last_size > MAX_BYTES
 
     def rates(self, now: float) -> tuple[float, float] | None:
-        """Return the messages and the bytes in a second; None before two messages in 5 s."""
+        """Return the messages and the bytes in a second, over the last 5 s or so.
+
+        Args:
+            now: The present time in seconds.
+
+        Returns:
+            None if fewer than two messages came in that time.
+        """
         with self._lock:
             buckets, last = tuple(self._buckets), self.last
         recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]

@@ -1,7 +1,7 @@
-"""The numbers of a message by path, read at once: far cheaper than its rows.
+"""The numbers of a message by path, read at once, which is far cheaper than to make its rows.
 
-A topic that is open has its rows made for each picture, and its numbers read of each message that
-is decoded.
+Of a topic that is open, the rows are made for each picture, but the numbers are read from each
+message that is decoded.
 """
 
 from __future__ import annotations
@@ -28,24 +28,32 @@ _NUMBERS = {*INTEGERS, "float", "double", "boolean"}
 
 
 class MessageNumbers:
-    """A reader of the numbers in messages of one class.
+    """A reader of the numbers in messages of one class. Bools and Durations count as numbers.
 
     Attributes:
-        paths: The paths of those outside of arrays, at most `MAX_FIELDS`.
+        paths: The dotted paths of the numbers outside of arrays, at most `MAX_FIELDS`.
     """
 
     def __init__(self, message: Any) -> None:
-        """Find out which numbers the class of a message has."""
+        """Create a reader for the class of a message.
+
+        Args:
+            message: A message of that class; the first time, the interface files of its types are
+                read.
+        """
         found = dict(_numbers(message, ""))
         self.paths = tuple(found)[:MAX_FIELDS]
         self._get = attrgetter(*self.paths) if self.paths else None
-        # Few need more than to be read.
+        # Most values are numbers already.
         self._convert = [
             (place, convert) for place, path in enumerate(self.paths) if (convert := found[path])
         ]
 
     def read(self, message: Any) -> tuple[Any, ...]:
-        """Return the numbers of a message in the order of `paths`."""
+        """Return the numbers of a message of the same class, in the order of `paths`.
+
+        A Duration is in seconds.
+        """
         if self._get is None:
             return ()
         read = self._get(message)
@@ -59,11 +67,13 @@ class MessageNumbers:
 
 
 def element_numbers(message: Any, open_arrays: Mapping[str, int]) -> Iterator[tuple[str, Any]]:
-    """Yield path and value of the numbers that are shown of open arrays.
+    """Yield path and value of the numbers in those elements of open arrays that are shown.
+
+    An array that the message does not have is left out.
 
     Args:
         message: The message.
-        open_arrays: As for `message_fields.field_rows`.
+        open_arrays: The number of the first shown element, by the path of the array.
     """
     for path, begin in open_arrays.items():
         try:
@@ -85,7 +95,10 @@ def element_numbers(message: Any, open_arrays: Mapping[str, int]) -> Iterator[tu
 
 
 def _numbers(message: Any, before: str) -> Iterator[tuple[str, Callable[[Any], float] | None]]:
-    """Yield the path of each number outside of arrays, and what makes a number of its value."""
+    """Yield the path of each number outside of arrays, and the function that converts its value.
+
+    The function is None where the value is a number already.
+    """
     for field in field_types(message):
         path = f"{before}{field.name}"
         if field.kind in _NUMBERS or field.kind == DURATION:

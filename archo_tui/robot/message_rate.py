@@ -1,4 +1,4 @@
-"""The present rate at which messages of a topic or a node come."""
+"""The rate at which messages of a topic or a node come at present."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _SMOOTHING = 0.2  # Our choice: the weight of the newest interval in a rate.
 
 
 class MessageRate(NamedTuple):
-    """The present rate of messages, measured from the start again after a silence.
+    """The present rate of messages; immutable. After a silence it is measured anew.
 
     Attributes:
         heard: When the last message came, in monotonic seconds.
@@ -21,7 +21,11 @@ class MessageRate(NamedTuple):
     interval: float | None = None
 
     def with_message_at(self, now: float) -> MessageRate:
-        """Return the rate with one more message at `now`, in monotonic seconds."""
+        """Return the rate with one more message at `now`, in monotonic seconds.
+
+        After a silence, as by `is_silent`, the interval is not known again. The rate stays the same
+        if `now` is not later than the last message.
+        """
         if self.is_silent(now):
             return MessageRate(now)
         since = now - self.heard
@@ -32,9 +36,15 @@ class MessageRate(NamedTuple):
 
     @property
     def hertz(self) -> float | None:
-        """The rate in Hz; None before two messages."""
+        """The messages in a second; None if the interval is not known."""
         return 1 / self.interval if self.interval else None
 
     def is_silent(self, now: float) -> bool:
-        """Return True after a silence of three intervals, at least 2.5 s, if two messages came."""
+        """Return True if no message came for three intervals, and at least 2.5 s.
+
+        False while the interval is not known.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return is_silent(self.heard, self.interval, now, None)

@@ -38,10 +38,10 @@ class FieldValue(NamedTuple):
 
 
 def find_field(message: Any, path: str) -> FieldValue:
-    """Return the field of a path such as `pose.position.x` or `ranges[3]`.
+    """Return the field at a path such as `pose.position.x` or `ranges[3]`.
 
     Raises:
-        ArchoError: There is none; the line has the nearest.
+        ArchoError: There is no such field or element; the line names the nearest, or all.
     """
     value, kind, where = message, "", ""
     for part in path.split("."):
@@ -66,12 +66,15 @@ def find_field(message: Any, path: str) -> FieldValue:
 def as_text(message: Any, paths: Sequence[str] = ()) -> str:
     """Return a message as YAML, as `ros2 topic echo` prints it, or chosen fields, one a line.
 
+    Arrays of more than 20 elements are described: `float32[360], 0.1 .. 4.0`. Long strings are cut,
+    and lines after the first 1,000 are counted.
+
     Args:
         message: The message.
         paths: The paths of the fields; () for the whole message.
 
     Raises:
-        ArchoError: As by `find_field`.
+        ArchoError: There is no such field, or the text would be longer than 100,000 characters.
     """
     if paths:
         found = [find_field(message, path) for path in paths]
@@ -87,9 +90,17 @@ def as_text(message: Any, paths: Sequence[str] = ()) -> str:
 
 
 def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
-    """Return a message, or chosen fields by path, as JSON has it; `nan` and `inf` are texts.
+    """Return a message, or chosen fields by path, as data for JSON.
 
-    The arguments and errors are those of `as_text`; also a message that is too large raises.
+    `nan` and `inf` are texts. Long arrays become an object with their type and range; how long
+    depends on the rest, as the whole must fit 100,000 characters.
+
+    Args:
+        message: The message.
+        paths: The paths of the fields; () for the whole message.
+
+    Raises:
+        ArchoError: There is no such field, or the JSON would be too long.
     """
     found = [find_field(message, path) for path in paths]
     for elements in _JSON_ELEMENTS:
@@ -105,7 +116,7 @@ def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
 
 
 class _Form(NamedTuple):
-    """The form of values: for JSON or for a text, and the longest array that is shown."""
+    """The form of values: for JSON or a text, and the most elements that an array shows."""
 
     is_json: bool
     elements: int
@@ -126,7 +137,13 @@ def _kinds(message: Any) -> dict[str, str]:
 
 
 def _value(value: Any, kind: str, form: _Form) -> Any:
-    """Return the value of a field in a form."""
+    """Return the value of a field as a form has it.
+
+    Args:
+        value: The value as rclpy has it.
+        kind: Its type, as rosidl writes it.
+        form: The form.
+    """
     element = element_of(kind)
     if element is not None:
         if len(value) > form.elements:
@@ -143,10 +160,13 @@ def _value(value: Any, kind: str, form: _Form) -> Any:
 
 
 def primitive(value: Any, kind: str) -> Any:
-    """Return a bool, number or text as it is shown: a byte as its number, a float32 in few digits.
+    """Return a bool, number or text as it is shown; texts as they are.
+
+    A byte becomes its number, several bytes a text in hexadecimal, a float32 the shortest number
+    that stands for it.
 
     Args:
-        value: The value as rclpy has it; several bytes are shown in hexadecimal.
+        value: The value as rclpy has it.
         kind: Its type, as rosidl writes it.
     """
     if isinstance(value, bytes):
@@ -155,12 +175,12 @@ def primitive(value: Any, kind: str) -> Any:
 
 
 def shortened(text: str) -> str:
-    """Return a text, cut where it is long."""
+    """Return a text, cut after 500 characters with ` ...` behind it."""
     return text if len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]} ..."
 
 
 def shortest(value: float) -> float:
-    """Return the number with the fewest digits that is the same as a float32: 0.1."""
+    """Return the number with the fewest digits that is the same float32: 0.1 for 0.10000000149."""
     for digits in range(6, 10):
         short = float(f"{value:.{digits}g}")
         if abs(short) < 3.4e38 and struct.pack("f", short) == struct.pack("f", value):
@@ -169,7 +189,11 @@ def shortest(value: float) -> float:
 
 
 def _description(value: Any, element: str, form: _Form) -> Any:
-    """Return type and length of a long array, and its range or its first bytes."""
+    """Return type and length of a long array, and its range or its first bytes.
+
+    Returns:
+        An object for JSON, or a text.
+    """
     summary = summarize(value, element)
     told: dict[str, Any] = {"type": summary.type}
     if summary.first:

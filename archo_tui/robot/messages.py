@@ -20,7 +20,10 @@ _SHOWN = 20  # Elements of an array that a text shows.
 
 
 def flat_fields(message: Any) -> Iterator[TypedField]:
-    """Yield the fields of a message in order; for a field that is a message, its own fields."""
+    """Yield each field of a message with its type and value, in order.
+
+    A nested message is replaced by its own fields, with dotted paths. Values are plain Python data.
+    """
     for path, kind, value in _fields(message):
         yield TypedField(path, kind, _plain(value))
 
@@ -37,7 +40,9 @@ def _fields(message: Any, before: str = "") -> Iterator[tuple[str, str, Any]]:
 
 
 def types(message: Any, before: str = "") -> dict[str, str]:
-    """Return the type of every field by its dotted path, including fields that are messages.
+    """Return the type of every field by its dotted path, as rosidl writes it.
+
+    Nested messages and their fields are included, but nothing inside of arrays.
 
     Args:
         message: The message.
@@ -55,16 +60,18 @@ def types(message: Any, before: str = "") -> dict[str, str]:
 
 @cache
 def paths(message_class: Any) -> frozenset[str]:
-    """Return the dotted paths of all fields, including fields that are messages."""
+    """Return the dotted paths of all fields of a message class, as `types` does."""
     return frozenset(types(message_class()))
 
 
 def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
-    """Return the goal message of a kind of goal in a robot file with typed values.
+    """Return a goal message with the fixed values of the robot file and the typed values.
+
+    A typed value that the file says to convert, a yaw in degrees, becomes a quaternion.
 
     Args:
         action_type: The class of the action.
-        kind: The kind, which has the fixed values and conversions.
+        kind: The kind of goal, which has the fixed values and conversions.
         values: The typed values by dotted path.
 
     Raises:
@@ -78,20 +85,28 @@ def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) ->
 
 
 def _quaternion(path: str, degrees: Any) -> dict[str, float]:
-    """Return the quaternion of a yaw in degrees; `path` is for errors."""
+    """Return the quaternion of a yaw, as a mapping.
+
+    Args:
+        path: The path of the field, for errors.
+        degrees: The yaw in degrees, counterclockwise.
+
+    Raises:
+        ValueError: The yaw is no finite number.
+    """
     half = math.radians(finite(path, degrees)) / 2
     return {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
 
 
 def finite(where: str, value: Any) -> float:
-    """Return a value as a finite number.
+    """Return a value as a finite float; raise ValueError for any other.
 
     Args:
         where: The path of its field, for errors.
         value: The value.
 
     Raises:
-        ValueError: It is no number, or not finite.
+        ValueError: The value is no number, or not finite.
     """
     number: float = checked("double", value, where)
     if not math.isfinite(number):
@@ -100,20 +115,24 @@ def finite(where: str, value: Any) -> float:
 
 
 def text(message: Any) -> str:
-    """Return every field and its value in one line, without empty texts; safe to show."""
+    """Return every field and its value in one line that is safe to show: `x 1.5, name abc`.
+
+    Fields with an empty text are left out; arrays are cut after 20 elements, the line after 500
+    characters.
+    """
     values = ((path, _short(value)) for path, _, value in _fields(message))
     return harmless(", ".join(f"{path} {value}" for path, value in values if value))
 
 
 def as_yaml(message: Any) -> str:
-    """Return a message as the `ros2` command takes it: `{pose: {x: 1.0}}`."""
+    """Return a message in one line of YAML, as the `ros2` command takes it: `{pose: {x: 1.0}}`."""
     return flow(_plain(message, as_bytes=True))
 
 
 def as_data(message: Any) -> Any:
     """Return a message as JSON has it: objects, lists, and null for a number that is not finite.
 
-    It is slow for many values: call it on no thread that others wait for.
+    Many values take long: call this on no thread that others wait for.
     """
     return _finite(_plain(message))
 
@@ -137,11 +156,12 @@ def _short(value: Any) -> str:
 
 
 def _plain(value: Any, as_bytes: bool = False) -> Any:
-    """Return messages as mappings, arrays as lists, and a byte as a number.
+    """Return messages as mappings, arrays as lists, a byte as a number, all else as it is.
 
     Args:
         value: The value of a field, or a message.
-        as_bytes: True to keep a byte: the `ros2` command would take a number for a length.
+        as_bytes: True to keep a byte as `bytes`: the `ros2` command would take a number for a
+            length.
     """
     value = _listed(value)
     if isinstance(value, list):
@@ -153,7 +173,7 @@ def _plain(value: Any, as_bytes: bool = False) -> Any:
 
 
 def _listed(value: Any) -> Any:
-    """Return arrays, also numpy's, as lists, and other values as they are."""
+    """Return arrays and tuples, also those of NumPy, as lists, and other values as they are."""
     if hasattr(value, "tolist"):
         return value.tolist()
     return list(value) if isinstance(value, tuple) else value

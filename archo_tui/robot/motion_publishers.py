@@ -10,7 +10,7 @@ _RESTART = 3.0  # Seconds after a restart in which readings may differ because o
 
 
 class MotionPublishers:
-    """The publishers of the motion that were last on the graph. ROS thread only."""
+    """A memory of the publishers of the motion that were last on the graph. ROS thread only."""
 
     def __init__(self, file: RobotFile, graph: Graph, clock: Clock) -> None:
         """Create the memory, which is empty until the first `check`."""
@@ -20,7 +20,10 @@ class MotionPublishers:
         self._changed = float("-inf")  # When they last changed, in monotonic seconds.
 
     def check(self) -> None:
-        """Compare the present publishers with those before."""
+        """Remember the present publishers, and the time if others were there before.
+
+        While there are none, the last ones are remembered.
+        """
         if self._topic is None:
             return
         now, before = self._graph.publisher_ids(self._topic), self._ids
@@ -29,6 +32,6 @@ class MotionPublishers:
         self._ids = now or before
 
     def have_restarted(self) -> bool:
-        """Return True if other publishers than before have appeared in the last three seconds."""
+        """Check, and return True if other publishers appeared in the last three seconds."""
         self.check()
         return self._clock.monotonic() - self._changed <= _RESTART

@@ -90,7 +90,7 @@ class Reporter:
         """
         text = harmless(text)
         self._node.get_logger().info(text)
-        self._publisher.publish(String(data=audit_records.write(self._console, record, text)))
+        self._publisher.publish(String(data=audit_records.to_json(self._console, record, text)))
         self._changes.on_audit_record(record, self._clock.monotonic())
         now = self._clock.now()
         self.add(Event(now, requester.level, requester.source, text, command, audit_record=record))

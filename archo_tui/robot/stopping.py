@@ -236,7 +236,7 @@ class Stopping:
         end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while service not in self._graph.offered and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
-            self._graph.find_service(service)
+            self._graph.recheck_service(service)
 
     async def _call(
         self, stop: model.StopServices, on_late_result: Callable[[StopResult], None]

@@ -45,7 +45,7 @@ class Followed(Protocol):
     ) -> AbstractAsyncContextManager[Inspection]:
         """Subscribe to a topic for as long as the context is entered."""
 
-    def refit(self, inspection: Inspection) -> None:
+    def resubscribe_if_needed(self, inspection: Inspection) -> None:
         """Have an inspection subscribe again if its publishers have changed their QoS."""
 
 
@@ -112,7 +112,7 @@ class TopicFollower:
                     if self._clock.monotonic() < refit_at:
                         continue
                     refit_at = self._clock.monotonic() + _REFIT
-                    self._robot.refit(inspection)
+                    self._robot.resubscribe_if_needed(inspection)
                     asked = await self._ask()
                     ends = ends if isinstance(asked, Outcome) else asked
                     if types_of(ends) and kind not in types_of(ends):

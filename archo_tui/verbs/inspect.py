@@ -150,7 +150,7 @@ class Echo(_TopicVerb):
                     if not seen or why.code == Code.NOT_OFFERED:  # Otherwise it is a rare one.
                         note(why.text)
                 if now >= refit_at:
-                    station.robot.refit(inspection)
+                    station.robot.resubscribe_if_needed(inspection)
                     refit_at = now + _REFIT
                 await clock.sleep(PERIOD)
 

@@ -327,7 +327,7 @@ async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> No
     async with shared(*FAST) as (op, other):
         publisher = other.create_publisher(String, audit_records.TOPIC, 10)
         await op.until(lambda: publisher.get_subscription_count() == 1)
-        stop = audit_records.write(
+        stop = audit_records.to_json(
             "nobody", audit_records.AuditRecord("stop", {}, Code.DONE), "STOP: by nobody"
         )
         for form in ("", "\x1b[2J", "[" * 10_000, "{}", stop):

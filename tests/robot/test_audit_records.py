@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.audit_records import MAX_LENGTH, AuditRecord, read, write
+from archo_tui.robot.audit_records import MAX_LENGTH, AuditRecord, parse, to_json
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Event
@@ -19,12 +19,12 @@ FORM = {"console": "anna", "verb": "stop", "arguments": {}, "code": "done", "tex
 
 
 def test_what_one_console_writes_another_reads() -> None:
-    told = read(write("anna", SET, "set motor speed 0.5: speed is 0.5, was 1.0"))
+    told = parse(to_json("anna", SET, "set motor speed 0.5: speed is 0.5, was 1.0"))
     assert told == ("anna", SET, "set motor speed 0.5: speed is 0.5, was 1.0")
 
 
 def test_what_a_later_console_adds_is_left_alone() -> None:
-    told = read(json.dumps({**FORM, "since": [1]}))
+    told = parse(json.dumps({**FORM, "since": [1]}))
     assert told == ("anna", AuditRecord("stop", {}, Code.DONE), "STOP")
 
 
@@ -43,7 +43,7 @@ def test_what_a_later_console_adds_is_left_alone() -> None:
     ids=str.__len__,
 )
 def test_anything_else_is_not_read(form: str) -> None:
-    assert read(form) is None
+    assert parse(form) is None
 
 
 def test_what_it_holds_can_be_kept_and_shown_whatever_it_is() -> None:
@@ -57,7 +57,7 @@ def test_what_it_holds_can_be_kept_and_shown_whatever_it_is() -> None:
         "long": "x" * 5000,
         "numbers": [float("nan"), float("inf"), 10**3000, -1, 0.5, True, None],
     }
-    told = read(json.dumps({**FORM, "verb": "\x9b", "arguments": hostile}))
+    told = parse(json.dumps({**FORM, "verb": "\x9b", "arguments": hostile}))
     assert told is not None
     event = EventLog().add(Event(0.0, "PEER", told.console, told.text, audit_record=told.record))
     assert event.audit_record is not None
@@ -70,8 +70,10 @@ def test_what_it_holds_can_be_kept_and_shown_whatever_it_is() -> None:
 
 def test_of_more_values_than_are_read_the_names_are_told() -> None:
     values = {f"parameter_{number}": "x" * 400 for number in range(100)}
-    form = write("anna", AuditRecord("set", {"node": "/motor", "values": values}, Code.DONE), "set")
-    told = read(form)
+    form = to_json(
+        "anna", AuditRecord("set", {"node": "/motor", "values": values}, Code.DONE), "set"
+    )
+    told = parse(form)
     assert told is not None
     assert told.record.arguments["node"] == "/motor"
     assert told.record.arguments["values"] == dict.fromkeys(values)

@@ -150,9 +150,9 @@ async def test_a_publisher_with_another_qos_is_heard_again() -> None:
         await until(lambda: made[0]._publisher.qos_profile.depth == 5)
         await while_passes(1.0)
         before = counted.count
-        it.refit(counted)
+        it.resubscribe_if_needed(counted)
         await until(lambda: counted.count > before + 2)
-        it.refit(counted)  # Changes nothing.
+        it.resubscribe_if_needed(counted)  # Changes nothing.
         await until(lambda: counted.count > before + 6)
 
 

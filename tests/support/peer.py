@@ -20,5 +20,6 @@ class Peer(Node):
         self._records = self.create_publisher(String, audit_records.TOPIC, 10)
 
     def tell(self, verb: str) -> None:
-        said = audit_records.write("other_lab_1", AuditRecord(verb, {}, Code.DONE), f"{verb}: done")
+        record = AuditRecord(verb, {}, Code.DONE)
+        said = audit_records.to_json("other_lab_1", record, f"{verb}: done")
         self._records.publish(String(data=said))
