@@ -255,10 +255,10 @@ def _motion_conditions(snapshot: Snapshot, now: float) -> _Conditions:
 def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
     """Yield an alarm for each gauge whose reading is beyond a limit, while it is not old."""
     for reading in snapshot.gauges:
-        if reading.warns and not reading.is_old(now):
+        if reading.warning and not reading.is_old(now):
             title, unit = reading.gauge.title, reading.gauge.unit
             value = f"{title.upper()} {reading.value:g} {unit}".rstrip()
-            yield f"{GAUGE_WARNING} {title}", f"{value}: {reading.warns}"
+            yield f"{GAUGE_WARNING} {title}", f"{value}: {reading.warning}"
 
 
 _OTHERS = "others"  # Of the alarm for the parts that have none of their own.

@@ -46,7 +46,7 @@ def obstacles(snapshot: Snapshot) -> Facts:
         ("running", snapshot.running),
         *(("is offered", name, name in snapshot.offered) for name in names),
         *(("parameter", p.node, p.name, repr(p.value)) for p in snapshot.parameters),
-        *(("gauge", reading.gauge.title) for reading in snapshot.gauges if reading.warns),
+        *(("gauge", reading.gauge.title) for reading in snapshot.gauges if reading.warning),
     ]
     flags = {
         "goal runs": goal is not None and goal.is_running,

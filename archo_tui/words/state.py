@@ -231,8 +231,8 @@ def gauge_line(reading: GaugeReading, now: float) -> Spans:
     text = f" {reading.value:g} {unit}".rstrip()
     if reading.is_old(now):
         return (name, OLD), (f"{text} (old, {age_text(now - reading.received)})", OLD)
-    if reading.warns:
-        return (f"▲ {name}", WARN), (f"{text}, {reading.warns}", WARN)
+    if reading.warning:
+        return (f"▲ {name}", WARN), (f"{text}, {reading.warning}", WARN)
     return (name, PLAIN), (text, PLAIN)
 
 

@@ -20,13 +20,13 @@ class DiagnosticLevel(Enum):
 
 
 class Diagnostic(NamedTuple):
-    """The last status of one part.
+    """The last status of one part of the robot.
 
     Attributes:
         name: The name of the part, as diagnostics have it: `base: left motor`.
         hardware_id: The part's serial number or the like; may be "".
         level: The level that it reported.
-        message: What it said.
+        message: The text that it reported.
         received: When the last status came, in monotonic seconds.
         period: The typical interval of its statuses in seconds; None before two of them.
     """
@@ -39,9 +39,17 @@ class Diagnostic(NamedTuple):
     period: float | None = None
 
     def level_at(self, now: float) -> DiagnosticLevel:
-        """Return the level, which is STALE after three periods of silence, at least 5 s."""
+        """Return the reported level, or STALE after three periods of silence, at least 5 s.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return DiagnosticLevel.STALE if self.is_silent_at(now) else self.level
 
     def is_silent_at(self, now: float) -> bool:
-        """Return True after three periods of silence, at least 5 s."""
+        """Return True after three periods without a status, at least 5 s.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return now - self.received > max(3 * (self.period or 0.0), LEAST_STALE)

@@ -19,12 +19,12 @@ class Event:
     Attributes:
         time: When it was received; for equal events, when the last of them was.
         level: `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
-        source: The name of the logger, or who or what it is about.
+        source: The name of the logger, or who or what the event is about.
         text: The line.
         command: The `ros2` command line that does the same; "" if there is none.
-        count: How many equal events it stands for.
-        first: When the first of them was received.
-        number: The number of the first of them, which no other event has.
+        count: The number of equal events for which this one stands.
+        first: When the first of these was received.
+        number: The number of the first of these, which no other event has.
         audit_record: The record of what was done; None if nothing was.
         code: The code of its outcome, which recordings keep, too; "" if none is known.
     """

@@ -41,7 +41,10 @@ RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST
 
 
 def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
-    """Return the values of a goal for people: `12`, or `x 1.5, y 2`."""
+    """Return the values of a goal for people: `12` for a single one, else `x 1.5, y 2`.
+
+    A field is named by its label in the robot file, or by its path.
+    """
     if len(values) == 1:
         return text_of(*values.values())
     labels = {path: kind.form[path].label or path for path in values if path in kind.form}
@@ -106,14 +109,18 @@ class Goal(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The goal's name in a sentence: `shelf 12`, `fibonacci 10`."""
+        """The goal's name in a sentence: `shelf 12`, `fibonacci 10`, or `another client's goal`."""
         if not self.mine:
             return "another client's goal"
         return f"{self.kind.noun or self.kind.title.lower()} {self.target}".rstrip()
 
     @property
     def word(self) -> str:
-        """The word for its phase; a goal without a place runs and succeeds instead of moving."""
+        """The word for its phase on the screen; GONE reads `LOST`.
+
+        A kind of goal without a noun in the robot file is RUNNING and SUCCEEDED instead of MOVING
+        and ARRIVED.
+        """
         if self.phase == Phase.GONE:
             return str(Phase.LOST.value)
         words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
@@ -121,14 +128,14 @@ class Goal(NamedTuple):
 
     @property
     def code(self) -> Code | None:
-        """The code of its outcome; None while it runs."""
+        """The code of its outcome; None while it runs. GONE and DISPUTED have codes, too."""
         return _CODES.get(self.phase)
 
     def outcome_at(self, now: float) -> Outcome | None:
         """Return the outcome for a client that waits for the end; None while the goal runs.
 
-        A goal that is LOST for GIVEN_UP has an outcome though it is still tracked: its end may
-        never be reported.
+        A goal that has been LOST for GIVEN_UP has the outcome TIMEOUT though it is still tracked:
+        its end may never be reported.
 
         Args:
             now: Monotonic time in seconds.
@@ -144,19 +151,28 @@ class Goal(NamedTuple):
 
     @property
     def is_running(self) -> bool:
-        """True until its end or refusal was reported, or cannot be any more."""
+        """True while its phase is one of RUNNING, which a goal that is LOST or UNKNOWN still is."""
         return self.phase in RUNNING
 
     def elapsed(self, now: float) -> float:
-        """Return the seconds from its start to `now`, or to its end."""
+        """Return the seconds from its start to its end, or to `now` while it runs.
+
+        The start is when it was accepted, or when it was sent while that is not known.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         start = self.sent if self.started is None else self.started
         return (now if self.ended is None else self.ended) - start
 
     def seconds_left(self, now: float) -> float | None:
-        """Return an estimate from the way that was driven; None before there is any.
+        """Return an estimate of the seconds to its end from the way so far; None without one.
 
         For a goal that was found underway, the way since its first feedback counts: the robot's
         clock may differ, so that its start is not known, and no node tells the length of its way.
+
+        Args:
+            now: Monotonic time in seconds.
         """
         since, before = self.first or (None if self.is_found else self.started, self.length)
         if not before or self.remaining is None or self.heard is None or since is None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Life(Enum):
-    """The state of a hosted node, or of a program."""
+    """The state of a hosted node, or of a program that the console runs."""
 
     UP = "up"
     STOPPED = "stopped by you"
@@ -18,7 +18,7 @@ class Life(Enum):
 
     @property
     def is_running(self) -> bool:
-        """True for a node that can be stopped and not be started."""
+        """True for UP and STARTING: the node can be stopped and not be started."""
         return self in (Life.UP, Life.STARTING)
 
 
@@ -31,8 +31,9 @@ class Hosted(NamedTuple):
         name: Its full name.
         life: Its state.
         error: What a callback raised; for a node that is UP, why the changed text of its file does
-            not run; for one that is STARTING, the line where its constructor is.
-        traceback: The traceback of `error`.
+            not run; for one that is STARTING, the line where its constructor is. "" if there is
+            none.
+        traceback: The traceback of `error`, or "".
         serves: The full names of the services and actions that it serves.
         file: The name of the user's file that it comes from; "" for a node of a package.
         saved: The Unix time at which the text that runs was saved.

@@ -17,7 +17,7 @@ class NodeState(NamedTuple):
 
     Attributes:
         name: Its full name.
-        heard: When its last message or log line came; None before the first.
+        heard: When its last message or log line came, in monotonic seconds; None before the first.
         rate: The rate in Hz of its messages that the console reads; None if not known.
         lifecycle: The state of a managed node, as `inactive`, or `inactive, no answer` if it did
             not answer the last question; "" if it is not managed, or was not asked yet.
@@ -29,14 +29,20 @@ class NodeState(NamedTuple):
     lifecycle: str = ""
 
     def is_silent(self, now: float) -> bool:
-        """Return True if nothing was received for three of its intervals, at least 2.5 s."""
+        """Return True if nothing was received for three intervals of its rate, at least 2.5 s.
+
+        Before the first message, or without a rate, it is False.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         if self.heard is None or not self.rate:
             return False
         return now - self.heard > max(3 / self.rate, 2.5)
 
 
 def level_word(number: Any) -> str:
-    """Return the word for a log message's level; INFO for an unknown number."""
+    """Return the word for the numeric level of a log message; INFO for anything unknown."""
     return _WORDS.get(number, "INFO") if isinstance(number, int) else "INFO"
 
 
@@ -69,8 +75,8 @@ class NodeInfo(NamedTuple):
         actions: The actions that it serves.
         sends: The actions for which it has a client.
         transitions: The transitions that a managed node can make now; () for another node.
-        level: The level of its log; None if it does not tell it.
-        no_level: Why it does not tell it.
+        level: The level of its log; None if the node does not report it.
+        no_level: Why `level` is None; "" if it is not.
     """
 
     publishes: Names = ()

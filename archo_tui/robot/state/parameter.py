@@ -22,8 +22,9 @@ class Parameter(NamedTuple):
     Attributes:
         node: The full name of the node.
         name: The name of the parameter.
-        type: `bool`, `integer`, `double`, `string`, or one of these followed by `[]`.
-        value: Its value.
+        type: `bool`, `integer`, `double` or `string`, one of these followed by `[]`, `byte[]`, or
+            `not set`.
+        value: Its value; None if it is not set.
         initial: The value when it was first seen.
         description: The node's description of it.
         low: The smallest value allowed; None for any.
@@ -45,14 +46,14 @@ class Parameter(NamedTuple):
 
     @property
     def masked(self) -> Parameter:
-        """The same with MASK in place of a secret value."""
+        """The same parameter with MASK in place of its values, if it is secret and has one."""
         if not self.is_secret or self.value is None:
             return self
         return self._replace(value=MASK, initial=MASK)
 
     @property
     def is_changed(self) -> bool:
-        """True when the value differs from the one first seen."""
+        """True if the value differs from the one that was first seen."""
         return not same(self.value, self.initial)
 
 
@@ -63,17 +64,18 @@ def linked_number(
     low: float = -_FARTHEST,
     high: float = _FARTHEST,
 ) -> float | None:
-    """Return the value of the parameter that a robot file refers to.
+    """Return the number of the parameter to which a robot file refers.
 
     Args:
         parameters: All parameters that nodes report.
         namespace: The robot's namespace.
         link: The reference.
-        low: The smallest number that counts as one.
+        low: The smallest number that is taken.
         high: The largest.
 
     Returns:
-        The number; if there is none in this range, what the reference gives instead, or None.
+        The number; if no node reports one in this range, the reference's `otherwise`, which may be
+        None.
     """
     wanted = (in_namespace(namespace, link.node), link.parameter)
     for parameter in parameters:

@@ -17,7 +17,8 @@ class Resource(NamedTuple):
         name: Its full name.
         types: Its types: several if nodes disagree.
         nodes: The full names of the nodes that publish or serve it.
-        mismatches: For a topic, a text for each node that receives nothing, with the remedy.
+        mismatches: For a topic, a text with the remedy for each node that receives nothing, or may
+            misread what it receives.
     """
 
     kind: str

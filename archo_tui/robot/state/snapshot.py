@@ -33,8 +33,8 @@ class Snapshot(NamedTuple):
         pose: The last reading of the pose.
         diagnostics: The last diagnostic status of each part, by name.
         gauges: The last readings of the gauges, in the order of the robot file.
-        goal: The goal to show: that of this console, else another, else the last that ended.
-        running: The number of goals that run.
+        goal: The goal to show: one of this console, else another's, else the last that ended.
+        running: The number of goals that run, of all clients.
         history: The goals that ended, newest first.
         parameters: The parameters of all nodes.
         nodes: The nodes in the robot's namespace.
@@ -45,7 +45,7 @@ class Snapshot(NamedTuple):
         latch: The state of the last confirmed STOP.
         latch_doubt: Why a latch that is UNCERTAIN is so.
         latch_time: The Unix time of that STOP.
-        released: When the robot last confirmed a release.
+        released: When a release or a goal was last accepted, in monotonic seconds.
         stop_held_by_nobody: True if every node that confirmed that STOP ran in this process and
             has ended, and no further STOP is open.
         stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
@@ -127,9 +127,10 @@ class Snapshot(NamedTuple):
 
     @property
     def says_stopped(self) -> bool:
-        """True if the robot's last report is that it is stopped, and nothing speaks against it.
+        """True if the robot's last report is that it is stopped, and nothing has happened since.
 
-        A release that was confirmed since, or a node that has left, does.
+        What may happen is that a release or a goal was accepted, or that the latch became
+        UNCERTAIN.
         """
         heard, released = self.motion.received, self.released
         is_past = heard is not None and released is not None and heard <= released
@@ -137,20 +138,24 @@ class Snapshot(NamedTuple):
 
     @property
     def running_goal(self) -> Goal | None:
-        """The goal, while it runs."""
+        """The goal that is shown, if it runs; else None."""
         return self.goal if self.goal is not None and self.goal.is_running else None
 
     def full(self, name: str) -> str:
-        """Return the full name of a name in the robot file."""
+        """Return the full name on the graph of a name in the robot file."""
         return in_namespace(self.namespace, name)
 
     def unavailable(self, name: str) -> str:
-        """Return why a service or action of the robot file cannot be used, or ""."""
+        """Return why a topic, service or action of the robot file cannot be used; "" if it can.
+
+        Args:
+            name: The name as in the robot file.
+        """
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
     @property
     def unavailable_names(self) -> frozenset[str]:
-        """The names in the robot file that no node serves, or not as the file says."""
+        """The names in the robot file that no node offers, or not as the file says."""
         actions = (kind.action for kind in self.file.goals)
         names = (*self.file.topics, *self.file.services, *actions)
         return frozenset(name for name in names if self.unavailable(name))
@@ -161,7 +166,7 @@ class Snapshot(NamedTuple):
 
     @property
     def low_charge(self) -> float | None:
-        """The charge in % below which it is low, now; None if neither file nor robot tells it."""
+        """The charge in % below which the battery is low; None if it is not known."""
         low = None if self.file.battery is None else self.file.battery.low
         if isinstance(low, ParameterRef):
             return linked_number(self.parameters, self.namespace, low, 0.0, 100.0)
@@ -169,19 +174,23 @@ class Snapshot(NamedTuple):
 
     @property
     def time_factor(self) -> float | None:
-        """The simulated seconds in a real one; None if it is one, or is not reported."""
+        """The simulated seconds in a real one; None if the factor is 1, or is not reported."""
         link = None if self.file.motion is None else self.file.motion.time_factor
         found = None if link is None else linked_number(self.parameters, self.namespace, link, 0.0)
         return None if found == 1.0 else found
 
     def limit(self, given: Limit) -> float | None:
-        """Return the present number of a limit in the robot file; None if it is not known."""
+        """Return the present number of a limit in the robot file; None if there is none.
+
+        Args:
+            given: The limit: a number, or the parameter of a node that holds it.
+        """
         if isinstance(given, ParameterRef):
             return linked_number(self.parameters, self.namespace, given)
         return given
 
     def form(self, kind: GoalKind) -> Mapping[str, FormField]:
-        """Return the form of a goal with the present limits."""
+        """Return the fields of a goal's form by path, with the present numbers of their limits."""
         return {
             path: replace(given, low=self.limit(given.low), high=self.limit(given.high))
             for path, given in kind.form.items()

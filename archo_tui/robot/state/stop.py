@@ -20,7 +20,7 @@ class OpenStop(NamedTuple):
     """A STOP that was requested and that the robot has not confirmed.
 
     Attributes:
-        asked: When it was requested.
+        asked: When it was requested, in monotonic seconds; a repeat does not change it.
         answer: The answer so far.
         why: Details of the answer for people; "" if there are none.
     """
@@ -31,7 +31,7 @@ class OpenStop(NamedTuple):
 
 
 class Latch(Enum):
-    """The state of the last STOP that the robot has confirmed or reported."""
+    """The state of the last STOP that the robot or another console has reported as confirmed."""
 
     NONE = "none"  # There was none, or it was released.
     HELD = "held"

@@ -35,7 +35,11 @@ class Battery(NamedTuple):
     discharging: bool | None = None
 
     def is_old(self, now: float) -> bool:
-        """Return True if nothing was received for three of its periods."""
+        """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return is_silent(self.received, self.period, now, self.grace)
 
 
@@ -62,7 +66,11 @@ class Motion:
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
-        """Return True if nothing was received for three of its periods."""
+        """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return is_silent(self.received, self.period, now, self.grace)
 
 
@@ -88,7 +96,11 @@ class Pose(NamedTuple):
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
-        """Return True if nothing was received for three of its periods."""
+        """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return is_silent(self.received, self.period, now, self.grace)
 
 
@@ -112,12 +124,16 @@ class GaugeReading(NamedTuple):
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
-        """Return True if nothing was received for three of its periods."""
+        """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
         return is_silent(self.received, self.period, now, self.grace)
 
     @property
-    def warns(self) -> str:
-        """`above 60` when the number is beyond a limit of the robot file, else an empty string."""
+    def warning(self) -> str:
+        """A text such as `above 60` if the number is beyond a limit of the robot file; else ""."""
         value, below, above = self.value, self.gauge.warn_below, self.gauge.warn_above
         if value is not None and below is not None and value < below:
             return f"below {below:g}"

@@ -20,12 +20,13 @@ class TopicEnd(NamedTuple):
 
 
 class TopicInfo(NamedTuple):
-    """All ends of a topic.
+    """The publishers and subscriptions of a topic.
 
     Attributes:
-        publishers: Its publishers, by node.
-        subscriptions: Its subscriptions, by node; those of hidden nodes are left out.
-        mismatches: A text for each subscription that receives nothing, with the remedy.
+        publishers: The publishers, sorted by node.
+        subscriptions: The subscriptions, sorted by node; those of hidden nodes are left out.
+        mismatches: A text with the remedy for each subscribing node that receives nothing, or may
+            misread what it receives.
     """
 
     publishers: tuple[TopicEnd, ...] = ()

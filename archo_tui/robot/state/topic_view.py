@@ -25,14 +25,14 @@ class FieldKind(Enum):
 
 
 class FieldView(NamedTuple):
-    """A field of a message, or an element of an array that is open.
+    """A row for a field of a message, or for an element of an array that is open.
 
     Attributes:
         path: Its dotted path: `pose.position.x`, `ranges[3]`.
-        kind: What it is.
+        kind: The kind of the row.
         type: Its type as .msg files write it; of an array with its length: `float32[360]`.
-        value: Its value, NaN also; None for a group. A time of day is in Unix seconds.
-            For ARRAY and MORE, the length of the array.
+        value: Its value, NaN also; None for a group. A time of day is in Unix seconds. For ARRAY
+            and MORE, the length of the array.
         is_time: True if the value is a time of day.
         unit: Its unit; "" if neither its definition nor the robot file names one.
         constant: The name that the type gives to this value, or "".
@@ -41,7 +41,7 @@ class FieldView(NamedTuple):
         nan: Of an array, the number of elements that are NaN.
         first: Of an array of bytes, the first ones in hexadecimal.
         is_open: True for an array whose elements follow.
-        curve: Its values of the last minute, if they were asked for.
+        curve: Its values of the last minute; () if they were not asked for.
     """
 
     path: str
@@ -65,19 +65,19 @@ class TopicView(NamedTuple):
     Attributes:
         topic: Its full name.
         type: The type of its messages; "" while none is known.
-        received: The messages that came since it was opened.
-        rate: The messages in a second; None before the second one.
-        bytes_per_second: The bytes of them in a second; None as for `rate`.
+        received: The number of messages that came since the topic was opened.
+        rate: The messages in a second; None before two of them in the last 5 s.
+        bytes_per_second: The bytes of these messages in a second; None as for `rate`.
         age: Seconds since the last message; None before the first one.
-        fields: The fields of the last message, in its order.
-        is_cut: True if it has more fields than are shown.
+        fields: The rows for the fields of the last message, in its order.
+        is_cut: True if the message has more fields than are shown.
         plots: The values of the last minute by path, for those that were asked for.
         ends: Its publishers and subscriptions; None if they are not known.
         fault: Why nothing is shown, or why not the last message; "" if nothing is wrong.
-        open_arrays: The arrays whose elements are among the fields, as they were asked for.
-        with_elements: Returns this view, which is its argument, with the elements of other arrays
-            of the same message. It takes long for a large message, and may be called on any thread.
-            None before the first message.
+        open_arrays: The arrays whose elements are among the fields: by path, the first element.
+        with_elements: Takes this view and other `open_arrays`, and returns the view with the
+            elements of these, from the same message. It takes long for a large message, and may be
+            called on any thread. None before the first message.
     """
 
     topic: str
@@ -99,7 +99,7 @@ class TopicRequest(NamedTuple):
     """The parts of a view that a screen needs.
 
     Attributes:
-        open_arrays: The arrays whose elements are shown, by path, each with the first element.
+        open_arrays: The arrays whose elements are shown: by path, the index of the first one shown.
         visible: The paths of the fields whose curve is shown beside them.
         curve_columns: The number of columns of such a curve.
         plotted: The paths of the fields that are plotted.

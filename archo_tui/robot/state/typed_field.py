@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 
 class TypedField(NamedTuple):
-    """A field of a message, with its type: a primitive, or an array of anything.
+    """A field of a goal or a request with its type: a primitive, or an array of anything.
 
     Attributes:
         path: The dotted path of the field.
