@@ -170,7 +170,7 @@ class Robot:
             self._secrets,
         )
         caller = ServiceCaller(node, steady, self._services, self._graph, checks)
-        self._services.answered = self._on_answer
+        self._services.on_answered = self._on_answer
         if file.stop is not None:
             stops.set_service(file.stop, checks.full(file.stop.service))
         self._stopping = Stopping(
@@ -182,7 +182,7 @@ class Robot:
             self._interface_checks,
             lambda: self.unended_nodes(),
             self._snapshots.send,
-            self._reporter.stop_result,
+            self._reporter.report_stop_result,
         )
         lifecycles = self._lifecycles = Lifecycles(
             node,

@@ -94,7 +94,8 @@ class GoalAction:
         request = self.type.Impl.GetResultService.Request(goal_id=UUID(uuid=list(goal_id)))
         future = self._results.call_async(request)
         known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
-        services.hold_open(future, self.servers, known)  # Only one of the servers knows the goal.
+        # Only one of the servers knows the goal.
+        services.require_all_answers(future, self.servers, known)
         return future
 
     @property

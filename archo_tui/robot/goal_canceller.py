@@ -52,7 +52,9 @@ class GoalCanceller:
         before = tracked.goal.phase
         tracked.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         future = tracked.handle.cancel_goal_async()
-        services.hold_open(future, tracked.action.servers, lambda a: len(a.goals_canceling) > 0)
+        services.require_all_answers(
+            future, tracked.action.servers, lambda a: len(a.goals_canceling) > 0
+        )
         answer = await self._in_time(future)
         if answer is not None and len(answer.goals_canceling):
             return Outcome(Code.ACCEPTED, "accepted")
@@ -184,7 +186,7 @@ class GoalCanceller:
             services.wake(self._node)
 
         future.add_done_callback(on_answer)
-        self._services.watch(in_time)
+        self._services.cancel_at_deadline(in_time)
         return future.result() if await in_time else None
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> Any:

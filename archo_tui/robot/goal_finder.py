@@ -143,7 +143,7 @@ class GoalFinder:
         tracked = self._register.prepare(goal, goal_id, action)
         self._register.add(tracked)
         if not self._watching:
-            tracked.assume()
+            tracked.assume_accepted()
         sent = f"another client sent a goal to {action.kind.action}"
         again = f"{goal.name} was not lost: its node is heard again"
         self._note("GOAL", sent if lost is None else again)

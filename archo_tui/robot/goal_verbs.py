@@ -77,7 +77,7 @@ class GoalVerbs:
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
         async def go(gate: Gate) -> Outcome:
-            turn = self._services.turn()
+            turn = self._services.next_turn()
             refusal = self._goal_guard.refusal(kind, gate, queued=queued)
             if refusal is not None:
                 return refusal
@@ -86,7 +86,7 @@ class GoalVerbs:
             except Void:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
-                self._stopping.accepted(turn)
+                self._stopping.on_accepted(turn)
             return self._with_inactive_server(kind.action, outcome)
 
         ros2 = self._checks.goal_command(kind, values)

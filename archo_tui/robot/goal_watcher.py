@@ -85,7 +85,7 @@ class GoalWatcher:
         now = self._clock.monotonic()
         self._goals.update_lengths(self.way_length)
         self._goals.check(now, self._telemetry.motion)
-        stopped = self._stopping.obeyed_since
+        stopped = self._stopping.obeyed_stop_time
         if stopped is not None:
             self._set_still_running(self._goals.cancel_older(stopped))
 

@@ -177,7 +177,7 @@ class Goals:
         tracked.goal = tracked.goal._replace(
             sent=now, time=time, number=self._register.next_number()
         )
-        tracked.since = now
+        tracked.tracked_since = now
         self._refusals.clear()
         self._register.add(tracked)
         answered: Future[bool] = Future(executor=self._node.executor)
@@ -204,9 +204,9 @@ class Goals:
             tracked.end(Phase.REFUSED, reason)
             return Outcome(Code.REFUSED, reason)
         future.add_done_callback(on_answer)
-        self._services.watch(answered)
+        self._services.cancel_at_deadline(answered)
         if await answered is None:
-            tracked.assume()
+            tracked.assume_accepted()
             tracked.update(phase=Phase.UNKNOWN)
             return Outcome(
                 Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s: the goal may be running"
@@ -316,7 +316,9 @@ class Goals:
         Returns:
             The names of all running goals that began before that, also of other clients' goals.
         """
-        older = [tracked for tracked in self._register.running.values() if tracked.since < sent]
+        older = [
+            tracked for tracked in self._register.running.values() if tracked.tracked_since < sent
+        ]
         now = self._clock.monotonic()
         for tracked in older:
             if tracked.goal.mine and now - tracked.tried_to_cancel > services.DEADLINE:

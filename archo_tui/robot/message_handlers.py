@@ -184,7 +184,7 @@ class MessageHandlers:
         self._stops.sent_elsewhere += record.verb == "stop"
         self._stops.superseded |= record.verb != "stop"
         if record.code is Code.DONE and record.verb == "stop":
-            self._stopping.stopped_elsewhere(console)
+            self._stopping.on_stopped_elsewhere(console)
         elif record.code is Code.DONE and record.verb == "release":
-            self._stopping.latch.released_elsewhere(console)
+            self._stopping.latch.on_released_elsewhere(console)
         self._reporter.add(Event(self._clock.now(), "PEER", console, text, audit_record=record))

@@ -22,7 +22,10 @@ _NO_ANSWER = f"no answer in {QUESTION_TIMEOUT:g} s from the console's own node"
 
 
 class NodeVerbs:
-    """The verbs about a node. Called on the event loop."""
+    """The verbs about one node: its parameters, log level and lifecycle, and questions about it.
+
+    Called on the event loop. Only verbs that change something are reported as events.
+    """
 
     def __init__(
         self,
@@ -47,11 +50,15 @@ class NodeVerbs:
         self._parameters, self._lifecycles, self._secrets = parameters, lifecycles, secrets
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none of them.
+        """Set parameters of a node, all or none of them, and report it; secret values are masked.
 
         Args:
             node: The full name of the node.
             values: The values by name, of the Python types that fit.
+
+        Returns:
+            The outcome, whose text has the values that the node reports afterwards, and those
+            before.
         """
         shown = self._secrets.masked(values)
         has_secret = any(map(self._secrets.matches, values))
@@ -66,7 +73,17 @@ class NodeVerbs:
         )
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node has on the graph, or an outcome that tells why it is not known."""
+        """Return the topics, services, actions, log level and transitions of a node.
+
+        The last two are asked of the node itself, and are missing if it does not answer.
+
+        Args:
+            node: The full name of the node.
+
+        Returns:
+            The description, or an outcome that tells why there is none: REFUSED for a node that is
+            not on the graph, TIMEOUT if the console's own node does not answer.
+        """
         try:
             found = await self._thread.run(lambda: self._describe(node), QUESTION_TIMEOUT)
             return found or Outcome(Code.REFUSED, "not on the graph")
@@ -82,10 +99,13 @@ class NodeVerbs:
         return found._replace(transitions=await self._lifecycles.transitions(node))
 
     async def topic_info(self, topic: str) -> TopicInfo | Outcome:
-        """Return the publishers and subscriptions of a topic, or why they are not known.
+        """Return the publishers and subscriptions of a topic, or the outcome TIMEOUT.
+
+        The timeout means that the console's own node does not answer. A topic that is not on the
+        graph has no publishers and no subscriptions.
 
         Args:
-            topic: Its full name.
+            topic: The full name of the topic.
         """
 
         async def there() -> TopicInfo:
@@ -97,7 +117,11 @@ class NodeVerbs:
             return Outcome(Code.TIMEOUT, _NO_ANSWER)
 
     async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log; the text of the outcome names it."""
+        """Ask a node for the level of its log, which the outcome's text names.
+
+        Args:
+            node: The full name of the node.
+        """
         try:
             return await self._thread.run(lambda: self._nodes.level(node), QUESTION_TIMEOUT)
         except TimeoutError:
@@ -106,7 +130,7 @@ class NodeVerbs:
             return Outcome(Code.REFUSED, in_one_line(error))
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
-        """Set the level of a node's log.
+        """Set the level of a node's log, and report it; the outcome's text tells the new level.
 
         Args:
             node: The full name of the node.
@@ -121,11 +145,14 @@ class NodeVerbs:
         )
 
     async def change_lifecycle(self, node: str, transition: str) -> Outcome:
-        """Have a managed node make a transition.
+        """Have a managed node make a transition, wait for its answer, and report it.
+
+        An answer that comes after CHANGE_TIMEOUT is reported as an event of its own.
 
         Args:
             node: The full name of the node.
-            transition: Its word: configure, activate, deactivate, cleanup or shutdown.
+            transition: The word of the transition: configure, activate, deactivate, cleanup or
+                shutdown.
         """
         title = f"lifecycle {node.lstrip('/')} {transition}"
         arguments = {"node": node, "transition": transition}
@@ -140,7 +167,14 @@ class NodeVerbs:
         )
 
     async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
-        """Return the words of the transitions that a managed node can make now; () if silent."""
+        """Return the words of the transitions that a managed node can make now.
+
+        Args:
+            node: The full name of the node.
+
+        Returns:
+            The words; () for another node, or if the node does not answer.
+        """
         try:
             return await self._thread.run(
                 lambda: self._lifecycles.transitions(node), QUESTION_TIMEOUT

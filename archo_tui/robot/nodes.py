@@ -29,13 +29,23 @@ _NO_LEVELS = "does not offer the level of its log (in rclpy: enable_logger_servi
 
 
 class Nodes:
-    """The questions about one node, to the graph and to the node itself."""
+    """The questions about one node, to the graph and to the node itself, and its log level."""
 
     def __init__(self, node: Node, pending: Services) -> None:
         self._node, self._services = node, pending
 
     async def describe(self, name: str) -> NodeInfo | None:
-        """Return what a node has; None if no node of that full name is on the graph."""
+        """Return what a node has, without what every node has and without hidden names.
+
+        The node itself is asked for its log level. The transitions of a managed node are left
+        empty.
+
+        Args:
+            name: The full name of the node.
+
+        Returns:
+            The description; None if no node of that name is on the graph.
+        """
         namespace, _, base = name.rpartition("/")
         where, node = (base, namespace or "/"), self._node
         try:
@@ -56,7 +66,11 @@ class Nodes:
         return found._replace(level=level, no_level=why)
 
     def topic_info(self, topic: str) -> TopicInfo:
-        """Return all ends of a topic, by its full name."""
+        """Return the publishers and subscriptions of a topic, and which of them do not fit.
+
+        Args:
+            topic: The full name of the topic.
+        """
         node = self._node
         publishers = node.get_publishers_info_by_topic(topic)
         subscriptions = node.get_subscriptions_info_by_topic(topic)
@@ -67,7 +81,15 @@ class Nodes:
         return all(self._node.count_services(f"{name}/{service}") for service in (_GET, _SET))
 
     async def level(self, name: str) -> Outcome:
-        """Return an outcome whose text tells the log level of a node, by its full name."""
+        """Ask a node for its log level; the text of the outcome tells it, as `INFO and above`.
+
+        Args:
+            name: The full name of the node.
+
+        Returns:
+            DONE; NOT_OFFERED if the node has no services for its level, TIMEOUT if it does not
+            answer.
+        """
         level = await self._level(name)
         if level is not None:
             return Outcome(Code.DONE, f"{name.lstrip('/')} logs {level.text}")
@@ -76,7 +98,7 @@ class Nodes:
         return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {name}")
 
     async def _level(self, name: str) -> LogLevel | None:
-        """Return the log level of a node; None if the node does not report it."""
+        """Return the log level of a node; None if the node does not offer or not answer it."""
         if not self._has_levels(name):
             return None
         parts = name.strip("/").split("/")
@@ -91,12 +113,15 @@ class Nodes:
         return LogLevel(levels[0], next((level for level in levels if level != "UNSET"), "UNSET"))
 
     async def set_level(self, name: str, level: str, gate: Gate) -> Outcome:
-        """Set the log level of a node.
+        """Set the log level of a node, and ask the node for it before and afterwards.
 
         Args:
             name: The full name of the node.
-            level: One of `LEVELS`.
+            level: One of LEVELS.
             gate: The last check before the request is sent.
+
+        Returns:
+            DONE with the level that holds now and the one before; NOT_OFFERED, REFUSED or TIMEOUT.
 
         Raises:
             Void: A STOP was read after the request was typed.

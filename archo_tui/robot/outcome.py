@@ -40,7 +40,7 @@ class Outcome(NamedTuple):
 
     @property
     def ok(self) -> bool:
-        """True if the command succeeded, as far as that is known by now."""
+        """True if the command succeeded as far as is known by now: DONE, ACCEPTED or ARRIVED."""
         return self.code in _GOOD
 
 
@@ -55,24 +55,24 @@ class Answer(Outcome):
 
     @classmethod
     def of(cls, outcome: Outcome, message: Any) -> Answer:
-        """Return a copy of an outcome with an answer."""
+        """Return an outcome with the same code and text, and with the answer."""
         made = cls(*outcome)
         made.message = message
         return made
 
 
 class Report(Outcome):
-    """The outcome of a verb that found out something which is kept nowhere else.
+    """The outcome of a verb that found something out, with the findings for programs.
 
     Attributes:
-        data: The same as the text, as JSON has it.
+        data: What the text says, in types that JSON has.
     """
 
     data: Any
 
     @classmethod
     def of(cls, text: str, data: Any) -> Report:
-        """Return the outcome with a text for people and data for programs."""
+        """Return an outcome of code DONE with a text for people, and data for programs."""
         made = cls(Code.DONE, text)
         made.data = data
         return made

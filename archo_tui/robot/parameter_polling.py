@@ -16,19 +16,28 @@ MAX_REQUESTS = 5
 
 
 class ParameterPolling:
-    """The rounds: hands out the requests that are due."""
+    """The schedule by which all parameters of all nodes are read again, in rounds of PERIOD."""
 
     def __init__(self) -> None:
         self._left: deque[tuple[str, list[str]]] = deque()  # Requests of this round.
         self._next = 0.0  # Monotonic seconds at which the next round may begin.
         self._each = 0  # Requests a poll in this round.
 
-    def due(self, now: float, names: Mapping[str, Iterable[str]]) -> list[tuple[str, list[str]]]:
-        """Return the requests that are due: each a node, and names of its parameters.
+    def take_due(
+        self, now: float, names: Mapping[str, Iterable[str]]
+    ) -> list[tuple[str, list[str]]]:
+        """Remove and return the requests for this poll; [] while the next round is not due.
+
+        A round begins PERIOD after the last one began, or later if that is not done. It reads the
+        parameters that are known at its beginning; those of nodes that left meanwhile are not
+        dropped.
 
         Args:
             now: Monotonic time in seconds.
-            names: The names of all known parameters, by node.
+            names: The names of all known parameters, by the full name of their node.
+
+        Returns:
+            Pairs of a node's full name and at most SLICE names of its parameters.
         """
         if not self._left:
             if now < self._next:

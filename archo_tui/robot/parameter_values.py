@@ -25,7 +25,10 @@ _LONGEST = 10_000  # Characters of a typed value.
 
 
 def as_python(message: Any) -> Any:
-    """Return the value in an rcl_interfaces/msg/ParameterValue, with sequences as lists."""
+    """Return the value in an rcl_interfaces/msg/ParameterValue; None if it is not set.
+
+    Arrays become lists.
+    """
     kind = TYPES.get(message.type)
     if kind is None:
         return None
@@ -34,12 +37,12 @@ def as_python(message: Any) -> Any:
 
 
 def value_field(kind: str) -> str:
-    """Return the field of rcl_interfaces/msg/ParameterValue for a type, such as `bool[]`."""
+    """Return the field of rcl_interfaces/msg/ParameterValue that holds a type, such as `bool[]`."""
     return f"{kind.replace('[]', '_array')}_value"
 
 
 def range_text(parameter: Parameter) -> str:
-    """Return what values are allowed, as `0.05 .. 2`; "" if all are."""
+    """Return the allowed values of a parameter as text: `0.05 .. 2` or `read-only`; "" for any."""
     if parameter.read_only:
         return "read-only"
     if parameter.low is None or parameter.high is None:
@@ -54,17 +57,20 @@ def _bound(value: float) -> str:
 
 
 def typed_text(value: Any) -> str:
-    """Return the text of a value in a field, from which `parse` returns the value."""
+    """Return a parameter's value as text for an input field, which `parse` turns back into it."""
     if isinstance(value, str):
         return value
     return flow(value) if isinstance(value, list) else text_of(value)
 
 
 def parse(parameter: Parameter, text: str) -> Any:
-    """Return the value that a typed text means for a parameter.
+    """Return the value that a typed text means for a parameter, by the parameter's type.
+
+    A string is taken as it is typed, with blanks and without quotes. An array is a list in YAML.
 
     Raises:
-        ValueError: In one line why the text is no value for it.
+        ValueError: In one line, why the text is no value: of another type, out of the parameter's
+            range, longer than 10,000 characters, or the parameter is read-only.
     """
     if parameter.read_only:
         raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
@@ -78,10 +84,11 @@ def parse(parameter: Parameter, text: str) -> Any:
 
 
 def fit(parameter: Parameter, value: Any) -> Any:
-    """Return a value from a file for a parameter; a whole number may stand for a double.
+    """Return a value from a file as a parameter takes it: whole numbers become doubles if need be.
 
     Raises:
-        ValueError: In one line why the value does not fit.
+        ValueError: In one line, why it does not fit: of another type, out of the parameter's range,
+            or other than the present value of a read-only parameter.
     """
     if parameter.type == "double" and type(value) is int:
         value = float(value)
@@ -103,10 +110,10 @@ def _type_of(value: Any) -> str:
 
 
 def _check_range(parameter: Parameter, value: Any, text: str) -> None:
-    """Check a number against the parameter's range; ROS has no ranges for lists.
+    """Raise an error if a number is outside the parameter's range; ROS has no ranges for lists.
 
     Raises:
-        ValueError: It is outside the range.
+        ValueError: The value, which `text` shows, is out of range or NaN.
     """
     if parameter.low is None or parameter.high is None or isinstance(value, list):
         return

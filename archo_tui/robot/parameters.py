@@ -34,7 +34,7 @@ _DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is
 
 
 class Parameters:
-    """The mirror: loads parameters when their nodes appear, follows their changes, sets them."""
+    """A mirror of the parameters of all nodes: loads them, follows their changes, and sets them."""
 
     def __init__(
         self,
@@ -46,14 +46,15 @@ class Parameters:
         on_event: Callable[[str, str, Any, Any], None],
         secrets: SecretNames,
     ) -> None:
-        """Create an empty mirror.
+        """Create an empty mirror, and subscribe to /parameter_events.
 
         Args:
             node: The console's node.
             clock: The clock of all waits.
             pending: Calls services.
             on_change: Called when the mirror has changed.
-            on_new_value: Called with a node, and the old and new value of a parameter of it.
+            on_new_value: Called with a node's full name, and the old and new value of one of its
+                parameters, however the change became known.
             on_event: Called with node, name, old and new value when a node publishes a change.
             secrets: Decides which parameters are secret.
         """
@@ -83,16 +84,21 @@ class Parameters:
         return self._all
 
     def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
-        """Load the parameters of new nodes, forget those of nodes that left, refresh some others.
+        """Begin to load the parameters of new nodes, and to read a part of the others again.
+
+        The parameters of nodes that have left are dropped, and their service clients destroyed. A
+        node that does not answer is asked again after 2 s, then after twice the wait each, up to 60
+        s.
 
         Args:
-            nodes: How many nodes have each name. One more than before means that it was restarted,
-                while the killed one is still on the graph.
+            nodes: The number of nodes that have each full name. A larger number than before means
+                that the node was restarted while the killed one is still on the graph: it is loaded
+                again.
             offered: The full names of the services on the graph.
         """
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
-            self._services.forget(gone)
+            self._services.destroy_clients(gone)
             if self._by_node.pop(gone, None) is not None:
                 self._on_change()
         now = self._clock.monotonic()
@@ -103,12 +109,12 @@ class Parameters:
                 self._loading.add(name)
                 self._task(self._load, name)
         self._known = dict(nodes)
-        for node, names in self._polling.due(now, self._by_node):
+        for node, names in self._polling.take_due(now, self._by_node):
             if node in self._by_node:  # Others have left in this round.
                 self._task(self._refresh, node, names)
 
     async def _refresh(self, node: str, names: list[str]) -> None:
-        """Read parameters of a node again."""
+        """Read parameters of a node again; if it has others now, forget it, to load it anew."""
         known = self._by_node.get(node, {})
         # A parameter without a value cannot be read; its node publishes when it gets one.
         names = [name for name in names if name in known and known[name].value is not None]
@@ -124,7 +130,7 @@ class Parameters:
             self._take(node, name, value)
 
     async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
-        """Return values by name: none of them if one is not set, None if there is no answer."""
+        """Ask a node for values; return them by name, {} if one is not set, None if none come."""
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
@@ -137,7 +143,7 @@ class Parameters:
         self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     async def _load(self, node: str) -> None:
-        """Load all parameters of a node, or note when to ask it again."""
+        """Load all parameters of a node; if it does not answer, set when it is asked again."""
         try:
             listed = await self._services.call(
                 srv.ListParameters,
@@ -179,7 +185,7 @@ class Parameters:
         return found
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
-        """Set parameters of a node, all or none of them.
+        """Set parameters of a node, all or none of them, and read back what they are then.
 
         Args:
             node: The full name of the node.
@@ -187,7 +193,8 @@ class Parameters:
             gate: The last check before the request is sent.
 
         Returns:
-            The values that the node reports afterwards, or its reason for a refusal.
+            DONE with the values that the node reports afterwards and those before, secrets masked;
+            REFUSED with its reason, TIMEOUT, or MISUSE for a value that does not fit.
 
         Raises:
             Void: A STOP was read after the request was typed.
@@ -207,7 +214,7 @@ class Parameters:
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
         if not answer.result.successful:
-            reason = self._secrets.without(answer.result.reason, values)
+            reason = self._secrets.masked_text(answer.result.reason, values)
             return Outcome(Code.REFUSED, reason or "refused, no reason given")
         names = list(values)
         got = await self._services.call(
@@ -269,7 +276,7 @@ class Parameters:
 
 
 def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterEvent:
-    """Return a message that was received, with MASK in place of the secret values in it."""
+    """Return a message with MASK in place of secret values; the same object if it has none."""
     parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
     if not any(secrets.matches(parameter.name) for part in parts for parameter in part):
         return message

@@ -25,10 +25,11 @@ _NOTED = 0.1  # Messages that follow faster are not recorded, once the period is
 class Period(NamedTuple):
     """The measured period of one topic; immutable.
 
-    Once measured it does not grow: the silence of a link that becomes slower must be noticed.
+    Once the typical interval is learnt it does not follow a link that becomes slower, so that the
+    silence of such a link is noticed. Only silences of the same length, three in a row, change it.
 
     Attributes:
-        intervals: The first intervals between messages, in seconds.
+        intervals: The first intervals between messages, in seconds; at most five.
         last: When the last message came, in monotonic seconds; None before the first.
         known: The period in seconds from before, which holds until it is measured; or None.
         dense: The sum of all intervals up to `_DENSE`, in seconds.
@@ -46,14 +47,15 @@ class Period(NamedTuple):
     silences: tuple[float, ...] = ()
 
     def measured_again(self, old: object, new: object) -> Period:
-        """Return a period that is measured again, because a parameter has changed.
+        """Return an unmeasured period in which the present one holds until it is measured again.
 
-        Until then the present one holds. If the parameter seems to be the period itself, its new
-        value holds if it is longer: the publisher may first wait for the end of the old period.
+        For use when a parameter has changed. If the old value of the parameter equals the present
+        period, the parameter seems to set it: then its new value holds from now on, if it is longer
+        and at most LONGEST_SET. The publisher may first wait for the end of the old period.
 
         Args:
             old: The parameter's value before; None if it is of another node than the publisher.
-            new: Its present value.
+            new: The parameter's present value.
         """
         seconds = self.typical or self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
@@ -63,7 +65,10 @@ class Period(NamedTuple):
         return Period(known=seconds)
 
     def with_message_at(self, now: float) -> Period:
-        """Return the period with one more message at `now`, in monotonic seconds."""
+        """Return the period with one more message at `now`, in monotonic seconds.
+
+        Once the typical interval is learnt, a message within 0.1 s of the last one changes nothing.
+        """
         if self.last is None:
             return self._replace(last=now)
         interval = now - self.last
@@ -83,7 +88,7 @@ class Period(NamedTuple):
     def _with_typical(self, interval: float, now: float) -> Period:
         """Return the period with one more message, after the typical interval was learnt.
 
-        Silences that recur regularly, as between long bursts, become typical.
+        Silences of the same length, three in a row as between long bursts, become typical.
         """
         assert self.learnt is not None
         if interval <= max(3 * self.learnt, LEAST_SILENCE):
@@ -110,7 +115,7 @@ class Period(NamedTuple):
 
     @property
     def _middle(self) -> float:
-        """The interval in seconds, in order of length, that contains half of the whole time.
+        """The interval in seconds, in order of length, at which half of the whole time is reached.
 
         In this way a burst counts as one message. The last intervals do not count while they grow.
         """
@@ -132,7 +137,7 @@ class Period(NamedTuple):
 
     @property
     def seconds(self) -> float | None:
-        """The median of the first intervals in seconds; before two messages, `known`."""
+        """The median of the first intervals in seconds; before two messages, `known`, or None."""
         if not self.intervals:
             return self.known
         return sorted(self.intervals)[len(self.intervals) // 2]
@@ -149,23 +154,24 @@ class Period(NamedTuple):
 
     @property
     def grace(self) -> float:
-        """The silence in seconds that is allowed before the typical interval is known.
+        """The silence in seconds that is allowed before the typical interval is known: 15 or 90.
 
-        Several quick messages are a burst, or the first messages of a robot that then died.
+        The shorter one holds after several messages: they are a burst, or a robot died after them.
         """
         return _MAYBE_A_BURST if len(self.intervals) >= _FEW else UNMEASURED
 
 
 class Pause(NamedTuple):
-    """The pauses of this process, as when it is suspended: it can receive nothing then.
+    """The pauses of this process, as when it was suspended; it receives nothing during a pause.
 
     Pauses that follow each other count as one, or a process that pauses again and again would never
     notice a silence.
 
     Attributes:
         checked: When `checked_at` was called last, in monotonic seconds; None if never.
-        is_over: True unless the last call ended a pause.
-        resumed: The end of the last pause, in monotonic seconds; silence counts from then.
+        is_over: False if a pause was found at the last call.
+        resumed: The end of the last pause, in monotonic seconds; silence counts from then. For
+            pauses that follow each other, the end of the first.
     """
 
     checked: float | None = None
@@ -173,7 +179,11 @@ class Pause(NamedTuple):
     resumed: float = float("-inf")
 
     def checked_at(self, now: float) -> Pause:
-        """Return the pauses up to `now` (monotonic seconds); call it about once a second."""
+        """Return the pauses up to `now`; a call more than 2.5 s after the last one means a pause.
+
+        Args:
+            now: Monotonic time in seconds. Call this about once a second.
+        """
         paused = self.checked is not None and now - self.checked > LEAST_SILENCE
         resumed = now if paused and self.is_over else self.resumed
         return Pause(now, not paused, resumed)
@@ -190,7 +200,7 @@ def is_silent(
     """Return True if no message came for three periods, at least 2.5 s.
 
     Args:
-        received: When the last message came; None if none has: that is no silence.
+        received: When the last message came; None if none has: then it is not silent.
         period: The period in seconds; None if it is not known.
         now: Monotonic time in seconds, as `received`.
         grace: The silence in seconds that is allowed without a period; None for any.

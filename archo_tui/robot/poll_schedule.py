@@ -21,7 +21,7 @@ class PollSchedule(Generic[T]):
         self._in_turn: OrderedDict[T, None] = OrderedDict()  # The longest wait comes first.
 
     def set_items(self, items: AbstractSet[T]) -> None:
-        """Set the items: new ones are urgent, those that are missing now are dropped."""
+        """Replace the set of items: new ones become urgent, and missing ones are dropped."""
         for gone in self._in_turn.keys() - items:
             del self._in_turn[gone]
             self._urgent.pop(gone, None)
@@ -30,14 +30,15 @@ class PollSchedule(Generic[T]):
         self.prioritize(new)
 
     def prioritize(self, items: Iterable[T]) -> None:
-        """Make items urgent, which must be among those that were set."""
+        """Make items urgent for the next poll; they must be among those that were set."""
         self._urgent.update(dict.fromkeys(items))
 
-    def due(self) -> Iterator[T]:
-        """Yield the urgent items, then as many others as PERIOD requires.
+    def take_due(self) -> Iterator[T]:
+        """Yield the items for this poll: all urgent ones, then the longest waiting up to a share.
 
-        The caller may stop early: items that it did not take are due at the next call, as are those
-        that are made urgent meanwhile.
+        The share is a thirtieth of all items, at least ten, less the urgent ones. A yielded item
+        counts as polled. The caller may stop early: items that were not yielded are due at the next
+        call, as are those that are made urgent meanwhile.
         """
         urgent: Collection[T] = tuple(self._urgent)
         for item in urgent:

@@ -21,7 +21,7 @@ from archo_tui.robot_file.model import fields_of
 
 
 class News(Enum):
-    """The difference between a message and the one before; a larger value weighs more."""
+    """The difference of a message's readings from the last ones; a larger value weighs more."""
 
     NONE = auto()  # Only its time differs.
     NUMBERS = auto()  # Readings differ, as they do all the time.
@@ -65,10 +65,10 @@ class _Subscription(NamedTuple):
 
 
 class ReadingSubscriptions:
-    """The subscriptions to the topics of readings, as they are published. ROS thread only.
+    """The subscriptions to the topics of the robot file's readings. ROS thread only.
 
     Attributes:
-        faults: Why a topic or one of its publishers is not read, by topic.
+        faults: Why a topic or one of its publishers is not read, by the topic in the robot file.
         publishers: The full names of the nodes that publish each reading, by key.
         graces: The silence in seconds that is allowed without a period, by key; None for any. For
             a key that is missing, the period decides.
@@ -100,7 +100,11 @@ class ReadingSubscriptions:
         self.graces: dict[object, float | None] = {}
 
     def update(self) -> None:
-        """Subscribe to what is published now, with its types and QoS, and update the faults."""
+        """Subscribe to what is published now, with its types and QoS, and update the attributes.
+
+        Each new fault is passed to `warn`. A subscription whose type nobody publishes any more
+        ends; that of a topic without any publisher stays.
+        """
         faults: dict[str, str] = {}
         wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
         published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
@@ -126,12 +130,12 @@ class ReadingSubscriptions:
     def _usable(
         self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
     ) -> str | None:
-        """Return the type on its topic that a reader can read; None if there is none.
+        """Return a published type that a reader can read, the first by name; None if there is none.
 
         Args:
             reader: The reader, whose publishers and grace are recorded.
             publishers: The publishers of its topic.
-            faults: Gets what is wrong, by topic.
+            faults: Gets what is wrong, by topic; a fault that is there already stays.
         """
         self.publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
@@ -162,7 +166,8 @@ class ReadingSubscriptions:
     ) -> None:
         """Make one subscription for all readers of a topic and type, with a QoS that fits.
 
-        With two, each message would be recorded and counted twice.
+        With two, each message would be recorded and counted twice. The present subscription stays
+        if it has the same readers and QoS; else it is replaced.
         """
         topic, kind = key
         qos = fitting_qos(publishers)
@@ -201,7 +206,7 @@ class ReadingSubscriptions:
 
 
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
-    """Return why a type cannot be read: not installed, or without a named field; or ""."""
+    """Return why a type cannot be read: not installed, or without a field of the readers; or ""."""
     if message_class is None:
         return mismatch.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]

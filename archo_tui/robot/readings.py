@@ -15,7 +15,9 @@ def read(given: Fields | None, message: Any) -> Any:
     """Return the value that a robot file reads from a message; None if the field is missing.
 
     Args:
-        given: The field; of several, the value is True if any is true, False if all are false.
+        given: The field, whose value is compared or scaled as the robot file says; None reads
+            nothing. Of several fields, the value is True if any is true, False if all are false,
+            else None.
         message: The message.
     """
     if isinstance(given, tuple):
@@ -43,7 +45,7 @@ def _read(field: MessageField, message: Any) -> Any:
 
 
 def number(value: Any, low: float, high: float) -> float | None:
-    """Return a value as a number within low .. high; None for anything else, NaN and a bool too."""
+    """Return a finite number within low .. high as a float; None for anything else, a bool too."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if math.isfinite(value) and low <= value <= high else None
@@ -63,7 +65,7 @@ def flag(value: Any) -> bool | None:
 
 
 def as_received(value: Any) -> str:
-    """Return the first characters of a value that is no reading, to be shown."""
+    """Return a text for a value that is no reading: at most 20 characters, of a float 6 digits."""
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]
 
 

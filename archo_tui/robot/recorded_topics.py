@@ -13,9 +13,10 @@ from archo_tui.robot_file import mismatch
 
 
 class RecordedTopics:
-    """The subscriptions to those of the topics that somebody publishes. ROS thread only.
+    """The subscriptions to those of the listed topics that have a publisher. ROS thread only.
 
-    The messages go to the black box, as those of every subscription of the node do.
+    They only bring the messages to the black box, which has those of every subscription of the
+    node.
     """
 
     def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
@@ -32,7 +33,11 @@ class RecordedTopics:
         self._warned: set[str] = set()
 
     def subscribe(self) -> None:
-        """Subscribe to the topics that have come since the last call."""
+        """Subscribe to each topic that has a publisher by now, with the first publisher's type.
+
+        A topic whose type is not installed is tried again at the next call; one that rclpy refuses
+        is not. Subscriptions are never ended or changed.
+        """
         for topic in list(self._missing):
             publishers = self._node.get_publishers_info_by_topic(topic)
             if not publishers:

@@ -55,32 +55,44 @@ class Reporter:
         self.log = EventLog()
 
     def add(self, event: Event) -> None:
-        """Add an event, and have it shown."""
+        """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
         self.add_log_line(event)
         self._on_change()
 
     def add_log_line(self, event: Event) -> Event:
-        """Add an event without having it shown; return it with the number of its repeats."""
+        """Add an event to the log and pass it to `on_event`, without having the front ends updated.
+
+        Returns:
+            The event as it is in the log: with its number and the number of its repeats.
+        """
         added = self.log.add(event)
         self._on_event(added)
         return added
 
     def note(self, level: str, text: str) -> None:
-        """Add an event of the console, of that level."""
+        """Add an event whose source is the console.
+
+        Args:
+            level: The level of the event, such as `WARN`.
+            text: The line.
+        """
         self.add(Event(self._clock.now(), level, "console", text))
 
     def warn(self, text: str) -> None:
-        """Add a warning of the console."""
+        """Add an event of level WARN whose source is the console."""
         self.note("WARN", text)
 
     def error(self, error: Exception) -> None:
-        """Add an error of the console."""
+        """Add an event of level ERROR with the text of an exception; the source is the console."""
         self.note("ERROR", in_one_line(error))
 
     def report_done(
         self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
     ) -> None:
-        """Report what this console did: here, to other consoles, and in the ROS log.
+        """Report what this console did: as an event, in the ROS log, and to other consoles.
+
+        The record also explains changes of the robot that follow, so that no other client is
+        blamed.
 
         Args:
             text: The line for people; it may hold any characters.
@@ -95,6 +107,6 @@ class Reporter:
         now = self._clock.now()
         self.add(Event(now, requester.level, requester.source, text, command, audit_record=record))
 
-    def stop_result(self, text: str, code: Code) -> None:
-        """Report an outcome of a STOP that no verb waits for any more."""
+    def report_stop_result(self, text: str, code: Code) -> None:
+        """Report an outcome of a STOP that no verb waits for any more, as `report_done` does."""
         self.report_done(text, AuditRecord("stop", {"later": True}, code))

@@ -18,10 +18,10 @@ class Requester:
 
     Attributes:
         level: The level of its events: `YOU`, `SHELL`, `AI`.
-        source: Their source: `console`, `pid 4711`.
+        source: The source of its events: `console`, `pid 4711`.
         ends: Futures for the outcomes of the goals that it requested.
         goal: The last of these goals that ended; None if none has.
-        has_left: True if whatever it still requests is not carried out.
+        has_left: True once it has gone; whatever it requested and is not done yet is dropped.
         waits: True if it waits for the end of its goals, which are cancelled if it leaves.
     """
 
@@ -50,7 +50,7 @@ def current_requester() -> Requester:
 
 @contextmanager
 def on_behalf_of(requester: Requester) -> Iterator[None]:
-    """Carry out work for a requester; tasks that begin inside inherit it."""
+    """Make a requester the current one inside the `with` block, and in tasks that begin there."""
     token = _current.set(requester)
     try:
         yield

@@ -39,7 +39,7 @@ class _TopicEnds(NamedTuple):
 
     Attributes:
         publishers: The full names of its publishers' nodes, also of nodes that ROS cannot name.
-        mismatches: A text for each pair of a publisher and a subscription that DDS does not match.
+        mismatches: A text for each subscribing node that does not get or may misread the messages.
     """
 
     publishers: frozenset[str]
@@ -47,7 +47,10 @@ class _TopicEnds(NamedTuple):
 
 
 class _Named(NamedTuple):
-    """The robot's names on the graph, each with its types; a service may have only clients."""
+    """The robot's topics, services and actions on the graph: the types by full name.
+
+    A service or an action may have only clients.
+    """
 
     topics: Types
     services: Types
@@ -55,12 +58,13 @@ class _Named(NamedTuple):
 
 
 class Resources:
-    """The topics, services and actions of the robot, polled within the time that is given.
+    """The robot's topics, services and actions, asked of the graph a few at each poll.
 
     Attributes:
-        all: All of them, sorted by name; the same object until something changes.
-        services: The types of each service that is served.
-        actions: The types of each action that is served.
+        all: All of them: topics, services, actions, each sorted by name; the same object until
+            something changes.
+        services: The types of each service that is served, by full name.
+        actions: The types of each action that is served, by full name.
     """
 
     def __init__(self, node: Node, is_ours: Callable[[str], bool]) -> None:
@@ -96,14 +100,16 @@ class Resources:
         actions: Types,
         has_time: Callable[[], bool],
     ) -> None:
-        """Ask again what is due.
+        """Ask the graph what is due, and update the attributes if an answer changed.
+
+        If a name came or went, all nodes are due; otherwise each node is due within 30 polls.
 
         Args:
             nodes: All nodes on the graph.
             services: The types of each service on the graph, which may have only clients.
             actions: The types of each action on the graph, which may have only clients.
-            has_time: Returns False once nothing more must be asked in this poll; the next polls
-                ask what is left.
+            has_time: Returns False once nothing more must be asked in this poll; the next polls ask
+                what is left.
         """
         topics = {
             name: tuple(types)
@@ -129,7 +135,7 @@ class Resources:
             del self._names_of[pair]
         is_changed, unknown = bool(left), []
         self._is_partly_asked = False
-        for pair in self._nodes.due():
+        for pair in self._nodes.take_due():
             try:
                 has = self._ask_node(*pair)
             except NodeNameNonExistentError:  # It has just left, or just come.
@@ -185,7 +191,7 @@ class Resources:
         if self._is_partly_asked:  # Of most names a node will tell.
             return False
         before = dict(self._ends), set(self._counted)
-        for name in self._asked_names.due():
+        for name in self._asked_names.take_due():
             if name in self._named.topics:
                 self._ends[name] = self._ask_about_topic(name)
             elif self._node.count_services(name):  # Of two nodes with one name ROS names only one.
@@ -203,7 +209,7 @@ class Resources:
         return _TopicEnds(nodes, mismatches(topic, publishers, subscriptions, self._console))
 
     def _list(self) -> None:
-        """Build the attributes from the answers."""
+        """Rebuild the public attributes from the answers."""
         topics, services, actions = self._named
         served = self._servers.keys() | self._counted
         self.services = {name: types for name, types in services.items() if name in served}

@@ -11,32 +11,56 @@ from archo_tui.yaml_text.dump import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:
-    """Return the command that calls a service of that type with that request."""
+    """Return the `ros2` command line that calls a service.
+
+    Args:
+        name: The full name of the service.
+        type_name: The type: `package/srv/Name`.
+        request: The request message.
+    """
     return f"ros2 service call {name} {type_name} {quote(messages.as_yaml(request))}"
 
 
 def send_goal(name: str, type_name: str, goal: Any) -> str:
-    """Return the command that sends a goal to an action of that type."""
+    """Return the `ros2` command line that sends a goal and prints its feedback.
+
+    Args:
+        name: The full name of the action.
+        type_name: The type: `package/action/Name`.
+        goal: The goal message.
+    """
     return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
 
 
 def echo(topic: str, type_name: str) -> str:
-    """Return the command that prints the messages of a topic."""
+    """Return the `ros2` command line that prints the messages of a topic of a given type."""
     return f"ros2 topic echo {quote(topic)} {quote(type_name)}"
 
 
 def cancel(name: str) -> str:
-    """Return the command that cancels every goal of an action: an empty id and time mean all."""
+    """Return the `ros2` command line that cancels every goal of an action.
+
+    It calls the cancel service with the default request, whose zero id and time mean all goals.
+    """
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
 
 
 def change_lifecycle(node: str, word: str) -> str:
-    """Return the command that has a managed node make a transition."""
+    """Return the `ros2` command line that has a managed node make a transition.
+
+    Args:
+        node: The full name of the node.
+        word: The transition, such as `activate`.
+    """
     return f"ros2 lifecycle set {quote(node)} {quote(word)}"
 
 
 def set_parameters(node: str, values: Mapping[str, Any]) -> str:
-    """Return the commands that set parameters; "" if `ros2` would guess another type for one."""
+    """Return a `ros2 param set` command line for each parameter, joined by `; `.
+
+    Returns:
+        The text; "" if `ros2` would guess another type for one of the values, as for an empty list.
+    """
     if any(value == [] or _holds_bytes(value) for value in values.values()):
         return ""
     # A blank keeps `ros2` from taking a negative number for an option.

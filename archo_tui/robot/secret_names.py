@@ -18,19 +18,22 @@ _WORD = re.compile(r"[^\W\d_]+")
 
 
 class SecretNames:
-    """The words in a parameter's name that make it secret. Immutable; any thread may use it."""
+    """The rule by which a parameter's name makes it secret. Immutable; any thread may use it."""
 
     def __init__(self, more: Iterable[str] = ()) -> None:
-        """Begin with the built-in words.
+        """Create a rule with the built-in words, such as `password` and `token`, and further ones.
 
         Args:
-            more: Further words, such as `pin`; several words in one text must be side by side.
+            more: The further words, such as `pin`; several words in one text must be side by side.
         """
         listed = (_words(text) for text in more)
         self._listed = [words for words in listed if words]
 
     def matches(self, name: str) -> bool:
-        """Return True for a secret name, such as `wifi.password`, `apiKey` or `auth_tokens`."""
+        """Return True for a secret name, such as `wifi.password`, `apiKey` or `auth_tokens`.
+
+        Upper case and a plural `s` make no difference.
+        """
         words = _words(name)
         return (
             any(word.endswith(_ALWAYS) for word in words)
@@ -39,11 +42,16 @@ class SecretNames:
         )
 
     def masked(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return values by name, with MASK in place of the secret ones."""
+        """Return a copy of values by name, with MASK in place of those whose name is secret."""
         return {name: MASK if self.matches(name) else value for name, value in values.items()}
 
-    def without(self, text: str, values: Mapping[str, Any]) -> str:
-        """Return a text with MASK in place of each secret text among `values` that it quotes."""
+    def masked_text(self, text: str, values: Mapping[str, Any]) -> str:
+        """Return a text with MASK in place of each secret value that it quotes.
+
+        Args:
+            text: The text, such as a node's reason for a refusal.
+            values: Values by name. Only strings whose name is secret are masked.
+        """
         for name, value in values.items():
             if isinstance(value, str) and value and self.matches(name):
                 text = text.replace(value, MASK)
@@ -51,9 +59,9 @@ class SecretNames:
 
 
 def load(path: Path) -> SecretNames:
-    """Read further words from a file, one text a line; `#` begins a comment.
+    """Return the rule with the further words in a file, one text a line; `#` begins a comment.
 
-    A missing file has none.
+    If the file does not exist, only the built-in words make a name secret.
 
     Raises:
         ArchoError: The file exists and cannot be read, so secrets might be shown.
@@ -75,6 +83,6 @@ def _words(name: str) -> list[str]:
 
 
 def _contains_phrase(words: Sequence[str], listed: Sequence[str]) -> bool:
-    """Return True if the listed words are among the others, side by side and in order."""
+    """Return True if `words` contain the `listed` words side by side and in order."""
     ends = range(len(listed), len(words) + 1)
     return any(words[end - len(listed) : end] == listed for end in ends)

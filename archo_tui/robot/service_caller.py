@@ -19,7 +19,7 @@ from archo_tui.robot.stops import Gate
 
 
 class ServiceCaller:
-    """A caller of services, which returns the outcome that an answer means."""
+    """A caller of services, which turns each answer into an outcome."""
 
     def __init__(
         self,
@@ -54,7 +54,11 @@ class ServiceCaller:
             name: The service as the robot file names it.
             fields: The values of the request by field.
             gate: The last check before the request is sent.
-            late: Called with the outcome of an answer that comes after this has ended.
+            late: Called with the outcome of an answer that comes more than 2 s after the request.
+
+        Returns:
+            What the answer means, with the answer itself. Without one: NOT_OFFERED, REFUSED for a
+            type that does not fit, MISUSE for a value that does not, TIMEOUT after 2 s.
 
         Raises:
             Void: The gate is shut: a STOP was read in the meantime.
@@ -86,16 +90,20 @@ class ServiceCaller:
         on_slow: Callable[[], None],
         late: Callable[[Outcome], None],
     ) -> Outcome:
-        """Call a service of any type.
+        """Call a service of any type, whether or not a server is known.
 
         Args:
             srv_type: The class of the service.
-            name: Its full name.
+            name: The full name of the service.
             request: The request.
             gate: The last check before the request is sent.
             wait: The seconds to wait for the answer.
             on_slow: Called once if there is no answer after SLOW_CALL.
-            late: Called with the outcome of an answer that comes after this has ended.
+            late: Called with the outcome of an answer that comes after `wait`.
+
+        Returns:
+            DONE with the answer and all its fields as text, REFUSED if its `success` is false,
+            TIMEOUT if none came.
 
         Raises:
             Void: The gate is shut: a STOP was read in the meantime.
@@ -123,7 +131,7 @@ class ServiceCaller:
 
 
 def _outcome_of(answer: Any) -> Answer:
-    """Return the outcome of an answer, whose text has other fields only if they say more."""
+    """Return what an answer means, with the answer; other fields are in the text if of use."""
     outcome = message_classes.outcome_of(answer)
     more = messages.text(answer) if message_classes.says_more(answer) else ""
     if more and outcome.code is Code.NOT_CONFIRMED:
@@ -132,7 +140,10 @@ def _outcome_of(answer: Any) -> Answer:
 
 
 def _outcome_with_all_fields(answer: Any) -> Answer:
-    """Return the outcome of an answer, whose text has all its fields."""
+    """Return the outcome of an answer, with the answer and a text of all its fields.
+
+    REFUSED only if a field `success` is false.
+    """
     text = messages.text(answer) or message_classes.outcome_of(answer).text
     code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
     return Answer.of(Outcome(code, text), answer)

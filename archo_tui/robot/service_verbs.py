@@ -21,7 +21,10 @@ from archo_tui.robot_file.model import CommandService
 
 
 class ServiceVerbs:
-    """The verbs that call a service. Called on the event loop."""
+    """The verbs that call a service: a command of the robot file, or any service.
+
+    Called on the event loop.
+    """
 
     def __init__(
         self,
@@ -44,11 +47,13 @@ class ServiceVerbs:
         self._checks, self._reporter = checks, reporter
 
     async def command(self, command: CommandService, on: bool = True) -> Outcome:
-        """Call the service of a command in the robot file.
+        """Call the service of a command in the robot file, and report it.
+
+        An answer that comes too late is reported as an event of its own.
 
         Args:
             command: The command.
-            on: For a toggle, the value that it is set to.
+            on: The value that a toggle is set to; True for a command that is no toggle.
         """
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
@@ -66,13 +71,19 @@ class ServiceVerbs:
         values: Mapping[str, Any],
         wait: float = CALL_WAIT,
     ) -> Outcome:
-        """Call any service; the outcome holds the answer.
+        """Call any service and report it; the outcome holds the answer.
+
+        Without an answer after SLOW_CALL, an event tells that the call is still running.
 
         Args:
             service: The full name of the service.
-            type_name: Its type: `package/srv/Name`.
+            type_name: The type of the service: `package/srv/Name`.
             values: The values of the request by dotted path; other fields keep their defaults.
-            wait: The seconds to wait for the answer; a later one is an event.
+            wait: The seconds to wait for the answer; a later one is reported as an event.
+
+        Returns:
+            The outcome. Nothing is sent or reported if the type is not installed (REFUSED) or a
+            value does not fit (MISUSE).
         """
         srv_type = message_classes.load(type_name)
         if srv_type is None:

@@ -22,16 +22,17 @@ QUESTION_TIMEOUT = 2 * DEADLINE  # Seconds for a question that the ROS thread as
 _EARLY = 1e-3  # Seconds by which a timer may fire early.
 
 
-def hold_open(
+def require_all_answers(
     future: Any, servers: int, good: Callable[[Any], bool] = lambda _: False
 ) -> list[Any]:
-    """Keep a call's future open until a good answer has come, or the answers of all servers.
+    """Change a call's future so that it ends with the answers of all servers, or with a good one.
 
-    rclpy would end it with the first answer, perhaps of a server that does not know the goal.
+    rclpy would end it with the first answer, perhaps of a server that does not know the goal. The
+    result of the future is the answer that ended it.
 
     Args:
-        future: The future of the call.
-        servers: The number of servers.
+        future: The future of the call, which is changed.
+        servers: The number of servers, each of which answers.
         good: Returns True for an answer that ends the call; by default no answer does.
 
     Returns:
@@ -56,10 +57,11 @@ def wake(node: Node) -> None:
 
 
 class Services:
-    """The service clients of a node, made as they are needed, and their pending calls.
+    """The service clients of a node, made at their first use, and the calls that wait for answers.
 
     Attributes:
-        answered: Called with the turn of an operator's request when it is answered, however late.
+        on_answered: Called with the turn of an operator's request when it is answered, however
+            late.
     """
 
     def __init__(self, node: Node, clock: Clock) -> None:
@@ -73,22 +75,27 @@ class Services:
         self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
         self._turns = itertools.count(1)
-        self.answered: Callable[[int], None] = lambda _: None
-
-    @property
-    def pending(self) -> int:
-        """The number of answers that are waited for."""
-        return len(self._pending)
+        self.on_answered: Callable[[int], None] = lambda _: None
 
     def client(self, srv_type: Any, name: str) -> Any:
-        """Return the client of a service, made at its first use."""
+        """Return the client of a service, made at its first use and kept until `destroy_clients`.
+
+        Args:
+            srv_type: The class of the service.
+            name: The name of the service; its text is a part of the key by which the client is
+                kept.
+        """
         key = (name, srv_type)
         if key not in self._clients:
             self._clients[key] = self._node.create_client(srv_type, name)
         return self._clients[key]
 
-    def forget(self, node: str) -> None:
-        """Destroy the clients of the services of a node that has left, by its full name."""
+    def destroy_clients(self, node: str) -> None:
+        """Destroy the clients of the services below a node's name, as of a node that has left.
+
+        Args:
+            node: The full name of the node.
+        """
         for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
             self._node.destroy_client(self._clients.pop(key))
 
@@ -105,13 +112,17 @@ class Services:
     ) -> Any:
         """Call a service; return the answer, or None if there was none in time.
 
+        A request with a gate is an operator's: its answer is received however late, passed to
+        `late`, and its turn to `on_answered`. Only the oldest of more than MOST_UNANSWERED are
+        given up.
+
         Args:
             srv_type: The class of the service.
-            name: Its full name.
+            name: The name of the service.
             request: The request.
             once: True to destroy the client after the answer, since rclpy checks every client at
-                each wake-up. Without an answer it stays, for an answer that is late; so it does
-                while another call of it waits.
+                each wake-up. The client stays if there is no answer, or another call of it waits.
+                Only without a gate.
             gate: The last check, made as the request leaves; None for a request that nobody typed.
             wait: Seconds to wait with a gate; without one, it is always DEADLINE.
             late: Called with an answer that comes after `wait`; only with a gate.
@@ -122,18 +133,18 @@ class Services:
         client = self.client(srv_type, name)
         if gate is not None:
             gate()
-        turn = self.turn()
+        turn = self.next_turn()
         future = client.call_async(request)
         if gate is not None:
             self._keep_until_answered(turn, future, client)
 
             def on_end(is_late: bool) -> None:
-                self.answered(turn)
+                self.on_answered(turn)
                 if is_late:
                     late(future.result())
 
             return future.result() if await self._in_time(future, wait, on_end) else None
-        self.watch(future, client)
+        self.cancel_at_deadline(future, client)
         answer = await future
         key = (name, srv_type)
         is_kept = self._clients.get(key) is client
@@ -149,7 +160,7 @@ class Services:
         )
 
     def _keep_until_answered(self, turn: int, future: Any, client: Any) -> None:
-        """Keep a request until it is answered; if there are too many, give up the oldest."""
+        """Keep a request until it is answered; beyond MOST_UNANSWERED, cancel the oldest one."""
         self._unanswered[turn] = future, client
         future.add_done_callback(lambda _: self._unanswered.pop(turn, None))
         if len(self._unanswered) > MOST_UNANSWERED:
@@ -157,17 +168,17 @@ class Services:
             oldest_client.remove_pending_request(oldest)
             oldest.cancel()
 
-    def turn(self) -> int:
-        """Return the next number in the order in which requests leave."""
+    def next_turn(self) -> int:
+        """Take and return the next number in the order in which requests leave; the first is 1."""
         return next(self._turns)
 
     async def _in_time(self, future: Any, wait: float, on_end: Callable[[bool], None]) -> bool:
-        """Wait for the end of a call; return True if it came in time.
+        """Wait for the end of a call; return True if it came within `wait`.
 
         Args:
-            future: The future of the call.
+            future: The future of the call, which is not cancelled.
             wait: Seconds.
-            on_end: Called when the call ends, with True if it is late.
+            on_end: Called when the call ends, with True if it is late; not if it is cancelled.
         """
         in_time: Future[bool] = Future(executor=self._node.executor)
 
@@ -180,7 +191,7 @@ class Services:
             wake(self._node)
 
         future.add_done_callback(on_answer)
-        self.watch(in_time, wait=wait)
+        self.cancel_at_deadline(in_time, wait=wait)
         return bool(await in_time)
 
     async def call_all(
@@ -196,35 +207,36 @@ class Services:
 
         Args:
             srv_type: The class of the service.
-            name: Its full name.
+            name: The name of the service.
             request: The request.
             servers: The number of servers.
             wait: Seconds to wait for all answers.
-            late: Called with all answers if the last one comes after that, but within LATE.
+            late: Called with all answers if the last one comes after `wait`, but within LATE. If
+                one never comes, it is not called.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)
-        answers = hold_open(future, servers)
+        answers = require_all_answers(future, servers)
         on_end = lambda is_late: late(answers) if is_late else None  # noqa: E731
-        self.watch(future, client, LATE)
+        self.cancel_at_deadline(future, client, LATE)
         await self._in_time(future, wait, on_end)
         return list(answers)
 
-    def watch(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
-        """Cancel a future when its deadline passes; whoever awaits it gets None.
+    def cancel_at_deadline(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
+        """Cancel a future when a time has passed, unless it is done; whoever awaits it gets None.
 
         Args:
             future: The future.
-            client: The client of its call, which forgets the call then; None if it is no call.
+            client: The client of its call, which ignores a later answer; None if it is no call.
             wait: Seconds until the deadline.
         """
         deadline = self._clock.monotonic() + wait
-        heapq.heappush(self._pending, (deadline, self.turn(), future, client))
+        heapq.heappush(self._pending, (deadline, self.next_turn(), future, client))
         if self._timer.is_canceled() or self._pending[0][0] == deadline:
             self._wake_after(wait)
 
     async def pause(self, seconds: float) -> None:
-        """Wait for a number of seconds."""
+        """Wait for a number of real seconds, on the ROS thread without blocking it."""
         passed: Future[bool] = Future(executor=self._node.executor)
         timer = self._node.create_timer(
             seconds, lambda: passed.set_result(True), clock=self._steady

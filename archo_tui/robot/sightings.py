@@ -19,12 +19,17 @@ from archo_tui.robot_file.sighting import Sighting
 
 
 async def take_sightings(robot: Robot, clock: Clock, seconds: float) -> tuple[Sighting, ...]:
-    """Return what is on the graph, after listening to the topics whose types are known.
+    """Return what is on the graph, after listening to the topics that a robot file can use.
+
+    For `seconds` it subscribes to each published topic whose type is known and installed.
 
     Args:
-        robot: Runs, and knows the graph.
+        robot: The running robot, which knows the graph.
         clock: The console's clock.
         seconds: How long to listen.
+
+    Returns:
+        A sighting of each topic, service and action.
 
     Raises:
         TimeoutError: The ROS thread does not answer.
@@ -84,7 +89,7 @@ _Types = Mapping[str, str]  # By dotted path.
 
 
 def _field_types(type_name: str) -> tuple[_Types | None, _Types, _Types]:
-    """Return the types of the fields of a goal or request, a feedback and a result.
+    """Return the types of the fields of a goal or request, a feedback and a result, by path.
 
     The first is None if the type is not installed; of a service the others are empty.
     """

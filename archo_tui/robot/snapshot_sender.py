@@ -19,8 +19,9 @@ class SnapshotSender:
     """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only.
 
     Attributes:
-        mailbox: The way to the front end.
-        is_stale: True if a message came since the last snapshot, even if no reading changed.
+        mailbox: The way to the front end; it holds the newest snapshot only.
+        is_stale: True if a message with a reading came since the last snapshot, even one that
+            changed nothing. Set by whoever handles the message.
     """
 
     def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:
@@ -42,19 +43,19 @@ class SnapshotSender:
         self._streamer.cancel()
 
     def send_soon(self) -> None:
-        """Send a snapshot within FLUSH_PERIOD: something changed."""
+        """Have a snapshot sent within FLUSH_PERIOD, since something changed; one is enough."""
         if not self._is_due_soon:
             self._is_due_soon = True
             self._flusher.reset()
 
     def send_later(self) -> None:
-        """Send a snapshot within STREAM_PERIOD: only numbers changed that always do."""
+        """Have a snapshot sent within STREAM_PERIOD, unless one is due: only readings changed."""
         if not (self._is_due_soon or self._is_due_later):
             self._is_due_later = True
             self._streamer.reset()
 
     def send(self) -> None:
-        """Send a snapshot now."""
+        """Build a snapshot and put it into the mailbox now, in place of any that is due."""
         self._is_due_soon = self._is_due_later = self.is_stale = False
         self._flusher.cancel()
         self._streamer.cancel()

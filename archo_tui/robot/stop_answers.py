@@ -19,9 +19,9 @@ class StopResult(NamedTuple):
     """The result of one call of STOP.
 
     Attributes:
-        outcome: For whoever sent it.
+        outcome: For whoever sent the STOP.
         answer: What the banner shows while the STOP is not confirmed.
-        why: The reason behind it; empty: there is none to tell.
+        why: Details of `answer` for the banner; "" if there are none.
     """
 
     outcome: Outcome
@@ -35,15 +35,15 @@ def not_sent(code: Code, reason: str) -> StopResult:
 
 
 def result_of(answers: list[Any], servers: int, wait: float) -> StopResult:
-    """Return what the answers to one call come to.
+    """Return what the answers of all servers to one call of STOP come to.
 
-    A refusal of one server counts more than a missing answer, and that more than an answer that
-    confirms nothing; the STOP is confirmed only without any of them.
+    The STOP is confirmed (DONE) only if every server says yes. Otherwise a refusal of one server
+    counts first (REFUSED), then a missing answer (TIMEOUT), then one that is neither yes nor no.
 
     Args:
-        answers: Responses of the service, as they came.
-        servers: How many servers were asked.
-        wait: Seconds that the answers were waited for.
+        answers: Responses of the service, in the order in which they came.
+        servers: The number of servers that were asked.
+        wait: Seconds for which the answers were awaited.
     """
     read = [(answer, message_classes.outcome_of(answer)) for answer in answers]
     refusals = [outcome.text for answer, outcome in read if message_classes.refuses(answer)]

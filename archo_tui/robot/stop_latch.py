@@ -6,7 +6,7 @@ The rules, each of which is checked in one method:
 2. It is certain only while the nodes that confirmed it are there, and none of them was restarted:
    `check_holders`. A node that starts here and carries it out counts as one.
 3. A robot that never reports whether it is stopped makes it uncertain by moving (`on_motion`), and
-   so does another console that releases it (`released_elsewhere`).
+   so does another console that releases it (`on_released_elsewhere`).
 4. A robot that reports it decides by its reports: `on_motion`.
 5. A robot that moves on behind a confirmed STOP does not obey: `is_not_obeyed`.
 6. If every node that confirmed it was run by this process, and all of them have ended and left,
@@ -36,11 +36,11 @@ class StopLatch:
 
     Attributes:
         state: The state of that STOP.
-        doubt: Why the state is UNCERTAIN; "" if it is not.
-        time: Unix time at which it was confirmed.
-        released: Monotonic time of the last confirmed release; None: there was none.
-        other_turn: The turn in which another console reported its last STOP; 0: none did.
-        asked: The nodes that the last STOP of this console was sent to.
+        doubt: Why the state is UNCERTAIN; without meaning in another state.
+        time: Unix time at which that STOP was confirmed.
+        released: Monotonic time at which a release or a goal was last accepted; None if none was.
+        other_turn: The turn in which another console reported its last STOP; 0 if none did.
+        sent_to: The nodes to which this console sent its last STOP.
         is_not_obeyed: True if the robot reports that it moves although it has confirmed a STOP.
         holders_have_ended: True if nothing holds the STOP any more (rule 6).
     """
@@ -70,7 +70,7 @@ class StopLatch:
         self.time = 0.0
         self.released: float | None = None
         self.other_turn = 0
-        self.asked: Ids = {}
+        self.sent_to: Ids = {}
         self.is_not_obeyed = False
         self.holders_have_ended = False
         self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
@@ -85,28 +85,34 @@ class StopLatch:
         self._moves_since: float | None = None  # Monotonic time since when it reports a motion.
 
     def hold(self, other_console: str = "") -> None:
-        """Remember that the robot has just confirmed a STOP, and which nodes did.
+        """Record that the robot has just confirmed a STOP, and which nodes did (rule 1).
+
+        The nodes are those that serve STOP now; if none does, those that it was sent to.
+        `on_change` is not called.
 
         Args:
-            other_console: The console that sent it; empty: this one.
+            other_console: The console that sent the STOP; "" for this one.
         """
         self.state, self.doubt, self._lasting_doubt = Latch.HELD, "", ""
         self._other_console = other_console
         self.time = self._clock.now()
         # They may have left by now: any node that comes later would pass for them.
-        self._holders = self._graph.holders(self._service) or self.asked
+        self._holders = self._graph.holders(self._service) or self.sent_to
         self._stopped_early.clear()
         self._is_held_here = bool(self._holders) and self._are_run_here(self._holders)
         self.holders_have_ended = False
 
     def release(self) -> None:
-        """Forget the STOP: something was accepted behind it."""
+        """Forget the STOP, since a release or a goal was accepted behind it (rule 1).
+
+        The time is kept as `released`, also if there was no STOP. `on_change` is not called.
+        """
         self.state, self._lasting_doubt = Latch.NONE, ""
         self.released, self._sent = self._clock.monotonic(), None
         self.holders_have_ended = False
 
     def expect_standstill(self, sent: float) -> None:
-        """Expect the robot to stop, at least once, within OBEYED (rule 5).
+        """Expect the robot to stand within OBEYED of a STOP, at least once (rule 5).
 
         Args:
             sent: Monotonic time at which the STOP left.
@@ -114,14 +120,19 @@ class StopLatch:
         self._sent = sent
 
     def add_stopped_early(self, node: str) -> None:
-        """Count a node among the holders, which has carried out the STOP before it spins."""
+        """Count a starting node of this process as a holder of the STOP, and check the holders.
+
+        Args:
+            node: The full name of the node, which has carried out the STOP before it spins.
+        """
         self._stopped_early.add(node)
         self.check_holders()
 
-    def stopped_elsewhere(self, console: str, turn: int) -> None:
-        """Hold a STOP that another console reports as confirmed.
+    def on_stopped_elsewhere(self, console: str, turn: int) -> None:
+        """Record that another console reports that the robot confirmed its STOP.
 
-        A robot that reports its stops decides itself: then this does nothing.
+        Then the STOP holds as one of this console does. A robot that reports its stops decides by
+        its reports (rule 4): for it, this does nothing.
 
         Args:
             console: The other console.
@@ -134,11 +145,11 @@ class StopLatch:
             self.hold(console)
             self._on_change()
 
-    def released_elsewhere(self, console: str) -> None:
-        """Handle the report of another console that it has released the STOP.
+    def on_released_elsewhere(self, console: str) -> None:
+        """Record that another console reports that it released the STOP.
 
         If that console sent the STOP, or the robot reports its stops, the STOP is over. Otherwise
-        it is no longer certain.
+        it is uncertain from now on, whatever its nodes do (rule 3).
         """
         if self._reports_stop or (self._other_console == console and self.state is Latch.HELD):
             self.state = Latch.NONE
@@ -147,13 +158,17 @@ class StopLatch:
             self._cast_lasting_doubt(f"console {console} released it")
 
     def _cast_lasting_doubt(self, why: str) -> None:
-        """Make a STOP uncertain, whatever its nodes do from now on (rule 3)."""
+        """Make a STOP uncertain, whatever its nodes do later (rule 3); keep the first reason."""
         if self.state is not Latch.NONE and not self._lasting_doubt:
             self.state, self.doubt, self._lasting_doubt = Latch.UNCERTAIN, why, why
             self._on_change()
 
     def check_holders(self) -> None:
-        """Compare the nodes that serve the STOP now with those that confirmed it (rules 2, 6)."""
+        """Compare the nodes that serve STOP now with those that confirmed it (rules 2 and 6).
+
+        The STOP becomes certain or uncertain accordingly, unless rule 3 has made it uncertain.
+        Without a confirmed STOP nothing is done.
+        """
         if self.state is Latch.NONE or not self._service:
             return
         before = (self.state, self.doubt, self.holders_have_ended)
@@ -168,7 +183,7 @@ class StopLatch:
             self._on_change()
 
     def _are_run_here(self, nodes: Ids) -> bool:
-        """Return whether this process runs all of these nodes, without a namesake elsewhere."""
+        """Return True if this process runs all these nodes, and no other node has their names."""
         return nodes.keys() <= {*self._unended_nodes()} and all(
             len(ids) == 1 for ids in nodes.values()
         )
@@ -176,8 +191,10 @@ class StopLatch:
     def _compare_holders(self, now: Ids) -> None:
         """Make the STOP certain or uncertain (rule 2).
 
+        It is certain if the nodes that serve it now are those that confirmed it, not restarted.
+
         Args:
-            now: The nodes that serve it.
+            now: The nodes that serve it now.
         """
         stopped_early = {node: ids for node, ids in now.items() if node in self._stopped_early}
         expected = {**self._holders, **stopped_early}
@@ -193,7 +210,13 @@ class StopLatch:
                 self._nodes_changed = self._clock.monotonic()
 
     def on_motion(self, motion: Motion) -> None:
-        """Record a message about the motion; call it only if a single node publishes it."""
+        """Record a message about the robot's motion (rules 3, 4 and 5).
+
+        A report that the robot is stopped makes a STOP hold, one that it no longer is ends it.
+
+        Args:
+            motion: The message. Pass it only if a single node publishes the motion.
+        """
         self._reports_stop = motion.stopped is not None
         is_released = self._reported and motion.stopped is False
         self._reported = bool(motion.stopped)
@@ -208,7 +231,7 @@ class StopLatch:
         self._check_motion(motion, is_released=is_released)
 
     def _check_motion(self, motion: Motion, *, is_released: bool) -> None:
-        """Check rules 5 and 3 against a motion."""
+        """Check whether a motion disobeys the STOP (rule 5), or makes it uncertain (rule 3)."""
         now = motion.received
         if is_released or not motion.moving:
             self._sent = None

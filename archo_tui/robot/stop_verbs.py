@@ -58,10 +58,10 @@ class StopVerbs:
         self._begun = clock.monotonic()
 
     async def emergency_stop(self) -> Outcome:
-        """Stop the robot at once, until the STOP is released.
+        """Send STOP, wait for the answers, and report the outcome; it holds until it is released.
 
-        If the robot file names no STOP, every goal is cancelled. That is no STOP, so the code of
-        its outcome is NOT_OFFERED.
+        For a robot without STOP, every goal of every action is cancelled instead. That is no STOP,
+        so the code of its outcome is NOT_OFFERED.
         """
         stop = self._file.stop
         self._stops.superseded = False
@@ -88,21 +88,26 @@ class StopVerbs:
         )
 
     async def release_emergency_stop(self) -> Outcome:
-        """Release the STOP: the robot may move again, but continues no goal by itself."""
+        """Release the STOP, and report it: the robot may move, but continues no goal by itself.
+
+        If every node that held the STOP has ended in this process and no service could release it,
+        it is forgotten here, and nothing is sent. Without a service for a release in the robot
+        file, the outcome is NOT_OFFERED, and nothing is reported.
+        """
         stop = self._file.stop
         if stop is None or not stop.release:
             return Outcome(Code.NOT_OFFERED, f"{self._file.name} has no service to release a stop")
         name, request = stop.release, stop.release_request
 
         async def call(gate: Gate) -> Outcome:
-            turn = self._services.turn()
+            turn = self._services.next_turn()
             if self._is_held_by_nobody(name):
                 gate()
-                self._stopping.accepted(turn)
+                self._stopping.on_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
             outcome = await self._caller.call_named(name, request, gate, late)
             if outcome.ok:
-                self._stopping.accepted(turn)
+                self._stopping.on_accepted(turn)
             return outcome
 
         ros2 = self._checks.call_command(name, request)
@@ -112,6 +117,8 @@ class StopVerbs:
     def _is_held_by_nobody(self, release: str) -> bool:
         """Return True if the STOP can only be forgotten: all nodes that held it have ended here.
 
+        That is looked up anew. It is False while a node offers the release.
+
         Args:
             release: The service that releases a STOP, as in the robot file.
         """
@@ -119,7 +126,10 @@ class StopVerbs:
         return self._stopping.is_held_by_nobody and release not in self._graph.offered
 
     async def give_up_stop(self) -> Outcome:
-        """Give up an open STOP: it is not sent again, though the robot has not confirmed it."""
+        """Give up the open STOP, which is not sent again though not confirmed, and report it.
+
+        The outcome is DONE also if no STOP is open.
+        """
 
         async def call(gate: Gate) -> Outcome:
             gate()
@@ -129,10 +139,11 @@ class StopVerbs:
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
 
     def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the call that makes a starting node carry out an earlier STOP. Any thread.
+        """Return the call with which a starting node carries out an earlier STOP. Any thread.
 
         Returns:
-            The full name of the service, "" if no STOP is unreleased, and the request.
+            The full name of the STOP's service and the request; "" and {} if no STOP holds, is open
+            or is on its way, or the robot has none.
         """
         stop, stopping = self._file.stop, self._stopping
         holds = stopping.open is not None or stopping.latch.state is not Latch.NONE

@@ -9,7 +9,7 @@ The rules, each of which is checked in one method:
    server has answered, or as soon as there is a server: `must_repeat`, `send_again`.
 4. An answer counts for the call that it belongs to, however late it comes: `_record_result`.
 5. A STOP is past when a release or a goal is accepted that left after it, and never by one that
-   left before it: `accepted`, `is_behind`.
+   left before it: `on_accepted`, `is_behind`.
 
 What a confirmed STOP means from then on is in `stop_latch.py`.
 """
@@ -42,7 +42,7 @@ class Stopping:
     """The sender of STOP, which counts the answers and keeps a STOP open until it is confirmed.
 
     Attributes:
-        open: The first STOP that is not confirmed; None: there is none.
+        open: The STOP that is not confirmed yet, from its first call on; None if there is none.
         latch: What is known of the last confirmed STOP.
     """
 
@@ -86,14 +86,25 @@ class Stopping:
         self._last_turn: int | None = None  # Of the last STOP, if nothing was accepted behind it.
 
     async def send(self) -> Outcome:
-        """Send STOP, and wait until all servers have answered or their time is over."""
+        """Send STOP, and wait until all servers have answered or their time is over.
+
+        Without a server, one is waited for first (rule 1). The STOP is `open` until it is
+        confirmed. The caller reports the outcome. The robot must have a STOP.
+
+        Returns:
+            The outcome; if the STOP is not confirmed, its text ends with the advice to use the
+            hardware stop.
+        """
         outcome, _ = await self._send()
         if outcome.ok:
             return outcome
         return outcome._replace(text=f"{outcome.text}: use the hardware stop")
 
     async def send_again(self) -> None:
-        """Send the open STOP again, or for the first time. Answers to earlier calls still count."""
+        """Send the open STOP again, or for the first time (rule 3); nothing if none is open.
+
+        A change of the answer is reported as an event. Answers to earlier calls still count.
+        """
         if self.open is None:
             return
         when = "now" if self.open.answer == StopAnswer.NOT_SENT else "again"
@@ -102,14 +113,23 @@ class Stopping:
             self._report(f"STOP, sent {when}: {outcome.text}", outcome.code)
 
     async def send_after_late_answer(self) -> None:
-        """Send STOP again: an earlier request, perhaps a release, was answered after it."""
+        """Send STOP again, since an earlier request was answered after it, and report the outcome.
+
+        The earlier request may have been a release, which the robot then carried out last.
+        """
         outcome = await self.send()
         self._report(f"STOP, sent again behind an earlier command: {outcome.text}", outcome.code)
 
     async def _send(self) -> tuple[Outcome, bool]:
-        """Make one call; return its outcome, and True if that changes what is shown."""
+        """Make one call, as of the open STOP; without an open one, open a STOP first.
+
+        An answer that comes later and changes what is shown is reported.
+
+        Returns:
+            The outcome of the call, and True if it changes what is shown.
+        """
         assert self._stop is not None
-        sent, turn = self._clock.monotonic(), self._services.turn()
+        sent, turn = self._clock.monotonic(), self._services.next_turn()
         if self.open is None:
             self.open, self._first_turn = OpenStop(sent), turn
         self._on_change()
@@ -128,10 +148,14 @@ class Stopping:
     def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
         """Record the result of one call (rules 2 and 4).
 
+        A confirmation makes the latch hold and closes the open STOP. Another result becomes the
+        answer of the open STOP, unless a later call was answered before. A call from before the
+        open STOP is ignored.
+
         Args:
-            result: What its servers answered.
+            result: What the servers answered.
             turn: The number of the call.
-            sent: Monotonic time at which it left.
+            sent: Monotonic time at which the call began.
 
         Returns:
             True if that changes what is shown.
@@ -156,18 +180,25 @@ class Stopping:
         return self.open != before
 
     def is_behind(self, turn: int) -> bool:
-        """Return True if a STOP left after the request of that turn, or is about to leave.
+        """Return True if a STOP left after the request of that turn, or is about to leave (rule 5).
 
-        The robot may obey the request last: a busy server takes waiting requests in any order.
+        The robot may obey the request last: a busy server takes waiting requests in any order. A
+        STOP behind which something was accepted no longer counts.
+
+        Args:
+            turn: The number of the request.
         """
         is_before_open = self.open is not None and turn < self._first_turn
         return is_before_open or (self._last_turn is not None and turn <= self._last_turn)
 
-    def accepted(self, turn: int) -> None:
-        """Record that a release or a goal was accepted: earlier STOPs are past (rule 5).
+    def on_accepted(self, turn: int) -> None:
+        """Record that a release or a goal was accepted: STOPs from before it are past (rule 5).
+
+        The open STOP is closed, and the latch released. Nothing is done if a STOP of this or
+        another console came after the request.
 
         Args:
-            turn: The number of its request.
+            turn: The number of the request of the release or the goal.
         """
         if self.is_behind(turn) or turn <= self.latch.other_turn:
             return
@@ -176,19 +207,29 @@ class Stopping:
         if self.open is not None:
             self.close()
 
-    def stopped_elsewhere(self, console: str) -> None:
+    def on_stopped_elsewhere(self, console: str) -> None:
         """Record that another console reports that the robot has confirmed its STOP.
 
-        The goals from before it must end, as with a STOP of this console.
+        The goals from before it must end, as with a STOP of this console. For a robot whose file
+        has no STOP, nothing is done.
+
+        Args:
+            console: The other console.
         """
         if self._stop is None:
             return
         now = self._clock.monotonic()
         self._confirmed = now, now
-        self.latch.stopped_elsewhere(console, self._services.turn())
+        self.latch.on_stopped_elsewhere(console, self._services.next_turn())
 
     def on_motion(self, motion: Motion) -> None:
-        """Record a message about the motion; call it only if a single node publishes it."""
+        """Record a message about the robot's motion: "stopped" confirms the open STOP (rule 2).
+
+        That is reported as an event if not every server had answered. The latch gets each message.
+
+        Args:
+            motion: The message. Pass it only if a single node publishes the motion.
+        """
         if self.open is not None and motion.stopped:
             self.latch.expect_standstill(self.open.asked)
             if self.open.answer == StopAnswer.NONE:
@@ -198,7 +239,7 @@ class Stopping:
         self.latch.on_motion(motion)
 
     def close(self) -> None:
-        """Close the open STOP: it is confirmed, past, or given up."""
+        """Forget the open STOP: it is confirmed, past, or given up. The latch stays as it is."""
         self.open = None
         self._on_change()
 
@@ -209,9 +250,10 @@ class Stopping:
 
     @property
     def must_repeat(self) -> bool:
-        """True if the open STOP must be sent again.
+        """True if the open STOP must be sent again (rule 3).
 
-        Not every server has answered, or there was no server and now there is.
+        That is so if not every server has answered in time and none refused, or if there was no
+        server and now there is.
         """
         if self._stop is None or self.open is None:
             return False
@@ -220,10 +262,12 @@ class Stopping:
         return is_offered_now or self.open.answer == StopAnswer.NONE
 
     @property
-    def obeyed_since(self) -> float | None:
-        """The monotonic time at which the last confirmed STOP left: older goals must have ended.
+    def obeyed_stop_time(self) -> float | None:
+        """The monotonic time at which the last STOP left that the robot must have obeyed by now.
 
-        None if there was no STOP, or it was confirmed less than OBEYED ago.
+        Goals from before it must have ended. Only STOPs count that all servers answered, none with
+        a refusal, and those of other consoles. None if there was none, or the last one was answered
+        or reported less than OBEYED ago.
         """
         if self._confirmed is None:
             return None
@@ -231,7 +275,7 @@ class Stopping:
         return sent if self._clock.monotonic() - confirmed >= OBEYED else None
 
     async def _find_server(self, service: str) -> None:
-        """Wait for a server: some seconds after a restart of its node, longer at the start."""
+        """Wait until a server of STOP is found (rule 1), for 2 s; longer just after the start."""
         now = self._clock.monotonic()
         end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while service not in self._graph.offered and self._clock.monotonic() < end:
@@ -241,11 +285,13 @@ class Stopping:
     async def _call(
         self, stop: model.StopServices, on_late_result: Callable[[StopResult], None]
     ) -> StopResult:
-        """Make one call, and return what its servers answered in time.
+        """Make one call, and return what its servers answered in time (rule 1).
+
+        If there is no server, or its type does not fit, nothing is sent, as the result tells.
 
         Args:
             stop: The robot file's STOP.
-            on_late_result: Called if the last answer comes later.
+            on_late_result: Called if the last answer comes later, within `services.LATE`.
         """
         name = stop.service
         if name not in self._graph.offered:
@@ -258,7 +304,7 @@ class Stopping:
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
         # Before it leaves: a server may confirm it and be gone at once. On a graph of 4,000 names
         # this takes some 15 ms.
-        self._last_turn, self.latch.asked = self._services.turn(), self._graph.holders(name)
+        self._last_turn, self.latch.sent_to = self._services.next_turn(), self._graph.holders(name)
         answers = await self._services.call_all(
             *(srv_type, name, request, servers, wait),
             lambda answers: on_late_result(result_of(answers, servers, wait)),

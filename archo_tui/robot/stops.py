@@ -29,16 +29,16 @@ _HELP = ["--help"]
 
 
 class Void(Exception):
-    """A STOP was read after the input that this request comes from."""
+    """The error of a request whose input was read before a STOP: the request is not sent."""
 
 
 class Stops:
     """A counter of the STOPs that were read. Any thread may use it.
 
     Attributes:
-        count: STOPs read by this console, whoever sent them.
-        answered: The value of `count` for which the last answer came, or the wait for it ended.
-        sent_elsewhere: STOPs that other consoles reported.
+        count: The number of STOPs that this console has read, whoever typed them.
+        answered: The `count` up to which every STOP was answered, or is not awaited any more.
+        sent_elsewhere: The number of STOPs that other consoles reported.
         superseded: True if something other than a STOP was requested since the last STOP left.
     """
 
@@ -53,15 +53,21 @@ class Stops:
         self._typed_at: ContextVar[int | None] = ContextVar("stops", default=None)
 
     def set_service(self, stop: StopServices, full_name: str) -> None:
-        """Set the services of the robot's STOP, and the name that the first has on the graph."""
+        """Set the robot's STOP, whose service `is_stop_call` recognizes.
+
+        Args:
+            stop: The STOP of the robot file.
+            full_name: The name that the service of STOP has on the graph.
+        """
         self._stop = stop
         self._service_names = frozenset((stop.service, full_name, full_name.lstrip("/")))
 
     def is_stop_call(self, words: Sequence[str]) -> bool:
-        """Return True if the words call the STOP's own service, which is a STOP, too.
+        """Return True if the words are `call` with the STOP's own service: a STOP that is typed so.
 
         If the robot file names a request for it, exactly that must be typed: another may be the
-        release. If not, any words do, except `--help` alone. `--yes` does not count.
+        release. If not, any words do, except `--help` alone. `--yes` does not count. False before
+        `set_service`.
 
         Args:
             words: The verb and its arguments.
@@ -78,25 +84,34 @@ class Stops:
             return False
 
     def register(self) -> int:
-        """Count a STOP that was just read, whoever will send it; return the new count."""
+        """Count a STOP that was just read, whoever will send it; return the new count.
+
+        Requests from inputs that were read before are not sent any more.
+        """
         with self._lock:
             self.count += 1
             return self.count
 
     @property
     def are_answered(self) -> bool:
-        """True if no STOP of this console is on its way to the robot."""
+        """True if no STOP that this console read waits to be sent or answered."""
         return self.answered >= self.count
 
     @property
     def count_when_typed(self) -> int:
-        """The value of `count` when the input was read that is being carried out now."""
+        """The value of `count` when the present input was read; the present `count` if not set."""
         typed_at = self._typed_at.get()
         return self.count if typed_at is None else typed_at
 
     @contextmanager
     def typed_at(self, count: int | None) -> Iterator[None]:
-        """Carry out an input that was read at `count`; tasks that begin inside inherit it."""
+        """Set the count at which the present input was read, for the `with` block.
+
+        Tasks that begin inside inherit it.
+
+        Args:
+            count: The value of `count` when the input was read; None for work that no input causes.
+        """
         before = self._typed_at.set(count)
         try:
             yield
@@ -104,7 +119,11 @@ class Stops:
             self._typed_at.reset(before)
 
     def set_typed_at(self, count: int | None) -> None:
-        """Set the count at which this input was read, until the next call in this context."""
+        """Set the count at which the present input was read, until the next call in this context.
+
+        Args:
+            count: The value of `count` when the input was read; None for work that no input causes.
+        """
         self._typed_at.set(count)
 
     def is_void(self, count: int) -> bool:
@@ -131,22 +150,25 @@ class Gate(NamedTuple):
 
     @property
     def is_shut(self) -> bool:
-        """True if a STOP was read since, or another console has reported one."""
+        """True if a STOP was read after the input, or another console has reported one since."""
         is_stopped_elsewhere = self.stops.sent_elsewhere > self.sent_elsewhere
         return self.stops.is_void(self.count_when_typed) or is_stopped_elsewhere
 
     def __call__(self) -> None:
-        """Pass the gate just before the request is sent.
+        """Raise Void if the gate is shut. Call it just before the request is sent.
 
         Raises:
-            Void: The gate is shut.
+            Void: A STOP was read after the input, or another console has reported one.
         """
         if self.is_shut:
             raise Void
 
 
 class RateLimit:
-    """A limit of two STOPs a second, for STOPs with nothing else requested between them."""
+    """A limit of two STOPs a second, for STOPs with nothing else requested between them.
+
+    It only computes: the caller waits, and calls `record`.
+    """
 
     def __init__(self) -> None:
         self._sent = deque([-MIN_INTERVAL] * 2, maxlen=2)  # Monotonic seconds of the last two.

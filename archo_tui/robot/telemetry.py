@@ -36,7 +36,7 @@ _GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
 class SavedReadings(NamedTuple):
-    """All readings at one moment, to return to."""
+    """All readings of a `Telemetry` at one moment, for `Telemetry.restore`."""
 
     battery: Battery
     motion: Motion
@@ -48,7 +48,9 @@ class SavedReadings(NamedTuple):
 
 
 class Telemetry:
-    """The last readings, from the topics and fields that the robot file names.
+    """The last readings of battery, motion, pose, gauges and diagnostics. ROS thread only.
+
+    They are read from the topics and fields that the robot file names.
 
     Attributes:
         battery: The last reading of the battery.
@@ -56,7 +58,8 @@ class Telemetry:
         pose: The last reading of the pose.
         diagnostics: The last diagnostic status of each part.
         gauges: The last readings of the gauges, in the order of the robot file.
-        charge: Samples of the charge: monotonic seconds and percent, at most `_SAMPLES`.
+        charge: Samples of the charge, the oldest first: monotonic seconds and percent. At most one
+            a second and `_SAMPLES`; earlier ones are dropped when charging begins or ends.
     """
 
     def __init__(
@@ -68,13 +71,13 @@ class Telemetry:
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
     ) -> None:
-        """Subscribe to nothing until `resubscribe` is called.
+        """Create readings without a value; nothing is subscribed until `resubscribe` is called.
 
         Args:
             node: The console's node.
             robot: The robot file.
             clock: The clock of all times.
-            on_reading: Called after each message with the topic and what is new.
+            on_reading: Called after each message with the topic in the robot file and what is new.
             warn: Called with a line about what cannot be read.
             on_stamp: Called with the full name of a topic and the stamp in a message's header.
         """
@@ -92,11 +95,15 @@ class Telemetry:
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """The reasons why a topic or one of its publishers is not read, by topic."""
+        """The reasons why a topic or one of its publishers is not read, by the file's topic."""
         return self._subscriptions.faults
 
     def resubscribe(self) -> None:
-        """Subscribe to what is published now, with its types and QoS, and update the faults."""
+        """Subscribe to what is published now, with its types and QoS.
+
+        It updates the faults, and the silence that each reading allows. Call it after the graph
+        changed.
+        """
         self._subscriptions.update()
         self.battery = self.battery._replace(grace=self._grace("battery"))
         self.motion = replace(self.motion, grace=self._grace("motion"))
@@ -124,20 +131,21 @@ class Telemetry:
             yield Reader(place, gauge.topic, types, partial(self._on_gauge, place))
 
     def is_robot_heard(self) -> bool:
-        """Return True while battery or motion is received; always, if the robot has neither."""
+        """Return True while battery or motion messages come, or if the robot file has neither."""
         if self._robot.battery is None and self._robot.motion is None:
             return True
         now, last = self._clock.monotonic(), (self.battery, self.motion)
         return any(reading.received is not None and not reading.is_old(now) for reading in last)
 
     def forget_periods(self, node: str, old: object, new: object) -> None:
-        """Measure every period again: a parameter has changed, and may set one of them.
+        """Measure every period again, since a parameter has changed that may set one of them.
 
-        Until then silence is judged by the periods known so far.
+        Until then silence is judged by the periods known so far. If the parameter seems to be the
+        period of a topic that its node publishes, the new value holds at once if it is longer.
 
         Args:
             node: The full name of the node with the parameter.
-            old: Its value before.
+            old: The parameter's value before.
             new: Its present value.
         """
         for key, period in self._periods.items():
@@ -154,7 +162,7 @@ class Telemetry:
         )
 
     def saved(self) -> SavedReadings:
-        """Return a copy of all readings, for `restore`."""
+        """Return a copy of all readings and measured periods, for `restore`."""
         return SavedReadings(
             self.battery,
             self.motion,
@@ -166,7 +174,7 @@ class Telemetry:
         )
 
     def restore(self, saved: SavedReadings) -> None:
-        """Set all readings to those that `saved` returned."""
+        """Set all readings and measured periods to those that `saved` returned."""
         self.battery, self.motion, self.pose, self.gauges = saved[:4]
         self.diagnostics, self.charge = saved.diagnostics.copy(), saved.charge
         self._periods = dict(saved.periods)
@@ -242,7 +250,7 @@ class Telemetry:
         return _news(last, new, *_GAUGE)
 
     def _measured(self, key: object, now: float) -> float | None:
-        """Count a message at `now`, and return the typical interval; both in seconds."""
+        """Count a message at `now`; return the typical interval, or None. Both in seconds."""
         self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
         return self._periods[key].typical
 
@@ -257,11 +265,12 @@ class Telemetry:
         return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
-        """Keep a sample of the charge for its trend.
+        """Add the present charge to `charge`, unless the last sample is less than a second old.
 
         Args:
             now: Monotonic time in seconds.
-            turned: True if charging began or ended: earlier samples are dropped.
+            turned: True if charging began or ended: earlier samples are dropped. So they are when
+                the charge jumps the wrong way, as of a new battery.
         """
         percentage, kept = self.battery.percentage, self.charge
         if percentage is not None and kept:  # The battery was changed, or its node restarted.

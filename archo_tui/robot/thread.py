@@ -23,12 +23,15 @@ T = TypeVar("T")
 
 
 class RosThread:
-    """A thread that spins one node until `stop`, also after errors in callbacks."""
+    """A thread that spins one node until `stop`, also after errors in callbacks.
+
+    It ends by itself when the node's context is shut down.
+    """
 
     def __init__(
         self, node: Node, context: Context, clock: Clock, on_error: Callable[[Exception], None]
     ) -> None:
-        """Create the thread and its executor.
+        """Create the thread and its executor; `start` starts it.
 
         Args:
             node: The node, which `stop` destroys.
@@ -47,7 +50,7 @@ class RosThread:
         self._thread = threading.Thread(target=self._spin, name="archo-client", daemon=True)
 
     def start(self) -> None:
-        """Begin to spin."""
+        """Start the thread, which spins the node. Call it once."""
         self._thread.start()
 
     def _spin(self) -> None:
@@ -62,7 +65,7 @@ class RosThread:
     def _begin_to_end(self) -> None:
         """Stop the timers, and end once the queued functions have begun.
 
-        Python warns of a coroutine that never begins.
+        Python warns of a coroutine that never begins, so none is left.
         """
         for timer in self._node.timers:
             timer.cancel()
@@ -73,11 +76,13 @@ class RosThread:
             self._stopping = True
 
     def submit(self, function: Callable[[], Any]) -> None:
-        """Run a function on the ROS thread, after those before it; drop it after the end.
+        """Run a function on the ROS thread, in the order of the calls; return at once.
 
-        An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down. So
-        each task runs the function that has waited longest. Any thread may call this.
+        A coroutine that it returns is awaited there. Its errors go to `on_error`. After `stop` it
+        is dropped. Any thread may call this.
         """
+        # An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down.
+        # So each task runs the function that has waited longest.
         with self._lock:
             if not self._stopping:
                 self._waiting.append(function)
@@ -91,12 +96,15 @@ class RosThread:
     async def run(self, work: Callable[[], Coroutine[Any, Any, T]], deadline: float) -> T:
         """Run a coroutine function of rclpy's kind on the ROS thread, and return its value.
 
+        Called on an asyncio loop. If the caller is cancelled, the work still goes on.
+
         Args:
             work: The function; it may await rclpy's futures only. What it raises is raised here.
-            deadline: Seconds.
+            deadline: Seconds from now.
 
         Raises:
-            TimeoutError: The deadline has passed; the work may still go on.
+            TimeoutError: The deadline has passed, and the work may still go on; or the thread had
+                ended.
         """
         loop = asyncio.get_running_loop()
         result: asyncio.Future[T] = loop.create_future()
@@ -122,7 +130,9 @@ class RosThread:
         return await self._clock.wait_for(result, deadline)
 
     def stop(self, timeout: float = 3.0) -> bool:
-        """End the thread and destroy the node.
+        """End the thread and destroy the node; block until it is done. Not on the ROS thread.
+
+        Functions that were submitted before still begin.
 
         Args:
             timeout: Seconds to wait for a callback that is running.

@@ -17,12 +17,12 @@ from archo_tui.robot.state import Curve, FieldKind, FieldView, TopicRequest, Top
 
 
 class TopicFields:
-    """The fields of a topic since it was opened.
+    """The rows, ranges and curves of a topic's fields since the topic was opened.
 
-    Of each message the numbers are read. Rows are made of the last one, when they are asked for.
+    `add` reads the numbers of every message; `rows` describes the last message only.
 
     Attributes:
-        is_cut: True if the last message has more fields than are kept.
+        is_cut: True if the message of the last `rows` has more fields than are returned.
     """
 
     def __init__(self, units: Mapping[str, str]) -> None:
@@ -43,16 +43,19 @@ class TopicFields:
 
     @property
     def message(self) -> Any:
-        """Return the last message; None before the first one."""
+        """The last message that was added; None before the first one."""
         return self._message
 
     def add(self, time: float, message: Any, open_arrays: Mapping[str, int]) -> None:
-        """Add the numbers of a message to ranges and curves. It takes long for a large one.
+        """Make a message the last one, and add its numbers to ranges and curves; NaN is left out.
+
+        It takes long for a large message, and may raise anything for one that is not as its type
+        says.
 
         Args:
-            time: When it came, in seconds on the clock of `rows`.
+            time: When the message came, in seconds on the clock of `rows`.
             message: The message.
-            open_arrays: As for `field_rows`.
+            open_arrays: The arrays whose elements have ranges and curves, too: as for `field_rows`.
         """
         numbers = self._numbers
         if numbers is None or type(message) is not type(self._message):
@@ -71,9 +74,13 @@ class TopicFields:
         return self._histories.setdefault(path, FieldHistory())
 
     def rows(self, now: float, request: TopicRequest) -> tuple[FieldView, ...]:
-        """Return the rows of the last message, with ranges and the curves that are visible.
+        """Return the rows of the last message, with ranges and the visible curves; () without one.
 
-        A row that has not changed is the same object as before.
+        A row that has not changed is the same object as before. It takes long for a large message.
+
+        Args:
+            now: The present time in seconds, at which curves end.
+            request: The open arrays, and the paths that need a curve.
         """
         if self._message is None:
             return ()
@@ -90,7 +97,12 @@ class TopicFields:
         return self._shown
 
     def plots(self, now: float, request: TopicRequest) -> dict[str, Curve]:
-        """Return the curve of each plotted field that has had a number."""
+        """Return the curves of the plotted fields, by path; fields without a number are left out.
+
+        Args:
+            now: The present time in seconds, at which curves end.
+            request: The paths of the fields, and the number of columns.
+        """
         return {
             path: self._histories[path].curve(now, request.plot_columns)
             for path in request.plotted
@@ -98,7 +110,7 @@ class TopicFields:
         }
 
     def _complete(self, row: FieldView, now: float, request: TopicRequest) -> FieldView:
-        """Return a row with what is known of its field besides its value."""
+        """Return a row with its unit, range and curve; the same object if there are none."""
         unit, history = self._units.get(row.path, row.unit), self._histories.get(row.path)
         if history is None or history.is_empty:
             return row._replace(unit=unit) if unit != row.unit else row
@@ -113,12 +125,15 @@ class TopicFields:
 
 
 def with_elements(message: Any, view: TopicView, open_arrays: Mapping[str, int]) -> TopicView:
-    """Return a view with the elements of other arrays. It takes long for a large message.
+    """Return a view with the elements of other arrays of the same message.
+
+    Fields that the view has keep their ranges and curves. It takes long for a large message. An
+    error becomes the `fault` of the view.
 
     Args:
         message: The message that the view shows.
         view: The view.
-        open_arrays: As for `field_rows`.
+        open_arrays: The arrays whose elements to show, as for `field_rows`.
     """
     try:
         rows, is_cut = field_rows(message, open_arrays)

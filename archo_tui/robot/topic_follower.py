@@ -30,15 +30,15 @@ _LONG = 0.05  # Seconds of decoding after which only the newest message is decod
 _NO_ANSWER = "the console's own node does not answer"
 
 
-class Followed(Protocol):
-    """The part of the robot that a follower uses."""
+class FollowedRobot(Protocol):
+    """The part of the robot that a topic follower uses."""
 
     @property
     def snapshot(self) -> Snapshot:
         """Return the newest snapshot."""
 
     async def topic_info(self, topic: str) -> TopicInfo | Outcome:
-        """Return the publishers and subscriptions of a topic, or why they are not known."""
+        """Return the publishers and subscriptions of a topic; an outcome if they cannot be told."""
 
     def inspect(
         self, topic: str, message_class: Any, on_data: Callable[[float, bytes], None]
@@ -46,15 +46,18 @@ class Followed(Protocol):
         """Subscribe to a topic for as long as the context is entered."""
 
     def resubscribe_if_needed(self, inspection: Inspection) -> None:
-        """Have an inspection subscribe again if its publishers have changed their QoS."""
+        """Have an inspection subscribe again if its publishers have changed their QoS.
+
+        The call returns at once.
+        """
 
 
 class TopicFollower:
-    """The display of one topic until a task is cancelled, also while it has no publishers."""
+    """A task that shows one topic until it is cancelled, also while the topic has no publishers."""
 
     def __init__(
         self,
-        robot: Followed,
+        robot: FollowedRobot,
         clock: Clock,
         topic: str,
         request: Callable[[], TopicRequest],
@@ -66,14 +69,18 @@ class TopicFollower:
             robot: The robot.
             clock: The clock of the robot.
             topic: The full name of the topic.
-            request: Returns what the next view has to have.
-            show: Called with each view.
+            request: Called for each view; returns what the view has to have.
+            show: Called on the event loop with each view.
         """
         self._robot, self._clock, self._topic = robot, clock, topic
         self._request, self._show = request, show
 
     async def run(self) -> NoReturn:
-        """Follow the topic: while its type is not known or not installed, say so."""
+        """Show views of the topic, up to five a second, until this task is cancelled.
+
+        While nothing can be read, as for a type that is not known or not installed, a view with a
+        `fault` is shown every two seconds.
+        """
         while True:
             ends, view = await self._ask(), TopicView(self._topic)
             if isinstance(ends, Outcome):
@@ -94,10 +101,10 @@ class TopicFollower:
         return await self._robot.topic_info(self._topic)
 
     async def _follow_type(self, message_class: Any, kind: str, ends: TopicInfo) -> TopicView:
-        """Show messages of a type until the topic has another one.
+        """Show messages of a type until the topic is published with other types only.
 
         Returns:
-            The view to show then.
+            The view to show then, with a `fault`.
         """
         snapshot, intake = self._robot.snapshot, MessageIntake()
         units = field_units(snapshot.file, snapshot.full, self._topic, kind)
@@ -141,12 +148,17 @@ def types_of(ends: TopicInfo) -> list[str]:
 
 
 def missing_type(topic: str, kind: str) -> str:
-    """Return why messages of a type that is not installed are not shown, and the remedy."""
+    """Return a text that a topic's type is not installed, and how to install it."""
     return f"{not_installed(topic, kind)}: install its package {package_of(kind)}, and restart"
 
 
 def _fault(ends: TopicInfo, kind: str) -> str:
-    """Return what is wrong with the publishers of a topic, of which one type is shown, or ""."""
+    """Return what is wrong with a topic's publishers: none, or also other types; "" if nothing.
+
+    Args:
+        ends: The ends of the topic.
+        kind: The type that is shown.
+    """
     if not ends.publishers:
         return "it has no publisher: waiting for one"
     others = [other for other in types_of(ends) if other != kind]

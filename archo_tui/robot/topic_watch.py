@@ -30,8 +30,8 @@ class TopicWatch:
             topic: The full name of the topic.
             kind: The type of its messages.
             units: The units that the robot file gives, by path.
-            intake: Gets each message, on any thread.
-            decode: Returns the message of its bytes; raises ArchoError if there is none.
+            intake: Collects the messages, which other threads add.
+            decode: Returns the message that some bytes encode; raises ArchoError if there is none.
         """
         self._topic, self._kind = topic, kind
         self._intake, self._decode = intake, decode
@@ -39,12 +39,15 @@ class TopicWatch:
         self._fault = ""  # Why the last message could not be decoded.
 
     def update(self, now: float, request: TopicRequest, *, only_newest: bool = False) -> TopicView:
-        """Decode the messages that wait, and return the view. It may take long.
+        """Decode the messages that have come since the last call, and return a view of the topic.
+
+        It may take long. Errors become the `fault` of the view, which then shows the last good
+        message.
 
         Args:
             now: The present time, on the clock of the messages, in seconds.
             request: What the view has to have.
-            only_newest: True to decode the newest message only.
+            only_newest: True to decode the newest message only; the others are only counted.
         """
         waiting = self._intake.drain()
         for message in waiting[-1:] if only_newest else waiting:

@@ -56,9 +56,10 @@ class TrackedGoal:
         id: The 16 bytes of its UUID.
         action: The action and its client.
         handle: The rclpy client's handle; None before the server accepted it, and after the end.
-        since: When tracking began, in monotonic seconds, whoever sent the goal.
-        tried_to_cancel: When the console itself last tried to cancel it, in monotonic seconds.
-        gate: The last check that it passed as it was sent from here; None if others sent it.
+        tracked_since: When tracking began, in monotonic seconds, whoever sent the goal.
+        tried_to_cancel: When the console last tried to cancel the goal without being asked, in
+            monotonic seconds; 0 if never.
+        gate: The last check that the goal passed as it was sent from here; None if others sent it.
         is_cancelled: True if the operator cancelled it before the server accepted it.
         cancel_began: True once the console cancels it because it was accepted too late: after
             `is_cancelled`, or after a STOP that was read since it was typed.
@@ -85,7 +86,7 @@ class TrackedGoal:
         self.goal, self.id, self.action = goal, goal_id, action
         self._clock, self._on_change = clock, on_change
         self.handle: Any = None
-        self.since = clock.monotonic()
+        self.tracked_since = clock.monotonic()
         self.tried_to_cancel = 0.0
         self.gate: Gate | None = None
         self.is_cancelled = False
@@ -100,7 +101,7 @@ class TrackedGoal:
 
     @property
     def is_void(self) -> bool:
-        """True if a STOP was read after the goal was typed, or was sent elsewhere."""
+        """True if a STOP came after the goal was typed here, from this console or another one."""
         return self.gate is not None and self.gate.is_shut
 
     @property
@@ -110,24 +111,30 @@ class TrackedGoal:
 
     @property
     def is_accepted(self) -> bool:
-        """True if the server is known to have accepted the goal."""
+        """True if the server is known to have accepted the goal, if only by its feedback."""
         return self.goal.started is not None
 
     def on_accepted(self, handle: Any) -> None:
-        """Record that the server accepted the goal, in time or later, and ask for the result."""
+        """Record that the server accepted the goal, and request the result; the phase is MOVING."""
         self.handle = handle
         now = self._clock.monotonic()
         self.update(phase=Phase.MOVING, started=now, heard=now)
         self.ask_result()
 
-    def assume(self) -> None:
-        """Make a handle as if the server had accepted the goal, since no answer was received."""
+    def assume_accepted(self) -> None:
+        """Set a handle as if the server had accepted the goal, so that it can be cancelled.
+
+        For a goal whose request was not answered, or that others sent. The phase stays as it is.
+        """
         accepted = self.action.type.Impl.SendGoalService.Response(accepted=True)
         goal_id = UUID(uuid=list(self.id))
         self.handle = ClientGoalHandle(self.action.client, goal_id, accepted)
 
     def ask_result(self) -> None:
-        """Request the result, in place of an earlier request; the answer comes after the end."""
+        """Request the result, in place of an earlier request; the answer ends the goal.
+
+        A server answers when the goal has ended, or at once if it does not know the goal.
+        """
         if self._result is not None:
             self._result.cancel()
         self._asked = self._clock.monotonic()
@@ -144,18 +151,21 @@ class TrackedGoal:
         self._result.add_done_callback(on_result)
 
     def forget_period(self, old: object, new: object) -> None:
-        """Measure the period of the feedback again, because a parameter has changed.
+        """Measure the period of the feedback again, since a parameter has changed.
+
+        Until then the present period holds.
 
         Args:
-            old: The value before; None if the parameter is not of the goal's server.
-            new: The present value.
+            old: The parameter's value before; None if it is not of the goal's server.
+            new: Its present value.
         """
         self._feedback_period = self._feedback_period.measured_again(old, new)
 
     def on_robot_message(self) -> None:
-        """Ask about a goal that was lost together with the robot, which sends messages again.
+        """Change a LOST goal to UNKNOWN, since the robot sends messages again.
 
-        A goal that sent feedback stays lost until it sends some.
+        The next `check` asks the server about it. A goal that has sent feedback stays LOST until it
+        sends some.
         """
         if self.goal.phase == Phase.LOST and not self._sends_feedback:
             self.update(phase=Phase.UNKNOWN)
@@ -163,6 +173,9 @@ class TrackedGoal:
 
     def check(self, now: float, motion: Motion, resumed: float = float("-inf")) -> None:
         """Update the phase after a silence, and ask the server about a goal in doubt.
+
+        A goal whose action has had no server for NOBODY_SERVES ends as GONE; one that has ended by
+        the status topic ends if its result does not come. Call this several times a second.
 
         Args:
             now: Monotonic time in seconds.
@@ -215,14 +228,24 @@ class TrackedGoal:
         return motion.received is not None and now - max(motion.received, heard) > longest
 
     def on_status(self, status: int) -> None:
-        """Record the goal's status on the action's status topic, a number of `GoalStatus`."""
+        """Record the goal's status on the action's status topic.
+
+        An end is kept for 2 s, for the result to come first; only `check` then ends the goal. If
+        others cancel it, the phase becomes CANCELLING.
+
+        Args:
+            status: A number of action_msgs/msg/GoalStatus; others than these are ignored.
+        """
         if status in ENDS:
             self._ended_as = self._ended_as or (ENDS[status], self._clock.monotonic())
         elif status == GoalStatus.STATUS_CANCELING and self.goal.phase == Phase.MOVING:
             self.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
 
     def on_feedback(self, feedback: Any) -> None:
-        """Record a feedback message of this goal."""
+        """Record a feedback message of this goal; a goal in doubt is MOVING again.
+
+        The feedback also shows that the server accepted the goal, if that was not known.
+        """
         goal, now = self.goal, self._clock.monotonic()
         self._feedback_period = self._feedback_period.with_message_at(now)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
@@ -237,7 +260,7 @@ class TrackedGoal:
         )
 
     def _on_result(self, answer: Any) -> None:
-        """End the goal as the server's answer says, or go on if it does not know it yet."""
+        """End the goal as the server's answer says; not if the server does not know it yet."""
         if answer.status == GoalStatus.STATUS_UNKNOWN:
             if self.is_accepted:
                 self.end_forgotten()
@@ -258,25 +281,22 @@ class TrackedGoal:
         self.end(phase, text if text or phase == Phase.ARRIVED else _NO_REASON)
 
     def _result_text(self, result: Any) -> str:
-        """Return the robot's message in a result; all fields if the robot file names none."""
+        """Return the robot's message in a result; all fields if the robot file names no message."""
         if self.goal.kind.message:
             value = read(MessageField(self.goal.kind.message), result)
             return "" if value is None else text_of(value)
         return messages.text(result)
 
     def end_as_gone(self) -> None:
-        """End the goal as GONE: its node has left, so nobody will report how it ended.
-
-        Screen, queue, `--plain` and shells all go by this one rule.
-        """
+        """End the goal as GONE: its node has left, so nobody will report how it ended."""
         self.end(Phase.GONE, _GONE)
 
     def end_forgotten(self) -> None:
-        """End the goal as aborted: its server no longer knows it."""
+        """End the goal as ABORTED, since its server no longer knows it."""
         self.end(Phase.ABORTED, _FORGOTTEN)
 
     def end(self, phase: Phase, message: str) -> None:
-        """End the goal.
+        """End the goal: set its phase, drop its handle, and report the change.
 
         Args:
             phase: The phase in which it ended.
@@ -287,7 +307,13 @@ class TrackedGoal:
         self.update(phase=phase, message=harmless(message), ended=now)
 
     def update(self, **changes: Any) -> None:
-        """Change fields of the goal's state by name, and report the change."""
+        """Change fields of the goal's state by name, and call `on_change`.
+
+        A new phase also sets `time`, and `lost` if the phase is LOST; another phase clears `lost`.
+
+        Args:
+            changes: The fields of `Goal` with their new values.
+        """
         before = self.goal
         phase = changes.get("phase", before.phase)
         if phase != before.phase:
@@ -298,9 +324,10 @@ class TrackedGoal:
 
 
 def feedback_changes(goal: Goal, feedback: Any) -> dict[str, Any]:
-    """Return the fields of a goal's state that a feedback message changes.
+    """Return the fields of a goal's state that a feedback message changes, with new values.
 
-    If the robot file names the field with the remainder, that is read; else all fields become text.
+    If the robot file names the field with the remainder, only that is read; a value that is none
+    becomes `unreadable`. Otherwise all fields become the text `feedback`.
     """
     remaining = goal.kind.remaining
     if remaining is None:

@@ -16,10 +16,10 @@ _TYPES = {bool: "boolean", int: "int64", float: "double", str: "string"}
 
 
 def mapping(text: str) -> dict[str, Any]:
-    """Return the values in a YAML mapping `{field: value, ...}`.
+    """Return the values in a YAML mapping `{field: value, ...}`, nested ones included.
 
     Raises:
-        ValueError: The text is no such mapping.
+        ValueError: The text is not YAML within our limits, or no mapping.
     """
     try:
         values = bounded_yaml.load(text)
@@ -31,7 +31,9 @@ def mapping(text: str) -> dict[str, Any]:
 
 
 def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str, Any]:
-    """Return the request that was typed: `field=value ...`, or one YAML mapping.
+    """Return the values of a request that was typed as `field=value ...` or as one YAML mapping.
+
+    Fields that were not typed are left out.
 
     Args:
         service: The name of the service, for errors.
@@ -52,6 +54,6 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
 
 
 def as_typed(request: Request) -> str:
-    """Return a request of the robot file as an operator types it: `e_stop_on=true`."""
+    """Return a request of the robot file as one text that an operator types: `a=true b=2`."""
     texts = {name: str(v).lower() if isinstance(v, bool) else v for name, v in request.items()}
     return " ".join(f"{name}={text}" for name, text in texts.items())

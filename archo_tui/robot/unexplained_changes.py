@@ -25,14 +25,14 @@ _NOT_DONE = (Code.CANCELLED, Code.HELD, Code.NOT_OFFERED, Code.WATCHING, Code.MI
 
 
 class _Change(NamedTuple):
-    """A change that was seen.
+    """A change of the robot that was seen.
 
     Attributes:
         verbs: The verbs that may have caused it.
         text: The line for the event.
         at: When it was seen, in monotonic seconds.
-        node: The node of a parameter that changed; else "".
-        parameter: Its name; else "".
+        node: The full name of the node whose parameter changed; "" for another change.
+        parameter: The name of that parameter; "" for another change.
     """
 
     verbs: Collection[str]
@@ -50,10 +50,11 @@ class _Change(NamedTuple):
 
 
 class UnexplainedChanges:
-    """A comparison of what changed with what the consoles, this one included, report to have done.
+    """The changes of the robot, compared with what all consoles, this one too, report to have done.
 
     Attributes:
-        author: Who made a change that no console reports, as the event names it.
+        author: The author of a change that no console reports, as events name it: CLIENT, or what
+            others set.
     """
 
     def __init__(self, commands: Collection[str], services: Mapping[str, Collection[str]]) -> None:
@@ -91,7 +92,9 @@ class UnexplainedChanges:
         return cls(commands, services)
 
     def on_audit_record(self, record: AuditRecord, now: float) -> None:
-        """Record what a console reports.
+        """Record what a console reports to have done; requests that were not sent explain nothing.
+
+        Only the last `_MAX_RECORDS` reports are kept.
 
         Args:
             record: The report.
@@ -103,13 +106,16 @@ class UnexplainedChanges:
     def on_motion(
         self, motion: Motion, now: float, is_restarted: Callable[[], bool] = lambda: False
     ) -> None:
-        """Compare a message about the motion with the one before.
+        """Record the changes between a message about the motion and the one before.
+
+        Changes are a stop, a release, and a count that became zero. After a silence of more than 2
+        s, or if `is_restarted`, nothing counts as a change.
 
         Args:
             motion: What was received.
             now: Monotonic time in seconds.
-            is_restarted: Returns True if another node publishes it than before, whose first values
-                are no changes; called only if something changed.
+            is_restarted: Returns True if another node publishes the motion than before, whose first
+                values are no changes; called only if something changed.
         """
         before, self._motion = self._motion, motion
         if now - (before.received or 0.0) > _GAP:
@@ -126,13 +132,21 @@ class UnexplainedChanges:
             self._changes += changes
 
     def on_parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
-        """Record that a node reports a new value of a parameter, at `now` (monotonic seconds)."""
+        """Record that a node reports a new value of a parameter.
+
+        Args:
+            node: The full name of the node.
+            name: The name of the parameter.
+            old: The value before.
+            new: The present value.
+            now: Monotonic time in seconds.
+        """
         change = f"{text_of(new)}, was {text_of(old)}"
         text = f"{node.lstrip('/')} {name} changed by {self.author}: {change}"
         self._changes.append(_Change(("set",), text, now, node, name))
 
     def take_due(self, now: float) -> list[str]:
-        """Remove the changes that are old enough; return a line for each that nobody reported.
+        """Remove changes that are at least 4 s old; return a line for each that nobody reported.
 
         Args:
             now: Monotonic time in seconds.
@@ -149,7 +163,7 @@ class UnexplainedChanges:
         )
 
     def _verbs(self, record: AuditRecord) -> Collection[str]:
-        """Return the verb of a report; for `call`, the verbs that call the same service."""
+        """Return the verb of a report; for `call`, those that call the same service, if any do."""
         service = record.arguments.get("service")
         if record.verb != "call" or not isinstance(service, str):
             return (record.verb,)

@@ -22,7 +22,7 @@ _DIGITS = 30  # More than any type has; further digits cannot make a number fit.
 
 
 def text_of(value: Any) -> str:
-    """Return a value as a person writes it, in one line that is safe to show; `--` for none."""
+    """Return a value as a person writes it, in one line that is safe to show; `--` for None."""
     if value is None:
         return "--"
     if isinstance(value, bool):
@@ -44,7 +44,7 @@ def parse_bool(text: str) -> bool:
     """Return the bool that a word means: true, yes, on, false, no, off, in any case.
 
     Raises:
-        ValueError: In one line what is wrong.
+        ValueError: The text is another word.
     """
     words = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
     if text.lower() not in words:
@@ -53,19 +53,19 @@ def parse_bool(text: str) -> bool:
 
 
 def fits_an_integer(value: int) -> bool:
-    """Return True if an integer type of ROS can hold a number."""
+    """Return True if an int64 or a uint64 can hold the number."""
     return INTEGERS["int64"][0] <= value <= INTEGERS["uint64"][1]
 
 
 def parse_integer(text: str, limits: tuple[int, int] = INTEGERS["int64"]) -> int:
-    """Return the whole number in a text.
+    """Return the whole number in a text of decimal digits with an optional sign.
 
     Args:
-        text: The text.
+        text: The text; blanks around it do not matter.
         limits: The smallest and the largest number allowed.
 
     Raises:
-        ValueError: In one line what is wrong.
+        ValueError: In one line, what is wrong.
     """
     stripped = text.strip()
     if not _WHOLE.fullmatch(stripped):
@@ -78,10 +78,10 @@ def parse_integer(text: str, limits: tuple[int, int] = INTEGERS["int64"]) -> int
 
 
 def parse_number(text: str) -> float:
-    """Return the finite number in a text.
+    """Return the finite number in a text, such as `-1.5` or `2e3`.
 
     Raises:
-        ValueError: In one line what is wrong.
+        ValueError: In one line, what is wrong; NaN and infinity are refused.
     """
     try:
         value = float(text)
@@ -95,10 +95,10 @@ def parse_number(text: str) -> float:
 
 
 def parse_any_number(text: str) -> float:
-    """Return the number in a text, which may be `nan` or `inf`, as in messages.
+    """Return the number in a text, which may also be `nan` or `inf`, with or without YAML's dot.
 
     Raises:
-        ValueError: In one line what is wrong.
+        ValueError: In one line, what is wrong.
     """
     if _INFINITE.fullmatch(text):
         return float(text.replace(".", ""))

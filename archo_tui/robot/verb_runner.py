@@ -23,7 +23,7 @@ _DEADLINE = FIRST_FOUND + ALL_ANSWERS + 1.0
 
 
 class VerbRunner:
-    """The runner of verbs on the ROS thread. Called on the event loop."""
+    """The runner of verbs: on the ROS thread, each with a report. Called on the event loop."""
 
     def __init__(
         self,
@@ -57,16 +57,20 @@ class VerbRunner:
         work: Callable[[Gate], Coroutine[Any, Any, Outcome]],
         wait: float = 0.0,
     ) -> Outcome:
-        """Run a verb, and return its outcome when the snapshot shows it.
+        """Run a verb, report how it ended, and return its outcome when the snapshot shows it.
+
+        The report is an event, a line of the ROS log and an audit record for other consoles. Errors
+        become outcomes: `Void` CANCELLED, another exception REFUSED, silence TIMEOUT. A console
+        that is watching only refuses every verb (WATCHING), and reports nothing.
 
         Args:
             verb: The id of the verb, for the audit record.
-            arguments: Its arguments, for the audit record.
+            arguments: The arguments of the verb, for the audit record.
             title: The verb as people read it.
             command: The `ros2` command line that does the same; "" if there is none.
-            work: Carries it out on the ROS thread. It passes the gate just before its request is
-                sent, if a STOP that was read in the meantime must keep that from happening.
-            wait: The seconds that it may take beyond those of any other verb.
+            work: Carries the verb out on the ROS thread. It passes the gate just before its request
+                is sent, if a STOP that was read in the meantime must keep that from happening.
+            wait: The seconds that the verb may take beyond those of any other.
         """
         if self._watching:
             return Outcome(Code.WATCHING, WATCHING)
@@ -110,10 +114,12 @@ class VerbRunner:
     ) -> Callable[[Outcome], None]:
         """Return a function that reports the outcome of an answer for which nobody waits any more.
 
+        The report names the present requester. Call the function on the ROS thread.
+
         Args:
             title: The verb as people read it.
-            verb: Its id.
-            arguments: Its arguments; None if it has none.
+            verb: The id of the verb.
+            arguments: The arguments of the verb; None if it has none.
         """
         requester = current_requester()
 

@@ -9,7 +9,7 @@ from archo_tui.robot.parameter_polling import MAX_REQUESTS, PERIOD, SLICE, Param
 
 def looks(rounds: ParameterPolling, names: dict[str, list[str]], since: float) -> list[list[Any]]:
     """What is read in a round of looks, one a second."""
-    return [rounds.due(since + second, names) for second in range(int(PERIOD))]
+    return [rounds.take_due(since + second, names) for second in range(int(PERIOD))]
 
 
 def test_each_parameter_is_read_once_in_thirty_seconds() -> None:
