@@ -13,14 +13,16 @@ _HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
 
 
 def dump(robot: RobotFile) -> str:
-    """Return YAML text from which `load` makes an equal robot."""
+    """Return YAML text from which `load` makes an equal robot; defaults are left out of it."""
     return _HEAD + yaml_dump.block({"version": robot.version, **plain(robot)})
 
 
 def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
     """Return a copy of a robot file without the parts that need something which is not there.
 
-    A copy that lacks a part describes another robot: it gets the name of a robot without a name.
+    Parts are left out for their topic, their action, or the service that they call; `record` and
+    the STOP's release stay. A copy that lacks a part describes another robot: it gets the name of a
+    robot without a name.
 
     Args:
         robot: The robot file; it is not changed.
@@ -42,7 +44,10 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
 
 
 def plain(value: Any) -> Any:
-    """Return a dataclass of a robot file as mappings and lists, without what is a default."""
+    """Return a dataclass of a robot file as mappings and lists, without defaults and `where`.
+
+    A dataclass of which only `field` is set becomes the value of `field`.
+    """
     if is_dataclass(value):
         found = {}
         for item in fields(value):

@@ -14,7 +14,10 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def default_path() -> Path:
-    """Return the path of ARCHO's robot file, in a checkout or in an installed wheel."""
+    """Return the path of ARCHO's robot file, in a checkout or in an installed wheel.
+
+    If there is none, it is the path in the checkout, at which no file exists.
+    """
     paths = [folder / "config" / "robots" / "archo.yaml" for folder in (_PACKAGE.parent, _PACKAGE)]
     return next((path for path in paths if path.is_file()), paths[0])
 
@@ -23,7 +26,8 @@ def load(path: Path) -> RobotFile:
     """Read and validate a robot file.
 
     Raises:
-        ArchoError: The file cannot be read or is not valid; the message is one line.
+        ArchoError: The file cannot be read or is not valid; the message names the first fault in
+            one line.
     """
     try:
         return _load(path)

@@ -8,7 +8,9 @@ from archo_tui.nearest import nearest_hint
 
 
 def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:
-    """Return why the types of a topic or action do not fit, or "" if they do.
+    """Return why the types of a topic or action do not fit; "" if they do.
+
+    A type that is not expected does not fit, nor do several types at once.
 
     Args:
         name: The topic or action.
@@ -22,9 +24,13 @@ def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) 
 
 
 def duplicate_servers(action: str, nodes: Sequence[str]) -> str:
-    """Return the reason for refusing a goal whose action has several servers.
+    """Return the text by which a goal is refused whose action several nodes serve.
 
     ROS 2 delivers one goal request to all of them, so each would start to drive.
+
+    Args:
+        action: The action.
+        nodes: The full names of the nodes.
     """
     return f"{action} is served by {' and '.join(nodes)}: each would drive; stop all but one"
 

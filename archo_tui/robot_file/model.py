@@ -35,7 +35,7 @@ class MessageField:
 
 
 def fields_of(given: MessageField | tuple[MessageField, ...] | None) -> tuple[MessageField, ...]:
-    """Return the message fields that a reading consists of; none if it is left out."""
+    """Return the message fields that a reading consists of; () if it is left out."""
     if given is None:
         return ()
     return given if isinstance(given, tuple) else (given,)
@@ -261,11 +261,11 @@ class CommandService:
 
     @property
     def off_word(self) -> str:
-        """Return the word that is typed for a toggle to send false; "" if this is not a toggle."""
+        """The word that is typed for a toggle to send false; "" if this is not a toggle."""
         return (self.off or f"{self.id}_off") if self.toggle else ""
 
     def toggles_reading_of(self, topic: Literal["battery", "motion"]) -> bool:
-        """Return True if this inverts a state that the topic reports, as `battery.charging`."""
+        """Return True if this toggle inverts a state that the topic reports: `battery.charging`."""
         return any(reading.startswith(f"{topic}.") for reading in self.toggle.values())
 
 
@@ -311,14 +311,14 @@ class RobotFile:
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """Return the name of every topic that the console subscribes to."""
+        """The names of all topics whose messages are shown, each once; not those of `record`."""
         topics = (self.battery, self.motion, self.pose)
         named = [topic.topic for topic in topics if topic] + [gauge.topic for gauge in self.gauges]
         return tuple(dict.fromkeys([*named, *filter(None, [self.diagnostics])]))
 
     @property
     def services(self) -> tuple[str, ...]:
-        """Return the name of every service that the console calls."""
+        """The names of all services that the console calls, each once, the STOP's first."""
         stop = () if self.stop is None else (self.stop.service, self.stop.release)
         named = [*stop, *(command.service for command in self.commands)]
         return tuple(name for name in dict.fromkeys(named) if name)

@@ -26,10 +26,10 @@ class Entry(NamedTuple):
     """A part of the file that is proposed.
 
     Attributes:
-        part: The key of the robot file; of `goals` and `commands` this is one item.
-        value: Its dataclass.
+        part: The key in the robot file; an entry of `goals` or `commands` is one item of the list.
+        value: The dataclass of the part; of `diagnostics`, the topic.
         reason: Why it is proposed, in a line.
-        is_sure: False for what is written as a comment, for a person to decide.
+        is_sure: False for a part that is written as a comment, for a person to decide.
     """
 
     part: Part
@@ -68,9 +68,13 @@ class SeveralRobots(Exception):
 def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     """Propose a robot file for what was seen.
 
+    Parts that only a person can decide, such as the STOP, are marked as not sure. Services of ROS
+    itself are left out.
+
     Args:
         seen: Everything in the namespace or below it.
-        namespace: The namespace that was asked for; "/" also finds the one of a single robot.
+        namespace: The namespace that was asked for; with "/" the proposal has the namespace that
+            the parts have in common.
 
     Raises:
         SeveralRobots: The namespace holds more than one robot.
@@ -100,9 +104,10 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
 
 
 def _robots(found: Iterable[Found]) -> set[str]:
-    """Return the namespaces that have the same battery, motion or goal below them, if several do.
+    """Return the namespaces of the robots if there are several; else an empty set.
 
-    Two topics `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
+    They are several if namespaces have a battery, motion or goal of the same name below them:
+    `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
     """
     by_rest: dict[tuple[str, str], set[str]] = {}
     for entry, sighting in found:
@@ -229,7 +234,10 @@ def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
 
 
 def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
-    """Return the namespace that the parts and their nodes have in common, within the given one."""
+    """Return the namespace that the parts and their nodes have in common, if "/" is given.
+
+    Another given namespace is returned as it is.
+    """
     names = [name for _, sighting in chosen for name in (sighting.name, *sighting.nodes)]
     if not names:
         return namespace
@@ -238,7 +246,13 @@ def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
 
 
 def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
-    """Return an entry with names as in the robot file, and with an id that no other one has."""
+    """Return an entry with names as in the robot file, and with an id that no other one has.
+
+    Args:
+        entry: The entry, with full names.
+        namespace: The namespace of the robot.
+        used: The words that are taken; those of this entry are added.
+    """
     value = entry.value
     if entry.part == "diagnostics":
         return entry._replace(value=_relative(value, namespace))
@@ -252,7 +266,7 @@ def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
 
 
 def _relative(name: str, namespace: str) -> str:
-    """Return a full name as it stands in a robot file for the namespace."""
+    """Return a full name without the namespace if it is below it; else the full name."""
     below = f"{namespace.rstrip('/')}/"
     return name.removeprefix(below) if name.startswith(below) else name
 

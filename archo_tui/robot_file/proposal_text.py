@@ -21,11 +21,14 @@ _MOST = 200  # Unknown topics, services and actions that are listed; the rest is
 
 
 def text_of(proposal: Proposal, head: str) -> str:
-    """Return the text of the file, which loads.
+    """Return the text of a proposed robot file, with a comment above each part.
 
     Args:
-        proposal: What is proposed.
-        head: The first lines, as comments: where it comes from.
+        proposal: The proposal. Parts that are not sure become comments.
+        head: The first lines, as comments: where the file comes from.
+
+    Raises:
+        ArchoError: The text would not load as a robot file.
     """
     name = proposal.namespace.rpartition("/")[2] or RobotFile.name
     parts = [

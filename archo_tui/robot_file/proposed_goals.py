@@ -25,11 +25,13 @@ def propose_goal(
     feedback: Mapping[str, str],
     result: Mapping[str, str],
 ) -> GoalKind | None:
-    """Propose the entry for an action; None if its goal cannot be typed into a form.
+    """Propose the entry of a robot file for an action; None if no form can hold its goal.
+
+    A type that the table of known types has gets the entry from there.
 
     Args:
         action: The full name of the action.
-        types: Its types.
+        types: The types of the action.
         goal: The types of the goal's fields by dotted path; None if its type is not installed.
         feedback: The same of the feedback.
         result: The same of the result.
@@ -87,14 +89,14 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
 
 
 def _label(word: str, path: str, goal: Mapping[str, str]) -> str:
-    """Return the label of a pose's field, with the pose's path where there are several."""
+    """Return the label of a pose's field: the word, behind the pose's path if there are several."""
     poses = [other for other, kind in goal.items() if kind in known_types.GOAL_POSES]
     outer = [other for other in poses if not any(other.startswith(f"{p}.") for p in poses)]
     return word if len(outer) == 1 else f"{path} {word}"
 
 
 def _remaining(feedback: Mapping[str, str]) -> RemainingField | None:
-    """Return the first number of a feedback whose name says that it is what is left."""
+    """Return the first number of a feedback whose name says that it is what is left, or None."""
     for path, kind in feedback.items():
         name = path.rpartition(".")[2]
         if _NUMBERS.fullmatch(kind) and _REMAINING.search(name):

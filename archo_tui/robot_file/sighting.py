@@ -17,12 +17,12 @@ class Sighting:
         types: Its types; usually one.
         nodes: The full names of the nodes that publish or serve it.
         lifecycles: The states of those nodes that are managed, by node.
-        was_listened_to: False for a topic without a subscription: its type is not installed, or
-            none of those that are read.
+        was_listened_to: False for a topic without a subscription: its type is not installed, or not
+            one that a robot file can use.
         rate: Messages in a second; None before the second message.
         values: The primitive fields of the last message by dotted path.
-        goal: The types of all fields of the goal or request by dotted path; None if the type is
-            not installed.
+        goal: The types of all fields of the goal or request by dotted path; None if the type is not
+            installed.
         feedback: The same of an action's feedback.
         result: The same of an action's result.
     """
@@ -41,11 +41,11 @@ class Sighting:
 
 
 def topic_reason(sighting: Sighting, kind: str) -> str:
-    """Return why a topic is taken for a part of the robot: its type, rate and publishers.
+    """Return why a topic is proposed, in a line: its type, rate and publishers.
 
     Args:
         sighting: The topic.
-        kind: The one of its types that counts.
+        kind: The one of its types for which it is proposed.
     """
     rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
     rate = rate or (", one message came" if sighting.values else ", no message came")
@@ -57,13 +57,13 @@ def topic_reason(sighting: Sighting, kind: str) -> str:
 
 
 def served_reason(sighting: Sighting) -> str:
-    """Return why a service or action is proposed: its type, and who serves it."""
+    """Return why a service or action is proposed, in a line: its types, and who serves it."""
     twice = ": several serve it, so it is refused" if len(sighting.nodes) > 1 else ""
     by = f" served by {nodes_text(sighting)}" if sighting.nodes else ""
     return f"{sighting.name} is a {', '.join(sighting.types)}{by}{twice}"
 
 
 def nodes_text(sighting: Sighting) -> str:
-    """Return the nodes that publish or serve it, each with the state of a managed node."""
+    """Return the nodes that publish or serve a sighting; of a managed node also its state."""
     states = sighting.lifecycles
     return ", ".join(f"{n} ({states[n]})" if n in states else n for n in sighting.nodes)

@@ -34,10 +34,11 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
         kind: A dataclass, a scalar type, or a hint made of `Union`, `Literal`, `tuple[...]`,
             `Mapping[str, ...]` and `Any`.
         node: The node to convert.
-        path: The file that error messages name.
+        path: The file that error messages name; it is not opened.
 
     Raises:
-        ArchoError: `FILE:LINE: reason`, if the node does not fit the hint.
+        ArchoError: `FILE:LINE: reason`, if the node does not fit the hint; of a single value that
+            is not below a key only the reason.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
@@ -65,7 +66,7 @@ def _error(node: yaml.Node, path: Path, reason: str) -> ArchoError:
 
 
 def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
-    """Convert the value of a key; an error says the key's name."""
+    """Convert the value of a key; an error names the key and its line."""
     try:
         return read(kind, node, path)
     except _TypeMismatch as error:
@@ -73,7 +74,11 @@ def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
 
 
 def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
-    """Return name, key node and value node of each entry, refusing a name given twice."""
+    """Return name, key node and value node of each entry of a mapping.
+
+    Raises:
+        ArchoError: The node is no mapping, or a name is missing or given twice.
+    """
     if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
         raise _error(node, path, "expected lines like 'name: value'")
     found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}

@@ -29,7 +29,7 @@ Faults = Iterator[tuple[str, str]]  # Pairs of `FILE:LINE` and a sentence.
 
 
 def find_faults(robot: RobotFile) -> Faults:
-    """Yield each fault of a robot file as its place (`FILE:LINE`) and a sentence."""
+    """Yield each fault of a robot file as the entry's place (`FILE:LINE`, or "") and a sentence."""
     yield from _name_faults(robot)
     yield from _type_faults(robot)
     yield from _title_faults(robot)
@@ -82,7 +82,7 @@ def _title_faults(robot: RobotFile) -> Faults:
 
 
 def _word_faults(robot: RobotFile) -> Faults:
-    """Check the words that operators type: each is valid, not the console's own, and unique."""
+    """Check the words that operators type: each is valid, unique, and not the console's own."""
     found = [("id", goal.id, goal.where) for goal in robot.goals]
     found += [("id", command.id, command.where) for command in robot.commands]
     found += [
@@ -147,7 +147,7 @@ def _order_faults(
 
 
 def _known_number(limit: Limit) -> float | None:
-    """Return the number of a limit that can be known without the robot's parameters."""
+    """Return the number of a limit without the robot's parameters; None if there is none."""
     return limit.otherwise if isinstance(limit, ParameterRef) else limit
 
 
