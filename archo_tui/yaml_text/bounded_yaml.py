@@ -29,7 +29,7 @@ class YamlError(ValueError):
 
 
 def read(path: Path) -> str:
-    """Return the text of a file.
+    """Return the text of a file, decoded from UTF-8.
 
     Raises:
         YamlError: The file is not regular, larger than 1 MB, or not UTF-8.
@@ -49,14 +49,14 @@ def read(path: Path) -> str:
 
 
 def documents(text: str, path: Path) -> list[yaml.Node]:
-    """Return the root node of each YAML document in a text.
+    """Return the root node of each YAML document in a text; [] for an empty text.
 
     Args:
         text: The YAML text.
         path: The file that error messages name; it is not opened.
 
     Raises:
-        YamlError: The text is not YAML, or exceeds a bound.
+        YamlError: The text is not YAML, nested too deep, or has an alias.
     """
     try:
         return _with_readable_error(text, _compose_all)
@@ -65,14 +65,14 @@ def documents(text: str, path: Path) -> list[yaml.Node]:
 
 
 def compose(text: str, path: Path) -> yaml.Node | None:
-    """Return the root node of a text, or None if the text is empty.
+    """Return the root node of a text with one YAML document, or None if the text is empty.
 
     Args:
-        text: The YAML text, one document.
+        text: The YAML text.
         path: The file that error messages name; it is not opened.
 
     Raises:
-        YamlError: The text is not YAML, or exceeds a bound.
+        YamlError: The text is not YAML, nested too deep, has an alias, or a second document.
     """
     try:
         return node_of(text)
@@ -84,7 +84,8 @@ def load(text: str) -> Any:
     """Return the value of a text that somebody typed, or None if the text is empty.
 
     Raises:
-        YamlFault: The text is not YAML, or exceeds a bound.
+        YamlFault: The text is not YAML of one document, too long, nested too deep, has an alias, or
+            a value that `core_schema.value` refuses.
     """
     if len(text) > MAX_BYTES:
         raise YamlFault(1, f"more than {MAX_BYTES} characters")
@@ -93,7 +94,7 @@ def load(text: str) -> Any:
 
 
 def scalar_texts(text: str) -> list[str]:
-    """Return the elements of a list of scalars as typed, for a caller that knows their type.
+    """Return the elements of a list of scalars as typed, without quotes, for any type of them.
 
     Raises:
         YamlFault: The text is not a list, or one element is not a scalar.
@@ -108,10 +109,12 @@ def scalar_texts(text: str) -> list[str]:
 
 
 def node_of(text: str) -> yaml.Node | None:
-    """Return the root node of a text, or None if the text is empty.
+    """Return the root node of a text with one YAML document, or None if the text is empty.
+
+    The length of the text is not checked.
 
     Raises:
-        YamlFault: The text is not YAML, or exceeds a bound.
+        YamlFault: The text is not YAML, nested too deep, has an alias, or a second document.
     """
     return _with_readable_error(text, _compose_one)
 

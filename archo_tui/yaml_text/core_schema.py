@@ -57,6 +57,8 @@ FAST_LOADER = _make_loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # In 
 def value(node: yaml.Node) -> Any:
     """Return the Python value of a node that `LOADER` or `FAST_LOADER` composed.
 
+    The keys of mappings are texts as written, also those that look like numbers.
+
     Raises:
         YamlFault: A key is given twice or is not a scalar, or a tag or scalar is not understood.
     """
@@ -73,7 +75,7 @@ def value(node: yaml.Node) -> Any:
 
 
 def pairs(node: yaml.MappingNode) -> list[tuple[str, yaml.Node]]:
-    """Return the keys of a mapping as written, each with its value's node.
+    """Return the keys of a mapping as written, in order, each with its value's node.
 
     Raises:
         YamlFault: A key is given twice, or is not a scalar.
@@ -116,7 +118,7 @@ def _parse_float(text: str) -> float:
 
 
 def _shorten(text: str) -> str:
-    """Return the beginning of a text on one line, for an error message."""
+    """Return the first 40 characters of a text on one line, for an error message."""
     return text[:_DIGITS] if text.isprintable() else ascii(text[:_DIGITS])
 
 
