@@ -81,7 +81,7 @@ class Nodes:
         return all(self._node.count_services(f"{name}/{service}") for service in (_GET, _SET))
 
     async def level(self, name: str) -> Outcome:
-        """Ask a node for its log level; the text of the outcome tells it, as `INFO and above`.
+        """Ask a node for its log level; the text of the outcome is as `lamp logs INFO and above`.
 
         Args:
             name: The full name of the node.
@@ -159,10 +159,10 @@ def _named(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
 
 
 def _topics(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
-    """Return topics without those that every node has, and without the parts of actions."""
+    """Return topics without those that every node has, and without hidden ones, as of actions."""
     return _named((n, kinds) for n, kinds in found if n not in _TOPICS and not is_hidden(n))
 
 
 def _services(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
-    """Return services without those that every node has, and without the parts of actions."""
+    """Return services without those that every node has, and without hidden ones, as of actions."""
     return _named((n, k) for n, k in found if not is_hidden(n) and not is_of_every_node(k))

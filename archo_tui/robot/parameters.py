@@ -74,7 +74,7 @@ class Parameters:
         node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
-        """Return all parameters by node, then in the order in which the node declared them.
+        """Return all parameters, sorted by node; those of a node in the order of its list.
 
         The tuple is the same object until something changes.
         """
@@ -232,7 +232,9 @@ class Parameters:
         return {name: text_of(value) for name, value in known.items()}
 
     def _message(self, node: str, name: str, value: Any) -> Any:
-        """Return the message that sets a parameter, with its declared type.
+        """Return the message that sets a parameter; its type is that of the value.
+
+        An empty list gets the type that the parameter is known to have.
 
         Raises:
             ValueError: The value does not fit.

@@ -49,9 +49,9 @@ class Period(NamedTuple):
     def measured_again(self, old: object, new: object) -> Period:
         """Return an unmeasured period in which the present one holds until it is measured again.
 
-        For use when a parameter has changed. If the old value of the parameter equals the present
-        period, the parameter seems to set it: then its new value holds from now on, if it is longer
-        and at most LONGEST_SET. The publisher may first wait for the end of the old period.
+        For use when a parameter has changed. If the old value of the parameter is about the present
+        period, the parameter seems to set it: then its new value, at most LONGEST_SET, holds from
+        now on if it is longer. The publisher may first wait for the end of the old period.
 
         Args:
             old: The parameter's value before; None if it is of another node than the publisher.

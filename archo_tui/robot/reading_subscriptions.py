@@ -36,7 +36,7 @@ class Reader(NamedTuple):
     """A reading and its topic.
 
     Attributes:
-        key: "battery", "motion", or the index of a gauge.
+        key: "battery", "motion", "pose", "diagnostics", or the index of a gauge.
         topic: The topic as the robot file names it.
         types: The fields to read, by message type and name of the value.
         callback: Called with a message and the fields of its type; returns what is new.

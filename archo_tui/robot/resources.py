@@ -83,7 +83,7 @@ class Resources:
         # The names about which questions are needed: topics with publishers and subscriptions, and
         # whatever no known node publishes or serves.
         self._asked_names: PollSchedule[str] = PollSchedule()
-        self._ends: dict[str, _TopicEnds] = {}  # Of those topics.
+        self._ends: dict[str, _TopicEnds] = {}  # The answers, by topic.
         self._counted: set[str] = set()  # Services that are served, though no node names them.
         # The nodes of each topic and service.
         self._publishers: Mapping[str, AbstractSet[str]] = {}
@@ -120,7 +120,7 @@ class Resources:
         is_changed = named != self._named
         self._named = named
         self._nodes.set_items(nodes)
-        if is_changed:  # A name does not tell whose it is.
+        if is_changed:  # A new name does not tell which node has it.
             self._nodes.prioritize(nodes)
         if self._ask_nodes(nodes, has_time) or is_changed:
             is_changed = True
@@ -188,7 +188,7 @@ class Resources:
 
     def _ask_about_names(self, has_time: Callable[[], bool]) -> bool:
         """Ask about the names that are due; return True if an answer differs from the last."""
-        if self._is_partly_asked:  # Of most names a node will tell.
+        if self._is_partly_asked:  # The other nodes will tell of most names.
             return False
         before = dict(self._ends), set(self._counted)
         for name in self._asked_names.take_due():

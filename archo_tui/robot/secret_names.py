@@ -32,7 +32,8 @@ class SecretNames:
     def matches(self, name: str) -> bool:
         """Return True for a secret name, such as `wifi.password`, `apiKey` or `auth_tokens`.
 
-        Upper case and a plural `s` make no difference.
+        Upper case and a plural `s` make no difference. `key` counts only at the end of the name or
+        of a part before a dot: `key_bindings` is not secret.
         """
         words = _words(name)
         return (

@@ -131,7 +131,10 @@ class ServiceCaller:
 
 
 def _outcome_of(answer: Any) -> Answer:
-    """Return what an answer means, with the answer; other fields are in the text if of use."""
+    """Return what an answer means, with the answer.
+
+    The text has all fields of the answer if there are more than a verdict and a message.
+    """
     outcome = message_classes.outcome_of(answer)
     more = messages.text(answer) if message_classes.says_more(answer) else ""
     if more and outcome.code is Code.NOT_CONFIRMED:

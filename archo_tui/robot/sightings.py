@@ -21,7 +21,7 @@ from archo_tui.robot_file.sighting import Sighting
 async def take_sightings(robot: Robot, clock: Clock, seconds: float) -> tuple[Sighting, ...]:
     """Return what is on the graph, after listening to the topics that a robot file can use.
 
-    For `seconds` it subscribes to each published topic whose type is known and installed.
+    For `seconds` the console subscribes to each published topic of such a type, if it is installed.
 
     Args:
         robot: The running robot, which knows the graph.

@@ -73,22 +73,22 @@ class StopLatch:
         self.sent_to: Ids = {}
         self.is_not_obeyed = False
         self.holders_have_ended = False
-        self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
-        self._other_console = ""  # The console that sent the STOP; empty: this one.
+        self._lasting_doubt = ""  # A doubt that no return of a node ends (rule 3), or "".
+        self._other_console = ""  # The console that sent the STOP; "" for this one.
         self._holders: Ids = {}  # The nodes that confirmed it.
-        self._is_held_here = False  # Only nodes that this process runs have served it since.
+        self._is_held_here = False  # True while only nodes of this process have served it.
         self._stopped_early: set[str] = set()  # Nodes that carried it out before they spun.
-        self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
-        self._reports_stop = False  # The robot reports whether it is stopped.
-        self._reported = False  # What it reported last.
+        self._nodes_changed = 0.0  # Monotonic time at which a new node last served it.
+        self._reports_stop = False  # True if the robot reports whether it is stopped.
+        self._reported = False  # True if it last reported that it is stopped.
         self._sent: float | None = None  # When the STOP left, while the robot has not stood since.
         self._moves_since: float | None = None  # Monotonic time since when it reports a motion.
 
     def hold(self, other_console: str = "") -> None:
         """Record that the robot has just confirmed a STOP, and which nodes did (rule 1).
 
-        The nodes are those that serve STOP now; if none does, those that it was sent to.
-        `on_change` is not called.
+        The state is HELD, and earlier doubts are forgotten. The nodes are those that serve STOP
+        now; if none does, those that it was sent to. `on_change` is not called.
 
         Args:
             other_console: The console that sent the STOP; "" for this one.
@@ -96,7 +96,7 @@ class StopLatch:
         self.state, self.doubt, self._lasting_doubt = Latch.HELD, "", ""
         self._other_console = other_console
         self.time = self._clock.now()
-        # They may have left by now: any node that comes later would pass for them.
+        # The nodes may have left by now. If none was kept, any later one would pass for them.
         self._holders = self._graph.holders(self._service) or self.sent_to
         self._stopped_early.clear()
         self._is_held_here = bool(self._holders) and self._are_run_here(self._holders)
@@ -212,7 +212,9 @@ class StopLatch:
     def on_motion(self, motion: Motion) -> None:
         """Record a message about the robot's motion (rules 3, 4 and 5).
 
-        A report that the robot is stopped makes a STOP hold, one that it no longer is ends it.
+        A report that the robot is stopped makes a STOP hold; one of an UNCERTAIN STOP does not in
+        the second after its nodes changed. The first report that the robot no longer is stopped
+        ends a STOP that is certain.
 
         Args:
             motion: The message. Pass it only if a single node publishes the motion.
@@ -235,7 +237,7 @@ class StopLatch:
         now = motion.received
         if is_released or not motion.moving:
             self._sent = None
-        elif self._reported and self._sent is None:  # Whoever stopped it.
+        elif self._reported and self._sent is None:  # Something else than this console stopped it.
             self._sent = now
         sent = self._sent
         self.is_not_obeyed = sent is not None and now is not None and now - sent >= OBEYED

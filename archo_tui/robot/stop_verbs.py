@@ -61,7 +61,8 @@ class StopVerbs:
         """Send STOP, wait for the answers, and report the outcome; it holds until it is released.
 
         For a robot without STOP, every goal of every action is cancelled instead. That is no STOP,
-        so the code of its outcome is NOT_OFFERED.
+        so the code of its outcome is NOT_OFFERED. At the end, all STOPs that were read count as
+        answered.
         """
         stop = self._file.stop
         self._stops.superseded = False
@@ -76,7 +77,7 @@ class StopVerbs:
             self._stops.answered = self._stops.count
 
     async def _cancel_instead_of_stop(self) -> Outcome:
-        """Cancel every goal of every action on the graph, for a robot that has no STOP."""
+        """Cancel every goal of every action, for a robot without STOP, and report it."""
 
         async def cancel(_: Gate) -> Outcome:
             outcome = await self._goals.cancel_all(self._graph.actions, self._begun + FIRST_FOUND)

@@ -80,10 +80,12 @@ class Stopping:
         self.latch = StopLatch(
             "" if stop is None else stop.service, clock, graph, unended_nodes, on_change
         )
-        self._first_turn = 0  # Of the open STOP: an answer to an earlier call is not to it.
-        self._answered_turn = 0  # Of the last call whose answer is shown.
-        self._confirmed: tuple[float, float] | None = None  # When the last one left, was confirmed.
-        self._last_turn: int | None = None  # Of the last STOP, if nothing was accepted behind it.
+        self._first_turn = 0  # The turn of the open STOP's first call; earlier calls do not count.
+        self._answered_turn = 0  # The turn of the last call whose answer is shown.
+        # The monotonic times at which the last STOP that was confirmed left, and was confirmed.
+        self._confirmed: tuple[float, float] | None = None
+        # The turn of the last STOP; None if a release or a goal was accepted behind it.
+        self._last_turn: int | None = None
 
     async def send(self) -> Outcome:
         """Send STOP, and wait until all servers have answered or their time is over.

@@ -143,7 +143,7 @@ class TopicFollower:
 
 
 def types_of(ends: TopicInfo) -> list[str]:
-    """Return the types of a topic's publishers, else of its subscriptions, sorted."""
+    """Return the types of a topic's publishers, else of its subscriptions; sorted, each once."""
     return sorted({end.type for end in ends.publishers or ends.subscriptions})
 
 

@@ -60,8 +60,9 @@ class VerbRunner:
         """Run a verb, report how it ended, and return its outcome when the snapshot shows it.
 
         The report is an event, a line of the ROS log and an audit record for other consoles. Errors
-        become outcomes: `Void` CANCELLED, another exception REFUSED, silence TIMEOUT. A console
-        that is watching only refuses every verb (WATCHING), and reports nothing.
+        become outcomes: `Void` CANCELLED, another exception REFUSED. If the console's own node does
+        not answer in time, the outcome is TIMEOUT, only an event tells so, and the verb may still
+        be done. A console that is watching only refuses every verb (WATCHING), and reports nothing.
 
         Args:
             verb: The id of the verb, for the audit record.

@@ -27,7 +27,7 @@ _CHARGING, _DISCHARGING = 1, 2
 
 
 class NamedBattery(NamedTuple):
-    """A type that is a battery only if its topic is called one."""
+    """The fields of a general type that is a battery only if the name of its topic says so."""
 
     fields: BatteryFields
     words: tuple[str, ...]  # One of them is in the name of the topic.

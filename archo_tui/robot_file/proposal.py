@@ -68,8 +68,8 @@ class SeveralRobots(Exception):
 def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     """Propose a robot file for what was seen.
 
-    Parts that only a person can decide, such as the STOP, are marked as not sure. Services of ROS
-    itself are left out.
+    Parts that a person must decide, such as the STOP or a second battery, are marked as not sure.
+    Services of ROS itself are left out.
 
     Args:
         seen: Everything in the namespace or below it.
@@ -158,7 +158,7 @@ def _battery(sighting: Sighting) -> Iterator[Entry]:
 
 
 def _known_topic(sighting: Sighting, part: Literal["motion", "pose"]) -> Iterator[Entry]:
-    """Yield a topic with its first type that the table has for the part."""
+    """Yield the entry for a topic with its first type that the table has for the part, if any."""
     tables: Mapping[str, tuple[Any, Mapping[str, Any]]] = {
         "motion": (MotionTopic, known_types.MOTIONS),
         "pose": (PoseTopic, known_types.POSES),
@@ -170,7 +170,10 @@ def _known_topic(sighting: Sighting, part: Literal["motion", "pose"]) -> Iterato
 
 
 def _command(sighting: Sighting) -> Iterator[Entry]:
-    """Yield the command for a service; whether it moves the robot is not known, so it asks."""
+    """Yield a command for a service whose request has no field, or one bool; none for another.
+
+    Whether it moves the robot is not known, so it asks first.
+    """
     name = sighting.name
     made = CommandService(word_of(name), title_of(name), name, ask="always")
     toggle = next((known_types.TOGGLES[t] for t in sighting.types if t in known_types.TOGGLES), "")
@@ -191,7 +194,7 @@ Found = tuple[Entry, Sighting]
 
 
 def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) -> list[Found]:
-    """Return the topic that was found for a part, and the others as comments.
+    """Return the topics that were found for a part; all but the first as comments.
 
     The first is one that somebody publishes, of the type that the table names first.
     """
@@ -217,7 +220,7 @@ def _goals(found: Iterable[Found]) -> list[Found]:
 
 
 def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
-    """Yield goals and commands, those that may be another robot's as comments.
+    """Yield goals and commands; those that may be another robot's are marked as not sure.
 
     `/tb2/dock` may be of another robot beside a `/dock` of its type, and the goals of two robots
     must not stand together.

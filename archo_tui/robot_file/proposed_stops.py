@@ -20,8 +20,11 @@ def proposed_stops(
 ) -> Iterator[tuple[StopServices, str, Sighting]]:
     """Yield an entry for each service that may be the STOP, the reason, and its sighting.
 
+    The entry names the service that may release it, if one is found. Services that only release
+    get no entry of their own.
+
     Args:
-        seen: The services that `is_stop` is true of: those that stop, and those that release.
+        seen: The services that `is_stop` is true of.
     """
     releases = [s for s in seen if _is_release(s)]
     for sighting in seen:

@@ -161,7 +161,7 @@ class Snapshot(NamedTuple):
         return frozenset(name for name in names if self.unavailable(name))
 
     def parameter(self, name: str) -> Parameter | None:
-        """Return the first parameter of that name on any node; None if there is none."""
+        """Return the first parameter of that name, by node names; None if no node has one."""
         return next((p for p in self.parameters if p.name == name), None)
 
     @property

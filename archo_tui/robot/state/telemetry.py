@@ -13,7 +13,7 @@ class Battery(NamedTuple):
     """The last battery reading.
 
     Attributes:
-        percentage: The charge in %.
+        percentage: The charge in %; None if it was not within 0 .. 100.
         voltage: The voltage in V.
         charging: True while it charges.
         health: The battery's own word for its health.
@@ -36,6 +36,8 @@ class Battery(NamedTuple):
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        While no period is known, `grace` decides.
 
         Args:
             now: Monotonic time in seconds.
@@ -68,6 +70,8 @@ class Motion:
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
+        While no period is known, `grace` decides.
+
         Args:
             now: Monotonic time in seconds.
         """
@@ -98,6 +102,8 @@ class Pose(NamedTuple):
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
+        While no period is known, `grace` decides.
+
         Args:
             now: Monotonic time in seconds.
         """
@@ -125,6 +131,8 @@ class GaugeReading(NamedTuple):
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
+
+        While no period is known, `grace` decides.
 
         Args:
             now: Monotonic time in seconds.
