@@ -10,13 +10,13 @@ from archo_tui.clock import Clock
 
 
 class Conditions:
-    """The waiting tasks of a loop, whose conditions are checked again after every change.
+    """The conditions that tasks of a loop wait for; after a change `check_again` must be called.
 
     All methods are called on the running loop.
     """
 
     def __init__(self, clock: Clock) -> None:
-        """Create the conditions of the running loop, none of them waited for yet.
+        """Create a collection of conditions for the running loop, without a waiting task.
 
         Args:
             clock: Measures the timeouts.
@@ -25,11 +25,11 @@ class Conditions:
         self._changed = asyncio.Event()
 
     def check_again(self) -> None:
-        """Check every condition that is waited for again, because something has changed."""
+        """Wake every waiting task, which checks its condition when the loop runs it next."""
         self._changed.set()
 
     async def wait(self, condition: Callable[[], object]) -> None:
-        """Wait until the condition holds, for any time."""
+        """Wait until `condition()` is true; it is called at first, and after `check_again`."""
         while not condition():
             self._changed.clear()
             await self._changed.wait()
@@ -37,10 +37,10 @@ class Conditions:
     async def wait_at_most(
         self, condition: Callable[[], object], timeout: float | None = None
     ) -> None:
-        """Wait until the condition holds or the time has passed.
+        """Wait until `condition()` is true or the time has passed; return None in both cases.
 
         Args:
-            condition: The condition; a true value ends the wait.
+            condition: Called at first, and after each `check_again`; a true value ends the wait.
             timeout: Seconds; None for no limit.
         """
         with contextlib.suppress(TimeoutError):

@@ -1,6 +1,6 @@
 """The reader of the lines that are typed into `--plain`.
 
-It never pauses: a STOP may be behind the line that is being carried out.
+It reads also while a line is carried out: a STOP may be behind that line.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _CHUNK = 64 * 1024  # Bytes; a pipe holds as many, so what is written at once is
 
 
 class TypedLine(NamedTuple):
-    """A line to be carried out.
+    """A line to be carried out; never a STOP.
 
     Attributes:
         text: The line without its end; empty if it has a fault.
@@ -42,16 +42,18 @@ class Input:
     """A file descriptor that is read on a thread of its own, which counts the STOPs in it.
 
     The thread counts each STOP as it is read, since the loop may be busy with an earlier line. All
-    other lines wait here until they are taken, each with the number of STOPs before it.
+    other lines wait here until they are taken, each with the number of STOPs before it. When
+    MAX_WAITING bytes of lines wait, further lines are dropped until half of them are taken; a STOP
+    never is. Blank lines are dropped unless a person types.
 
     Attributes:
         is_terminal: True if a person types, as far as the system knows.
-        last: The monotonic time in seconds at which the last line was read, and the seconds
-            between it and the line before.
+        last_line_timing: The monotonic time in seconds at which the last line was read, and the
+            seconds between it and the line before.
         unanswered: The numbers (by `Stops.count`) of the STOPs read here that the robot has not
             answered. The thread appends; whoever sends STOPs removes them.
         has_ended: True after the end of the input; lines may still wait.
-        overflows: The number of times that lines began to be refused because too many waited.
+        overflows: The number of times that lines began to be dropped because too many waited.
     """
 
     def __init__(
@@ -63,11 +65,11 @@ class Input:
             descriptor: The file descriptor to read, which stays open; None for no input.
             stops: The counter of STOPs.
             on_input: Called on the running loop after something was read, and after the end.
-            clock: The clock for the times in `last`.
+            clock: The clock for the times in `last_line_timing`.
         """
         self._descriptor, self._stops, self._on_input = descriptor, stops, on_input
         self._clock = clock
-        self.last = 0.0, 0.0
+        self.last_line_timing = 0.0, 0.0
         self._loop = asyncio.get_running_loop()
         self.is_terminal = descriptor is not None and os.isatty(descriptor)
         self._thread = threading.Thread(target=self._read, name="stdin", daemon=True)
@@ -85,11 +87,14 @@ class Input:
         self.overflows = 0
 
     def start(self) -> None:
-        """Begin to read, without a buffered reader, whose lock would delay the process's end."""
+        """Begin to read, on the thread."""
         self._thread.start()
 
     def close(self) -> None:
-        """Ignore whatever is read from now on."""
+        """Ignore whatever is read from now on, a STOP too; the descriptor stays open.
+
+        Lines that wait can still be taken. The thread ends after its next read.
+        """
         self._is_closed = True
 
     @property
@@ -98,13 +103,13 @@ class Input:
         return self._thread.is_alive()
 
     @property
-    def has_news(self) -> bool:
+    def has_line_or_end(self) -> bool:
         """True if a line waits, or the input has ended."""
         return bool(self._waiting) or self.has_ended
 
     @property
     def is_cancel_next(self) -> bool:
-        """True if the line that has waited longest is `cancel`."""
+        """True if the line that has waited longest is `cancel`, without further words."""
         with self._lock:
             end = max(self._waiting.find(b"\n"), 0)
             _, _, text = self._waiting[:end].partition(b" ")
@@ -112,7 +117,10 @@ class Input:
 
     @property
     def is_quiet(self) -> bool:
-        """True if there is nothing to read at this moment, and all that was read is kept."""
+        """True if there is nothing to read now, and all that was read is counted or can be taken.
+
+        Always True on Windows, and after `close()` or the end of the input.
+        """
         if self._descriptor is None or self.has_ended or self._is_closed:
             return True
         if sys.platform == "win32":  # Windows can `select` sockets only.
@@ -121,7 +129,10 @@ class Input:
         return not select.select([self._descriptor], [], [], 0)[0] and not self._is_at_work
 
     def take(self) -> TypedLine | None:
-        """Remove and return the line that has waited longest; None if no line waits."""
+        """Remove and return the line that has waited longest; None if no line waits.
+
+        A line that was too long or is not UTF-8 has no text but a fault.
+        """
         with self._lock:
             end = self._waiting.find(b"\n")
             entry = bytes(self._waiting[: max(end, 0)])
@@ -143,13 +154,16 @@ class Input:
     # Called on the thread.
 
     def _read(self) -> None:
-        """Read until the end of the input, or until `close()`."""
+        """Read until the end of the input, or until `close()`; the target of the thread.
+
+        A last line without an end counts as a line.
+        """
         splitter = LineSplitter()
         while (chunk := self._read_chunk()) and not self._is_closed:
             lines = splitter.feed(chunk)
             for _ in lines:
                 now = self._clock.monotonic()
-                self.last = now, now - self.last[0]
+                self.last_line_timing = now, now - self.last_line_timing[0]
             self._keep(lines)
             self._is_at_work = False
             self._announce()
@@ -158,7 +172,7 @@ class Input:
         self._announce()
 
     def _read_chunk(self) -> bytes:
-        """Wait for input and return it; empty at the end, or if it cannot be read."""
+        """Wait for input and return up to 64 KiB of it; b"" at the end, or if it cannot be read."""
         while self._descriptor is not None:
             try:
                 if sys.platform != "win32":
@@ -173,7 +187,10 @@ class Input:
         return b""
 
     def _keep(self, lines: list[bytes]) -> None:
-        """Count each line that is a STOP; keep each other line with the number of STOPs before."""
+        """Count each line that is a STOP; keep each other line with the number of STOPs before.
+
+        Lines beyond MAX_WAITING and, unless a person types, blank lines are dropped.
+        """
         stops = self._stops.count
         entries = []  # Each with the bytes of its text.
         for line in lines:
@@ -194,7 +211,7 @@ class Input:
                     self._size += size
 
     def _announce(self) -> None:
-        """Call `on_input` on the loop, unless that call is due already."""
+        """Have the loop call `on_input`, unless a call is due already. Called on the thread."""
         if not self._is_announced:
             self._is_announced = True
             with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for input.

@@ -20,8 +20,9 @@ _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 def is_stop(line: bytes) -> bool:
     """Return True if the first word of a line is `stop`.
 
-    Upper case, punctuation, escape sequences, and bytes that are not UTF-8 do not matter: a person
-    who types STOP in a hurry must not be refused for the spelling.
+    Upper case, punctuation before and after it, escape sequences, and bytes that are not UTF-8 do
+    not matter: a person who types STOP in a hurry must not be refused for the spelling. `stopped`
+    is no STOP.
 
     Args:
         line: The line, of any length, without its end.
@@ -33,14 +34,17 @@ def is_stop(line: bytes) -> bool:
 
 
 def is_stop_text(text: str) -> bool:
-    """Return True if a text is a STOP by the rule of `is_stop`."""
+    """Return True if the first word of a text is `stop`, by the rule of `is_stop`."""
     if "stop" not in text.lower():
         return False
     return _STOP.match(text) is not None or _STOP.match(_KEY.sub("", text)) is not None
 
 
 def shell_words(line: bytes) -> list[str]:
-    """Return the words of a line, split as a shell splits it; none if a quote is not closed."""
+    """Return the words of a line, split as by a shell; an empty list if a quote is not closed.
+
+    Bytes that are not UTF-8 become replacement characters.
+    """
     try:
         return shlex.split(line.decode(errors="replace"))
     except ValueError:
@@ -48,7 +52,7 @@ def shell_words(line: bytes) -> list[str]:
 
 
 class LineSplitter:
-    """A splitter of a stream into lines, in time linear in the stream's length."""
+    """A splitter of a stream of bytes into lines, which keeps the unfinished last line."""
 
     def __init__(self) -> None:
         self._rest = bytearray()  # The beginning of a line whose end was not read yet.
@@ -57,7 +61,8 @@ class LineSplitter:
     def feed(self, chunk: bytes) -> list[bytes]:
         """Return the lines that end in this chunk, without their ends.
 
-        A line that exceeds `MAX_LINE` is in the list as soon as it does: as its first `MAX_LINE`
+        A line ends with a line feed or a carriage return, so both together add an empty line. A
+        line that exceeds `MAX_LINE` is in the list as soon as it does: as its first `MAX_LINE`
         bytes if they are a STOP, else as `TOO_LONG`. The rest of it is dropped.
         """
         first, *others = chunk.replace(b"\r", b"\n").split(b"\n")  # A raw terminal sends returns.
@@ -71,7 +76,10 @@ class LineSplitter:
         return lines
 
     def _append(self, part: bytes, lines: list[bytes]) -> None:
-        """Add a part to the current line; if that becomes too long, add its stand-in to `lines`."""
+        """Add a part to the current line; if that becomes too long, add its stand-in to `lines`.
+
+        The stand-in is the line's beginning if that is a STOP, else `TOO_LONG`.
+        """
         if self._is_skipping:
             return
         self._rest += part

@@ -16,13 +16,15 @@ def is_event_news(
 ) -> bool:
     """Return True if a line is printed for an event.
 
-    No line is printed for a low level, nor for what another line reports in its own words.
+    No line is printed for what another line reports in its own words, nor for a low level; INFO is
+    printed only of the user's own nodes.
 
     Args:
         event: The event.
         goal: The latest goal.
         hosted: The nodes of this process.
-        is_ending: True if the console ends because of a signal or an error.
+        is_ending: True if the console ends because of a signal or an error, so that no other line
+            reports a failed command.
     """
     if event.level not in _PRINTED_LEVELS:
         return event.level == "INFO" and is_of_own_file(event, hosted)
@@ -43,6 +45,9 @@ def is_event_news(
 def is_goal_news(before: Goal | None, goal: Goal) -> bool:
     """Return True if a line is printed for the state of a goal.
 
+    That is the case when its phase, its first feedback or a quarter of its way is new, unless the
+    answer to a typed line has told the same.
+
     Args:
         before: The same goal in the snapshot before; None if it was not in it.
         goal: The goal now.
@@ -52,13 +57,17 @@ def is_goal_news(before: Goal | None, goal: Goal) -> bool:
 
 
 def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
-    """Return the part of a goal's state whose changes are printed; the number is the quarter."""
+    """Return the parts of a goal's state that are printed when one changes.
+
+    They are the phase, True if its feedback is unreadable, True if there was feedback, and the
+    quarter of the way, from 0 to 3.
+    """
     quarter = min(int(goal.fraction() * 4), 3)
     return goal.phase, bool(goal.unreadable), _has_feedback(goal), quarter
 
 
 def _is_in_answer(before: Goal | None, goal: Goal) -> bool:
-    """Return True if the answer to what was typed here has told this change of the goal already."""
+    """Return True if the answer to a line typed here has told this change of the goal already."""
     if before is None or before.phase == Phase.SENT:  # Otherwise the answer came late.
         has_just_begun = goal.phase == Phase.MOVING and not _has_feedback(goal)
         return goal.mine and (has_just_begun or goal.phase in (Phase.SENT, Phase.REFUSED))

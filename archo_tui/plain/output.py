@@ -19,7 +19,8 @@ _CHUNK = 4096  # Bytes written at once, unless a line is longer.
 class Output:
     """A file descriptor to which whole lines are written, on a thread of its own.
 
-    When too much waits, the oldest lines are dropped, and a line tells how many.
+    When more than MAX_WAITING bytes wait, the oldest lines are dropped, and a line in their place
+    tells how many.
 
     Attributes:
         is_broken: True after a write failed: the reader has left, or the disk is full.
@@ -41,11 +42,13 @@ class Output:
         self.is_broken = False
 
     def start(self) -> None:
-        """Begin to write."""
+        """Start the thread, which begins to write."""
         threading.Thread(target=self._run, name="stdout", daemon=True).start()
 
     def put(self, lines: bytes) -> None:
         """Add lines to be written, and return at once; drop the oldest if too many wait.
+
+        After a write has failed, nothing is written any more.
 
         Args:
             lines: Whole lines, each with its end.
@@ -65,11 +68,14 @@ class Output:
 
     @property
     def is_done(self) -> bool:
-        """True while no bytes wait to be written, or after a write has failed."""
+        """True while every line is written or dropped and reported, or after a write has failed."""
         return self.is_broken or not (self._waiting or self._dropped or self._is_writing)
 
     def close(self) -> None:
-        """Let the thread end once it has written the waiting lines; call `put` no more."""
+        """Let the thread end once it has written the waiting lines; call `put` no more.
+
+        It does not wait for the thread, and the descriptor stays open.
+        """
         with self._condition:
             self._is_closed = True
             self._condition.notify()
@@ -77,7 +83,7 @@ class Output:
     # Called on the thread.
 
     def _run(self) -> None:
-        """Write lines until `close()` or an error; the target of the thread."""
+        """Write lines until `close()` or an error, which sets `is_broken`; the thread's target."""
         try:
             while chunk := self._next_chunk():
                 self._write(chunk)
@@ -86,7 +92,11 @@ class Output:
             self._announce()
 
     def _next_chunk(self) -> bytes:
-        """Wait for lines and return the next ones; empty once all is written after `close()`."""
+        """Wait for lines, and return the next ones; empty once all is written after `close()`.
+
+        If lines were dropped before them, a line that tells how many is put in front. Calls
+        `on_change` as the constructor says.
+        """
         with self._condition:
             self._is_writing = False
             if self.is_done:
@@ -106,7 +116,7 @@ class Output:
         return f"... {lines} left out: the reader was too slow\n".encode() + chunk
 
     def _announce(self) -> None:
-        """Call `on_change` on the loop."""
+        """Have `on_change` called on the loop. Called on the thread."""
         with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for it.
             self._loop.call_soon_threadsafe(self._on_change)
 

@@ -51,7 +51,10 @@ _YES, _NO = ("y", "yes"), ("n", "no")
 
 
 def help_text(all_verbs: Mapping[str, Verb]) -> str:
-    """Return what `help` prints: each verb with its values and what it does, one a line."""
+    """Return what `help` prints: each verb with its values and what it does, one a line.
+
+    `help` and `quit` come last.
+    """
     lines = [verb.help_line for verb in all_verbs.values()]
     return "\n".join((*lines, "help: List these", "quit: End, once the last goal has ended"))
 
@@ -67,8 +70,8 @@ class Plain:
 
         Args:
             station: The station that is operated.
-            read: The file descriptor of the input; None if there is no input.
-            write: The file descriptor of the output.
+            read: The file descriptor of the input; None if there is no input. It stays open.
+            write: The file descriptor of the output, which stays open.
         """
         self._station, self._robot, self._clock = station, station.robot, station.clock
         self._conditions = Conditions(self._clock)
@@ -100,7 +103,10 @@ class Plain:
         self._exit_code: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def run(self) -> int:
-        """Operate until `quit`, the end of the input, or a signal.
+        """Operate the station until `quit`, the end of the input, or a signal.
+
+        At the end it waits for requested goals and STOPs, detaches from the station and cancels all
+        tasks. It handles the process's signals meanwhile.
 
         Returns:
             The exit code: 0 if all succeeded, 1 if something failed, 128 + a signal's number.
@@ -126,7 +132,7 @@ class Plain:
                 task.cancel()
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
-        """Run a coroutine as a task beside the others; an error in it ends `run`."""
+        """Run a coroutine as a task beside the others; an error in it is raised by `run`."""
         self._start_task(work)
 
     def _start_task(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
@@ -162,7 +168,7 @@ class Plain:
         self._conditions.check_again()
 
     async def _tick(self) -> None:
-        """Update and print alarms and the requests of assistants each second, for ever."""
+        """Tick the station each second for ever, and print changed alarms and new requests."""
         while True:
             await self._clock.sleep(1.0)
             self._printer.print_alarms(self._station.tick())
@@ -172,7 +178,10 @@ class Plain:
     # The lines, one after the other.
 
     async def _serve(self) -> None:
-        """Carry out all lines up to `quit` or the end of the input, then end."""
+        """Carry out all lines up to `quit` or the end of the input, and end `run` with a code.
+
+        An empty line ends the following of a topic.
+        """
         while (line := await self._next_line()) is not None and line.text.split() != ["quit"]:
             if line.fault or line.text.split():
                 await self._carry_out(line)
@@ -185,7 +194,11 @@ class Plain:
             self._finish(0 if is_well and not self._output.is_broken else 1)
 
     async def _next_line(self) -> TypedLine | None:
-        """Return the next line, once every STOP before it is answered; None at the end."""
+        """Wait for the next line and every STOP before it to be answered, and return the line.
+
+        If the reader of the output is slow, the line waits for it, 2 s at most. None at the end of
+        the input.
+        """
         if self._put_back is not None:
             line, self._put_back = self._put_back, None
             return line
@@ -193,7 +206,7 @@ class Plain:
         # reader that does not read at all delays one line, not each.
         await self._conditions.wait_at_most(lambda: self._output.has_room, self._patience)
         self._patience = _READER_PATIENCE if self._output.has_room else 0.0
-        await self._conditions.wait(lambda: self._input.has_news)
+        await self._conditions.wait(lambda: self._input.has_line_or_end)
         next_line = self._input.take()
         if next_line is not None:
             up_to = next_line.stops_before
@@ -201,7 +214,11 @@ class Plain:
         return next_line
 
     async def _wait_for_the_end(self) -> None:
-        """Wait for the STOPs, slow lines and goals that were requested, and print what is left."""
+        """Wait for the STOPs, slow lines and goals that were requested, and print what is left.
+
+        It prints which goal is waited for, lost or not driven; a lost goal sets the exit code to 1.
+        Returns when the output is written.
+        """
         wait = self._conditions.wait
         await wait(lambda: self._input.is_quiet)  # A STOP may have come with the last line.
         await wait(lambda: not self._running_beside)
@@ -238,7 +255,7 @@ class Plain:
 
     @property
     def _lost_goal_outcome(self) -> Outcome | None:
-        """The outcome of a running goal that counts as lost by now; None for any other goal."""
+        """The outcome of this console's running goal if that counts as lost by now; or None."""
         goal = self._goal
         if goal is None or not (goal.is_running and goal.mine):
             return None
@@ -246,14 +263,14 @@ class Plain:
 
     @property
     def _is_goal_silent(self) -> bool:
-        """True while nothing is received about the goal, so that its end may never be reported."""
+        """True while the goal's phase is UNKNOWN or LOST: its end may never be reported."""
         return self._goal is not None and self._goal.phase in (Phase.UNKNOWN, Phase.LOST)
 
     async def _carry_out(self, line: TypedLine) -> None:
         """Carry out a line and wait for its answer, with two exceptions.
 
-        Each `cancel` directly behind the line is carried out meanwhile. A `call` whose service has
-        not answered after SLOW_CALL goes on beside the later lines.
+        Each `cancel` directly behind the line is carried out meanwhile, if a goal runs. A `call`
+        whose service has not answered after SLOW_CALL seconds goes on beside the later lines.
         """
         with self._robot.stops.typed_at(line.stops_before):
             running = asyncio.ensure_future(self._execute(line))
@@ -290,7 +307,7 @@ class Plain:
         return has_goal and self._input.is_cancel_next and not self._is_asking
 
     def _run_beside_later_lines(self, running: asyncio.Future[None]) -> None:
-        """Let a slow line run beside later lines; the end of the input still waits for it."""
+        """Let a slow line run on beside later lines; `_wait_for_the_end` still waits for it."""
         self._running_beside += 1
         self._tasks.add(running)
 
@@ -326,7 +343,10 @@ class Plain:
             self._printer.print_failure(f"{word}: {outcome.text}")
 
     async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
-        """Run the verb that a line names, and print the text of an outcome that is the answer.
+        """Run the verb that a line names, and print what was asked for; the caller prints failures.
+
+        A topic that is followed is not followed any more once another is. `skip` sets the exit code
+        to 1.
 
         Args:
             word: The first word of the line.
@@ -376,7 +396,10 @@ class Plain:
         return outcome
 
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
-        """Run a verb whose outcome takes seconds, and print it; later lines do not wait."""
+        """Run a verb whose outcome takes seconds, and print its outcome or why it failed.
+
+        Later lines do not wait for it; the end of the input does.
+        """
         try:
             outcome = await run_when_ready(
                 self._station, verb, values, self._conditions.wait_at_most, None
@@ -392,9 +415,10 @@ class Plain:
         self._conditions.check_again()
 
     async def _follow(self, verb: Echo, values: Values) -> None:
-        """Print each message of a topic until the task is cancelled.
+        """Print each message of a topic, and how many were left out, until the task is cancelled.
 
-        Print the reason and return if there is no such topic, or a message cannot be shown.
+        A topic that is not on the graph is waited for while the robot may still appear. Print the
+        reason and return if there is no such topic, or a message cannot be shown.
         """
         try:
             await self._conditions.wait_at_most(
@@ -422,7 +446,7 @@ class Plain:
             self._following = None
 
     def _on_snapshot(self, snapshot: Snapshot) -> None:
-        """Pass a snapshot to the station, and print what is new in it."""
+        """Print what is new in a snapshot, and pass it to the station."""
         self._printer.print_news(snapshot)
         self._printer.print_alarms(self._station.on_snapshot(snapshot))
         self._printer.print_requests()
@@ -451,8 +475,8 @@ class Plain:
         self._printer.print_timed(f"{text} [y/N]")
         self._is_asking = True
         try:
-            await self._conditions.wait(lambda: gate.is_shut or self._input.has_news)
-            line = await self._next_line() if self._input.has_news else None
+            await self._conditions.wait(lambda: gate.is_shut or self._input.has_line_or_end)
+            line = await self._next_line() if self._input.has_line_or_end else None
         finally:
             self._is_asking = False
         # A terminal hands over one line a read: a STOP may be right behind the answer.
@@ -465,11 +489,16 @@ class Plain:
             raise ArchoError("not done: the answer was not yes")
 
     async def _answer_request(self, word: str, rest: list[str]) -> Outcome:
-        """Allow or deny what an assistant requested, if a person has read it.
+        """Allow or deny what an assistant requested, if a person has read the request.
+
+        An answer counts only if it was typed alone, a second or more after the request was printed.
 
         Args:
             word: `allow` or `deny`.
             rest: The other words of the line: the number of the request.
+
+        Returns:
+            The outcome; REFUSED if there is no such request or the answer does not count.
 
         Raises:
             ValueError: No person types, or `rest` is not a number.
@@ -480,12 +509,12 @@ class Plain:
             raise ValueError("needs the number of a request")
         # The rest of a paste, or a STOP, may be right behind this line.
         await self._conditions.wait(lambda: self._input.is_quiet)
-        number, (read_at, pause) = int(rest[0]), self._input.last
+        number, (read_at, pause) = int(rest[0]), self._input.last_line_timing
         shown_at = self._printer.requests_shown_at.get(number)
         if shown_at is None and self._station.requests.get(number) is None:
             return Outcome(Code.REFUSED, f"there is no request {number}")
-        # An answer that was typed ahead, or pasted with other lines, is by nobody who has read.
-        is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_news
+        # Whoever types an answer ahead, or pastes it with other lines, has not read the request.
+        is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_line_or_end
         is_read = shown_at is not None and read_at - shown_at >= READING_TIME
         if not is_read or not is_alone or not self._output.is_done:
             return Outcome(
@@ -498,7 +527,10 @@ class Plain:
     # What the station calls (`station.Frontend`).
 
     def carry_out(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work as a task beside the others; the end of the input does not wait for it."""
+        """Run work as a task beside the others; the end of the input does not wait for it.
+
+        An error in it ends `run`.
+        """
         self._start(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
@@ -506,7 +538,7 @@ class Plain:
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print the reason if a goal of the queue was refused: its line is done already."""
+        """Print the reason if a goal of the queue was refused, and refresh the station's view."""
         if not outcome.ok:
             self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()
@@ -521,12 +553,20 @@ class Plain:
         """Do nothing: `_ask` watches for a STOP itself, and ends without an answer."""
 
     def restart(self, why: str) -> None:
-        """Only print why a restart is due: restarting would lose lines that were read already."""
+        """Log a warning that changes count from the next start on, and do not restart.
+
+        Restarting would lose lines that were read already.
+
+        Args:
+            why: The change that needs a restart.
+        """
         self._robot.note("WARN", "console", f"{why}: they count from the next start on")
 
 
 def run(station: Station, read: int | None) -> int:
     """Operate a station through a file descriptor and standard output; return the exit code.
+
+    It blocks, and handles the process's signals meanwhile.
 
     Args:
         station: The station.

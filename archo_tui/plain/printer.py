@@ -22,11 +22,14 @@ if TYPE_CHECKING:
 
 
 class Printer:
-    """The printer of events, goals, alarms and requests, each once. Running loop only.
+    """The printer of events, goals, alarms and requests of assistants; each change is printed once.
+
+    Its methods are called on the running loop only, and do not wait for the output.
 
     Attributes:
-        goal: The goal in the last snapshot that was printed; None if there was none.
-        has_failed: True once a failure was printed, or a goal of this console did not arrive.
+        goal: The goal in the last snapshot that was passed in; None if it had none.
+        has_failed: True once a failure was printed, or a goal of this console did not arrive; the
+            exit code is 1 then.
         requests_shown_at: The monotonic time in seconds at which each request of an assistant was
             printed, by its number.
     """
@@ -40,7 +43,8 @@ class Printer:
             station: The station whose news are printed.
             output: Takes the lines.
             status: The verb whose hints say what to type for a goal or about an alarm.
-            is_ending: Returns True while this program ends, which makes fewer events news.
+            is_ending: Returns True while this program ends: failed commands are printed as events
+                then, since no line answers them any more.
         """
         self._station, self._output, self._status = station, output, status
         self._clock, self._is_ending = station.clock, is_ending
@@ -51,7 +55,10 @@ class Printer:
         self.requests_shown_at: dict[int, float] = {}
 
     def print_news(self, snapshot: Snapshot) -> None:
-        """Print the events and the state of the goal that are new in a snapshot."""
+        """Print the events and the state of the goal that are new in a snapshot.
+
+        An event that only repeats is not printed again. `goal` and `has_failed` are updated.
+        """
         for event in snapshot.events:
             if event.number not in self._printed_events and is_event_news(
                 event, snapshot.goal, self._station.view.hosted, is_ending=self._is_ending()
@@ -61,7 +68,7 @@ class Printer:
         self._print_goal(snapshot)
 
     def _print_goal(self, snapshot: Snapshot) -> None:
-        """Print the state of the goal if it is news.
+        """Print the state of the snapshot's goal if it is news, and keep it as `goal`.
 
         Sets `has_failed` if a goal of this console has ended, and did not arrive.
         """
@@ -78,7 +85,11 @@ class Printer:
             self.print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
 
     def print_alarms(self, changed: list[Alarm]) -> None:
-        """Print each alarm that changed, a new one with what can be done about it."""
+        """Print the new state of each alarm, and for a new alarm what can be done about it.
+
+        Args:
+            changed: The alarms whose state has changed.
+        """
         for alarm in changed:
             is_new = alarm.state == AlarmState.UNACKNOWLEDGED
             snapshot = self._station.robot.snapshot
@@ -86,7 +97,10 @@ class Printer:
             self.print_timed(f"alarm {alarm.state.value}: {text}")
 
     def print_requests(self) -> None:
-        """Print each new request of an assistant, and what to type to answer it."""
+        """Print each new request of an assistant, and what to type to answer it.
+
+        The time is kept in `requests_shown_at`.
+        """
         for request in self._station.view.requests:
             if request.number not in self.requests_shown_at:
                 self.requests_shown_at[request.number] = self._clock.monotonic()
@@ -94,12 +108,12 @@ class Printer:
                 self.print_timed(f"{request.requester.source} wants: {request.text} ({ways})")
 
     def print_failure(self, text: str) -> None:
-        """Print the text of a failure, and set `has_failed`: the exit code will be 1."""
+        """Print `failed: ` and a text behind the time of day, and set `has_failed`."""
         self.print_timed(f"failed: {text}")
         self.has_failed = True
 
     def print_timed(self, text: str, at: float | None = None) -> None:
-        """Print a text behind a time of day.
+        """Print a text behind a time of day, `HH:MM:SS`.
 
         Args:
             text: The text.
@@ -108,7 +122,10 @@ class Printer:
         self.print_text(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
 
     def print_text(self, text: str) -> None:
-        """Print a text of one or more lines, without control characters."""
+        """Print a text of one or more lines, without control characters.
+
+        On a terminal that takes only ASCII, other characters are replaced.
+        """
         lines = [safe(line) for line in text.splitlines()]
         self._output.put(
             "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()

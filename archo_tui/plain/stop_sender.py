@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class StopSender:
-    """The sender of one STOP to the robot for all STOPs that were read and not sent yet.
+    """The sender of typed STOPs: one STOP to the robot for all that were read and not sent yet.
 
     All methods are called on the running loop.
     """
@@ -39,7 +39,7 @@ class StopSender:
             station: The station, whose robot is stopped.
             verb: The verb `stop`.
             typed: The input, which counts the STOPs and lists the unanswered ones.
-            conditions: Told when a STOP was read, and when one was answered.
+            conditions: Wakes `run` when a STOP was read; `check_again` is called after each answer.
             start: Runs a coroutine as a task beside the others.
             on_failure: Gets the text of a STOP that the robot did not confirm.
         """
@@ -50,7 +50,10 @@ class StopSender:
         self._sent_up_to = self._confirmed_up_to = 0
 
     async def run(self) -> None:
-        """Send STOPs for ever, two a second at most while nothing else is requested."""
+        """Send STOPs for ever, each without waiting for the answer to the one before.
+
+        At most two a second are sent, unless something else was requested since the last one.
+        """
         unsent = self._typed.unanswered
         limit = RateLimit()
         while True:
@@ -65,7 +68,11 @@ class StopSender:
             self._start(self._send(self._sent_up_to))
 
     async def _send(self, number: int) -> None:
-        """Send one STOP for all up to `number`, wait for the answer, and mark them as answered."""
+        """Send one STOP for all up to `number`, wait for the answer, and mark them as answered.
+
+        They are marked also if the robot did not confirm the STOP; `on_failure` is called then,
+        unless the robot has confirmed a later one.
+        """
         unanswered = self._typed.unanswered
         outcome = await self._verb.run(self._station, {})
         while unanswered and unanswered[0] <= number:
@@ -77,7 +84,7 @@ class StopSender:
         self._conditions.check_again()
 
     def are_answered(self, up_to: int | None = None) -> bool:
-        """Return True if the robot has answered every typed STOP, or its time for that is over.
+        """Return True if every typed STOP was answered by the robot, or the time for that is over.
 
         Args:
             up_to: The number (by `Stops.count`) of the last STOP that matters; None for all.

@@ -141,7 +141,7 @@ async def test_more_than_a_megabyte_of_lines_is_refused_and_stop_is_not() -> Non
             waited += 1
         assert waited == 1024 * 1024 // len("status")
         os.write(write, b"release\n")
-        await until(lambda: typed.has_news)
+        await until(lambda: typed.has_line_or_end)
         assert typed.take() == TypedLine("release", 1)
 
 

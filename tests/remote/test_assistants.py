@@ -625,7 +625,7 @@ async def test_in_plain_what_stands_behind_an_answer_is_read_first(
         await until(lambda: seconds() > since + 1.1)
         monkeypatch.setattr(Input, "_read_chunk", chunk)  # from the next on: a terminal gives lines
         person.type(f"allow 1\n{behind}\n")
-        await until(lambda: person._plain._input.last[0] > since)
+        await until(lambda: person._plain._input.last_line_timing[0] > since)
         await until(lambda: not person._plain._input._waiting)
         goes_on.set()
         await heard(
