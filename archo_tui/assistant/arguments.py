@@ -26,11 +26,16 @@ _NAMES = {
 
 
 class InvalidArguments(Exception):
-    """The error of arguments that do not fit the schema; its message is one line."""
+    """The error for arguments that do not fit the schema; its message is one line."""
 
 
 def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return the JSON schema of a tool that takes these properties and no others."""
+    """Return the JSON schema of a tool that takes these properties and no others.
+
+    Args:
+        properties: The JSON schema of each argument, by name.
+        required: The names of the arguments that must be given.
+    """
     return {
         "type": "object",
         "properties": dict(properties),
@@ -42,10 +47,16 @@ def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> 
 def check_arguments(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None:
     """Check arguments against a tool's schema.
 
-    Of an object only the size is checked; the console knows what may be in it.
+    Of an object only the size is checked; the console knows what may be in it. Nothing is checked
+    if the schema allows additional properties, as that of STOP does.
+
+    Args:
+        schema: A schema as `schema_of` returns it, for types of JSON except lists and booleans.
+        given: The arguments by name.
 
     Raises:
-        InvalidArguments: They do not fit.
+        InvalidArguments: An argument is missing, unknown, of another type, too long or out of
+            range.
     """
     known = schema["properties"]
     if schema["additionalProperties"]:  # Only STOP's schema: its arguments are ignored.
@@ -89,7 +100,10 @@ def _fault_of_object(value: dict[str, Any]) -> str:
 
 
 def shorten(value: Any) -> str:
-    """Return the beginning of a value of any size, for an error message."""
+    """Return a value in at most about 40 characters, harmless to print, for an error message.
+
+    An object, a list or a number over 64 bits is only named.
+    """
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"
     if isinstance(value, int) and value.bit_length() > 64:

@@ -1,7 +1,7 @@
 """The connection of the assistant's process to the console.
 
-The console knows the assistant by its connection: when it closes, every request is void and the
-assistant's goal is cancelled. So it stays open as long as the process lives.
+The console knows the assistant by its connection: when it closes, every approval request of the
+assistant is void and its goal is cancelled. So it stays open as long as the process lives.
 """
 
 from __future__ import annotations
@@ -26,13 +26,17 @@ CONSOLE_CHANGED = (
 
 
 class ConsoleConnection:
-    """A connection that opens when it is needed, and again after a restart of the console."""
+    """The assistant's connection to a console; it opens with the first request.
+
+    If the console is restarted, the next request opens it again, which `take_notice` tells.
+    """
 
     def __init__(self, to: str) -> None:
         """Create the connection without opening it.
 
         Args:
-            to: The process id or the namespace of one of several consoles; "" means the only one.
+            to: The process number, namespace or socket name of one of several consoles; "" means
+                the only one.
         """
         self._to = to
         self._request_lock, self._connect_lock = asyncio.Lock(), asyncio.Lock()
@@ -44,7 +48,7 @@ class ConsoleConnection:
         self._notice = ""
 
     def take_notice(self) -> str:
-        """Return what happened to the connection since the last call, or ""."""
+        """Return and clear the notice of a restarted or another console; "" for none."""
         notice, self._notice = self._notice, ""
         return notice
 
@@ -53,12 +57,14 @@ class ConsoleConnection:
     ) -> dict[str, Any]:
         """Send a request after those before it have their results, and return its result.
 
+        The connection is opened if it is not open.
+
         Args:
-            answer_timeout: The longest wait for the result, in s.
+            answer_timeout: The longest wait for the result, in seconds, from the sending on.
             **fields: The fields of the request, as docs/protocol.md has them.
 
         Raises:
-            Unreached: There is no console, or it does not answer.
+            Unreached: There is no console, several could be meant, or it does not answer.
         """
         async with self._request_lock:
             return await self._send_and_wait(fields, answer_timeout)
@@ -66,11 +72,15 @@ class ConsoleConnection:
     async def stop(self) -> list[dict[str, Any]]:
         """Send STOP at once, whatever else waits, and return the consoles' results.
 
-        STOP goes to the connected console. Without a connection it goes to every console that
-        could be meant, as from a shell; it never waits for a connection that another call opens.
+        STOP goes to the connected console. Without a connection it goes to every console that could
+        be meant, as from a shell; it never waits for a connection that another call opens.
+
+        Returns:
+            Results with `code` and `text`; a code other than `done` means that the STOP is not
+            confirmed.
 
         Raises:
-            Unreached: No console confirmed that it received the STOP.
+            Unreached: No console could be reached, or the connected one did not answer.
         """
         writer, to = self._writer, self._to
         if writer is not None and writer.transport.get_write_buffer_size() > _MAX_UNREAD:
@@ -84,7 +94,10 @@ class ConsoleConnection:
         return await asyncio.to_thread(_stop_each, to)
 
     async def close(self) -> None:
-        """Close the connection."""
+        """Close the connection, if it is open; requests without a result raise Unreached.
+
+        The console voids the assistant's approval requests and cancels its goal.
+        """
         if self._writer is not None:
             self._writer.transport.abort()
         if self._reading is not None:
@@ -106,10 +119,12 @@ class ConsoleConnection:
             self._waiting.pop(number, None)
 
     async def _connect(self) -> asyncio.StreamWriter:
-        """Return the writer of the connection, which is made if there is none.
+        """Return the writer of the connection, which is opened if it is not open.
+
+        Opening it again after a restart sets the notice.
 
         Raises:
-            Unreached: No console is meant, or several could be.
+            Unreached: No console is meant, several could be, or it does not answer.
         """
         async with self._connect_lock:  # Concurrent calls share one connection.
             if self._writer is None:
@@ -128,7 +143,15 @@ class ConsoleConnection:
     async def _read(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, rest: bytes
     ) -> None:
-        """Deliver each result to the request that waits for it, until the console is gone."""
+        """Deliver each result to the request that waits for it, until the console is gone.
+
+        Then the connection is closed, and every waiting request raises Unreached.
+
+        Args:
+            reader: The stream of the connection.
+            writer: Closed at the end.
+            rest: Bytes that were read from the socket before.
+        """
         try:
             while data := await reader.readline():
                 self._deliver(decode(rest + data))
@@ -150,13 +173,15 @@ class ConsoleConnection:
 
 
 def _stop_each(to: str) -> list[dict[str, Any]]:
-    """Send STOP to each console that could be meant, wait for all, and return their results.
+    """Send STOP to each console that could be meant, wait up to 15 s, and return their results.
+
+    Notices for a person are added to the text of the first result. It blocks its thread.
 
     Args:
-        to: Process id, namespace or socket name of a console; "" means each.
+        to: Process number, namespace or socket name of a console; "" means each.
 
     Raises:
-        Unreached: No console could be reached.
+        Unreached: No console could be meant.
     """
     notices: list[str] = []
     ended = finder.stop({"to": to} if to else {}, notices.append, {"assistant": True})

@@ -1,4 +1,4 @@
-"""The tools that `--allow goals` adds. They request goals; a person at the console decides."""
+"""The tools that `--allow goals` adds. They ask for goals; a person at the console decides."""
 
 from __future__ import annotations
 
@@ -40,7 +40,10 @@ _ENDS = {
 
 
 class GoTool(Tool):
-    """The tool that requests a goal."""
+    """The tool that asks a person for a goal, and returns without waiting for the decision.
+
+    If the kind or the values of the goal mean nothing, its answer lists the goals of the robot.
+    """
 
     name, title = "go", "Ask for a goal"
     description = (
@@ -54,7 +57,11 @@ class GoTool(Tool):
     schema = schema_of({"kind": _KIND, "values": _VALUES}, ("kind", "values"))
 
     async def offered_schema(self, connection: ConsoleConnection) -> dict[str, Any]:
-        """Return the schema with the robot's goals, if the console tells them in time."""
+        """Return the schema with the robot's kinds of goals and their values.
+
+        If the console does not list them within 2 s, or the list is over 16 KiB, the schema does
+        not say which goals and values there are.
+        """
         try:
             goals = await asyncio.wait_for(_goals(connection), _LIST_TIMEOUT)
         except (Unreached, asyncio.TimeoutError):
@@ -91,7 +98,11 @@ class GoTool(Tool):
 
 
 class WaitTool(Tool):
-    """The tool that waits for the end of a request."""
+    """The tool that waits, up to 50 s, until a request is denied or void or its goal has ended.
+
+    `ran_out` means that it is not over yet, and is no failure. It asks the console again each
+    second, so that other calls get a turn.
+    """
 
     name, title = "wait", "Wait for a request"
     description = (
@@ -135,7 +146,7 @@ class WaitTool(Tool):
 
 
 class CancelTool(Tool):
-    """The tool that cancels the assistant's own goal."""
+    """The tool that withdraws the assistant's waiting requests, or else cancels its goal."""
 
     name, title = "cancel", "Cancel its own goal"
     description = (
@@ -154,7 +165,9 @@ class CancelTool(Tool):
 
 
 async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
-    """Return `kind`, `title` and `schema` of each goal that the robot offers.
+    """Return `kind`, `title` and `schema` of each goal that the robot offers, harmless to show.
+
+    Goals whose kind `sanitize` would change are left out.
 
     Raises:
         Unreached: There is no console, or it does not answer.
@@ -173,9 +186,9 @@ async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
 
 
 def _intact_schema(schema: Any) -> dict[str, Any]:
-    """Return a schema unchanged, or that of any object.
+    """Return a goal's schema unchanged, or `{"type": "object"}` if it is not fit to show.
 
-    The latter replaces one that is not of an object, or of which `sanitize` would change a part.
+    That is a schema of anything but an object, or one of which `sanitize` would change a part.
     """
     is_one = isinstance(schema, dict) and schema.get("type") == "object"
     return schema if is_one and schema == sanitize(schema) else {"type": "object"}

@@ -20,7 +20,10 @@ _VALUE = re.compile(r"(?:now|(\d+) min ago) (-?\d+\.\d+)$")
 
 
 class _VerbTool(Tool):
-    """A tool that runs one of the console's verbs that show something."""
+    """The base of tools that run one of the console's reading verbs, and sum up its result.
+
+    Its answer is a failure if the result's code is not `done`.
+    """
 
     async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
         result = await connection.request(words=self.words(given))
@@ -32,16 +35,21 @@ class _VerbTool(Tool):
         return ToolAnswer("done", summary, data)
 
     def words(self, given: dict[str, Any]) -> list[str]:
-        """Return the verb and its arguments."""
+        """Return the verb and its arguments as for a shell; by default the tool's name alone."""
         return [self.name]
 
     def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
-        """Return a summary in our words, and the data of the robot."""
+        """Return a summary in our own words, and what the robot said, for a successful result.
+
+        Args:
+            result: The console's result.
+            given: The arguments of the tool.
+        """
         raise NotImplementedError
 
 
 class StatusTool(_VerbTool):
-    """The tool for the state of the robot."""
+    """The tool for the state of the robot: battery, motion, goal, queue and alarms."""
 
     name, title = "status", "State of the robot"
     description = (
@@ -56,7 +64,10 @@ class StatusTool(_VerbTool):
 
 
 class EventsTool(_VerbTool):
-    """The tool for the newest events."""
+    """The tool for the newest events, 50 at most and the newest last, from a level on.
+
+    With a level only the newest 500 events are searched.
+    """
 
     name, title = "events", "What happened"
     description = (
@@ -93,7 +104,7 @@ class EventsTool(_VerbTool):
 
 
 class HistoryTool(_VerbTool):
-    """The tool for the measured values of the last hour."""
+    """The tool for values of the last hour, now and 1, 10 and 60 min ago, and the ends of goals."""
 
     name, title = "history", "The last hour"
     description = (
@@ -127,7 +138,7 @@ class HistoryTool(_VerbTool):
 
 
 class ParametersTool(_VerbTool):
-    """The tool for the nodes' parameters."""
+    """The tool for the parameters of all nodes, of one node, or one parameter of a node."""
 
     name, title = "parameters", "Parameters"
     description = (
@@ -169,7 +180,7 @@ class ParametersTool(_VerbTool):
 
 
 class InterfaceTool(_VerbTool):
-    """The tool for the definition of a type."""
+    """The tool for the definition of a message, service or action type, line by line."""
 
     name, title = "interface", "Definition of a type"
     description = (
@@ -197,7 +208,10 @@ class InterfaceTool(_VerbTool):
 
 
 class EchoTool(_VerbTool):
-    """The tool for the last message of a topic."""
+    """The tool for the last message of a topic, or one field of it.
+
+    A message that is too large for data is given as lines of text.
+    """
 
     name, title = "echo", "Last message of a topic"
     description = (
@@ -228,12 +242,15 @@ class EchoTool(_VerbTool):
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the list of objects in a result."""
+    """Return the objects in the `data` of a result, in order; an empty list if it is no list."""
     data = result.get("data")
     return [item for item in data if isinstance(item, dict)] if isinstance(data, list) else []
 
 
 def _age(then: Any, now: float) -> float | None:
-    """Return how long ago a Unix time was, in s, or None for anything else."""
+    """Return how long ago a Unix time was, in seconds, 0.0 at least and rounded to 0.1.
+
+    None if `then` is no Unix time.
+    """
     is_time = isinstance(then, (int, float)) and 0 <= then < 1e12
     return round(max(now - then, 0.0), 1) if is_time else None

@@ -1,4 +1,4 @@
-"""Sanitizing of what the robot says: bounded in size, harmless to print, and nothing but data."""
+"""The sanitizing of what the robot says: bounded in size, harmless to print, only data."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ _MAX_DEPTH = 8  # Levels of nesting.
 
 
 def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
-    """Return a value in JSON's types, with a note for whatever is cut.
+    """Return a copy of a value in JSON's types, harmless to print, with a note for whatever is cut.
 
-    Numbers that JSON lacks become texts.
+    A list or an object keeps 100 items. Texts and names lose control and invisible characters.
+    Numbers that JSON lacks become texts; values of other types become a note.
 
     Args:
         value: The value.
@@ -45,5 +46,5 @@ def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
 
 
 def _describe_number(number: float) -> str:
-    """Return `nan` or `inf`, or the size of a large integer in bits."""
+    """Return `nan`, `inf` or `-inf`, or the size of a large integer in bits."""
     return str(number) if isinstance(number, float) else f"{number.bit_length()} bits"

@@ -33,11 +33,12 @@ _GOALS = {
 
 
 def serve(*, goals: bool, to: str) -> None:
-    """Serve until standard input ends.
+    """Serve MCP on standard input and output until the input ends, then close the connection.
 
     Args:
-        goals: True if the assistant may request goals.
-        to: The process id or the namespace of one of several consoles; "" means the only one.
+        goals: True if the assistant may ask for goals.
+        to: The process number, namespace or socket name of one of several consoles; "" means the
+            only one.
     """
     asyncio.run(_serve(goals, to))
 
@@ -72,7 +73,11 @@ async def _serve(goals: bool, to: str) -> None:
 
 
 async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -> Any:
-    """Rewrite a call of STOP in the form that the SDK takes, which refuses malformed arguments."""
+    """Rewrite a call of any tool whose name means STOP as a call of `stop`, and pass requests on.
+
+    Malformed arguments, which the SDK would refuse, become an object. This is a middleware of the
+    SDK's server.
+    """
     params = ctx.params
     name = params.get("name") if ctx.method == "tools/call" and params else None
     if isinstance(name, str) and is_stop_text(name):

@@ -16,8 +16,8 @@ class Hints(NamedTuple):
     Attributes:
         reads_only: True if the tool changes nothing.
         destroys: True if its changes cannot be undone.
-        is_idempotent: True if a second call with the same arguments changes nothing.
-        is_open: True if its effects reach things that nobody here knows.
+        is_idempotent: True if a second call with the same arguments changes nothing more.
+        is_open: True if its effects reach things that this program does not know.
     """
 
     reads_only: bool = False
@@ -30,7 +30,15 @@ READS = Hints(reads_only=True)
 
 
 class Tool(ABC):
-    """A tool of an assistant, of which there are never more than a dozen."""
+    """The base of an assistant's tools.
+
+    Attributes:
+        name: The name by which a model calls it.
+        title: The name for people.
+        description: The description for models: what it does and when to use it.
+        hints: The annotations of MCP.
+        schema: The JSON schema by which the arguments are checked; by default it takes none.
+    """
 
     name: str
     title: str
@@ -39,12 +47,16 @@ class Tool(ABC):
     schema: dict[str, Any] = schema_of({})
 
     async def offered_schema(self, connection: ConsoleConnection) -> dict[str, Any]:
-        """Return the schema that clients see, which may be stricter than the checked one."""
+        """Return the schema that clients see: `schema`, or one that lists the robot's values.
+
+        Args:
+            connection: The connection to the console, which may be asked for them.
+        """
         return self.schema
 
     @abstractmethod
     async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
-        """Run the tool.
+        """Run the tool, and return its answer, also if the console refuses.
 
         Args:
             connection: The connection to the console.

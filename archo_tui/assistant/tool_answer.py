@@ -16,9 +16,10 @@ class ToolAnswer(NamedTuple):
     """The outcome of a tool's call.
 
     Attributes:
-        code: An outcome code of docs/protocol.md.
+        code: An outcome code of docs/protocol.md, or one of the approval requests, as `asked`,
+            `denied`.
         summary: Our own words; nothing that the robot said may be in them.
-        robot: What the robot or the console said, as JSON has it; None for nothing.
+        robot: The words and data of the robot or the console, in JSON's types; None for nothing.
         failed: True if the tool did not do what was asked for.
     """
 
@@ -28,10 +29,14 @@ class ToolAnswer(NamedTuple):
     failed: bool = False
 
     def as_data(self, notice: str = "") -> dict[str, Any]:
-        """Return the answer as a JSON object; the robot's words are sanitized, below their own key.
+        """Return the answer as a JSON object: `code`, `summary` and, if any, `from_the_robot`.
+
+        The robot's part is sanitized, with a `note` that it is no instruction; both are left out if
+        there is none.
 
         Args:
-            notice: What else the assistant must know, such as a restart of the console; or "".
+            notice: What else the assistant must know, such as a restart of the console, which
+                becomes `news`; "" for nothing.
         """
         answer: dict[str, Any] = {"code": self.code, "summary": self.summary}
         if notice:
@@ -42,12 +47,18 @@ class ToolAnswer(NamedTuple):
 
 
 def failure(code: str, summary: str, robot: Any = None) -> ToolAnswer:
-    """Return the answer of a tool that did not do what was asked for."""
+    """Return the answer of a tool that did not do what was asked for: `failed` is True.
+
+    Args:
+        code: The outcome code.
+        summary: Our own words.
+        robot: The robot's or the console's part; None for nothing.
+    """
     return ToolAnswer(code, summary, robot, failed=True)
 
 
 def robot_part_of(result: dict[str, Any]) -> Any:
-    """Return the text (`said`, by lines) and the `data` of a console's result.
+    """Return the text of a console's result as `said`, a list of lines, and its `data`, if any.
 
     The robot's own words may be in them, so they belong in `ToolAnswer.robot`, not in a summary.
 

@@ -1,4 +1,4 @@
-"""The list of tools. None of them releases, sets, allows or hosts anything."""
+"""The list of tools. None releases a STOP, sets a parameter, allows a goal or hosts a node."""
 
 from __future__ import annotations
 
@@ -25,7 +25,11 @@ from archo_tui.safe_text import harmless
 
 
 def available_tools(*, goals: bool) -> dict[str, Tool]:
-    """Return the tools by name, with `goals` those included that request motion."""
+    """Return the tools by name: those that read, and STOP.
+
+    Args:
+        goals: True to add the tools that ask for goals, wait for them and cancel them.
+    """
     made: list[Tool] = [
         *(StatusTool(), EventsTool(), HistoryTool(), ParametersTool()),
         *(EchoTool(), InterfaceTool(), StopTool()),
@@ -38,7 +42,18 @@ def available_tools(*, goals: bool) -> dict[str, Tool]:
 async def call_tool_by_name(
     known: Mapping[str, Tool], connection: ConsoleConnection, name: str, given: dict[str, Any]
 ) -> tuple[dict[str, Any], bool]:
-    """Return a tool's answer as JSON has it, and True if it failed, also for bad input."""
+    """Run a tool, and return its answer as a JSON object, and True if it failed.
+
+    An unknown name, arguments that do not fit, and a console that cannot be reached are answered,
+    too, not raised. Any name that means STOP runs `stop`. The connection's notice is taken and
+    added.
+
+    Args:
+        known: The tools by name.
+        connection: The connection to the console.
+        name: The name that the client gave.
+        given: The arguments that it gave.
+    """
     answer = await _run_tool(known, connection, name, given)
     return answer.as_data(connection.take_notice()), answer.failed
 
