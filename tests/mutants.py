@@ -78,7 +78,7 @@ FAULTS = [
     Fault("remote/goal_handle.py", "        except BaseException:\n            self._request.give_up()\n", "        except BaseException:\n", PYTHON),
     Fault("remote/api_request.py", "        if error is not None:\n            self.give_up()\n        self.close()", "        pass", PYTHON),
     Fault("remote/api_request.py", "                self._check_that_it_answers()", "                pass", PYTHON),
-    Fault("remote/finder.py", "_without_needless_watchers(find(selection, faults, within))", "find(selection, faults)", WHICH),
+    Fault("remote/finder.py", "_without_needless_watchers(find(selection, faults, hello_timeout))", "find(selection, faults)", WHICH),
     Fault("cli/dispatch.py", "        if at is None:", "        if True:", "tests/remote/test_what_a_stop_is.py"),
     Fault("cli/verb.py", "    typed = [*options.command, *options.verb_options]", "    typed = options.command", "tests/remote/test_what_a_stop_is.py"),
     Fault("remote/waits.py", "_is_stopped(station) and not _may_move(station)", "_is_stopped(station)", "tests/remote/test_data_of_verbs.py"),

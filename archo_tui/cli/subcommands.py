@@ -67,9 +67,9 @@ def print_completions(options: Namespace) -> int:
 
 def list_consoles(options: Namespace) -> int:
     """List the consoles that can be reached."""
-    from archo_tui.remote.shell import consoles
+    from archo_tui.remote.shell import print_consoles
 
-    return consoles(["--json"] if options.json else [])
+    return print_consoles(["--json"] if options.json else [])
 
 
 def serve_assistant(options: Namespace) -> int:

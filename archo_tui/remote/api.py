@@ -1,7 +1,7 @@
 """The robot of a console, for Python programs: `archo_tui.connect()`. Standard library only.
 
-Each call has a connection of its own, so no call waits for another, in whatever thread it is made;
-and as with a shell that is killed, closing it calls off what it asked for.
+Each call has a connection of its own to the console, so no call waits for a call in another thread.
+When a connection closes, the console calls off what was requested through it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from types import TracebackType
 from typing import Any
 
 from archo_tui.remote import finder
-from archo_tui.remote.api_errors import Misused, checked_timeout, data_of, unreached
+from archo_tui.remote.api_errors import Misused, checked_timeout, convert_unreached, data_or_raise
 from archo_tui.remote.api_request import Request
 from archo_tui.remote.api_status import Alarm, Battery, Goal, Motion, Queue, Status, from_reply
 from archo_tui.remote.goal_handle import CANCEL_TIMEOUT, GoalHandle
@@ -27,18 +27,26 @@ from archo_tui.remote.protocol import is_stop
 class Robot:
     """The robot of one console; made by `archo_tui.connect`. Use it as a context manager.
 
-    Every method may be called from any thread, also at the same time: none waits for another.
-    An exception in a call, ctrl+c too, calls off what that call asked for; leaving the `with`
-    block cancels the goals that still run. Only a STOP is never called off. A forked child can
-    call everything here, too; the goals of its parent stay the parent's, and end with it.
+    Every method may be called from any thread, also at the same time: none waits for another. An
+    exception in a call, such as KeyboardInterrupt, calls off what that call requested; leaving the
+    `with` block cancels the goals that still run. Only a STOP is never called off. A forked child
+    can call everything here, too; goals that the parent has sent stay the parent's, and end with
+    it.
 
-    Each `timeout` is in seconds. None means: as long as the console answers. A console that is
-    suspended, or gone, is `Unreached` also then.
+    Each `timeout` is in seconds; None waits for as long as the console answers. Every method raises
+    Unreached if the console has gone or is suspended, and Misused if `timeout` is not a valid time.
     """
 
     def __init__(self, to: str = "") -> None:
-        """Find the console. See `archo_tui.connect`."""
-        with unreached(), contextlib.closing(finder.choose({"to": to})) as console:
+        """Find the console, without keeping a connection. See `archo_tui.connect`.
+
+        Args:
+            to: The process number, namespace or socket name of the console; "" for the only one.
+
+        Raises:
+            Unreached: No console or several could be meant, or one of them does not answer.
+        """
+        with convert_unreached(), contextlib.closing(finder.choose({"to": to})) as console:
             self._path, self._hello = console.path, console.hello
         self._lock = threading.Lock()
         self._requests: weakref.WeakSet[Request] = weakref.WeakSet()
@@ -60,7 +68,9 @@ class Robot:
     def close(self) -> None:
         """Cancel the goals of `go` that still run, and end calls in other threads.
 
-        Returns once the goals have ended, at most 5 s later. Only `stop` can be called after it.
+        Returns when the goals have ended, after 5 s at most; a goal that has not ended by then
+        raises no error. The ended calls raise Unreached. Later calls raise Misused, except `stop`
+        and `close`.
         """
         with self._lock:
             self._is_closed = True
@@ -75,10 +85,10 @@ class Robot:
             request.shut_down()
 
     def _leave_to_parent(self) -> None:
-        """Let go, in a forked child, of what its parent has asked for.
+        """Close a forked child's copies of the parent's connections, and end its goal handles.
 
-        A connection that the child keeps would outlive the parent: the console would not see that
-        the parent has gone, and its goals would run on.
+        If the child kept the connections, the console would not notice the end of the parent, and
+        would let the parent's goals run on.
         """
         for request in self._requests:
             request.close()
@@ -87,10 +97,13 @@ class Robot:
         self._lock, self._requests, self._handles = threading.Lock(), weakref.WeakSet(), []
 
     def status(self, timeout: float | None = None) -> Status:
-        """Return the state of the robot.
+        """Return the state of the robot, with its goal, queue and alarms, at this moment.
 
         Args:
             timeout: Seconds; None: as long as the console answers.
+
+        Raises:
+            RanOut: `timeout` seconds are over.
         """
         reply = self.do("status", timeout=timeout)
         return from_reply(
@@ -110,8 +123,9 @@ class Robot:
     ) -> GoalHandle:
         """Send a goal, and return once the robot has accepted it: `robot.go(12).wait()`.
 
-        Behind a goal that runs it waits in the queue. It ends with this program, as its `wait`
-        says; `robot.do("go", "12")` leaves a goal to the console instead.
+        If another goal runs or is being sent, this goal waits in the console's queue, and `go`
+        returns without the robot's answer. The console cancels the goal when this program ends or
+        leaves the `with` block; a goal of `robot.do("go", "12")` runs on.
 
         Args:
             *numbers: Where to, a shelf's number; several are driven one after the other.
@@ -127,6 +141,7 @@ class Robot:
             Refused: The robot or the console refused; nothing is driven.
             Misused: The kind or the values mean nothing; nothing was sent.
             Cancelled: A STOP came before the goal had left, or it is held in the queue.
+            RanOut: `timeout` seconds passed before the robot had answered.
             Unreached: The console has gone or does not answer.
         """
         words = [kind, *map(_text, numbers), *(f"{name}={_text(v)}" for name, v in values.items())]
@@ -146,66 +161,77 @@ class Robot:
         return handle
 
     def cancel(self, timeout: float | None = None) -> None:
-        """Cancel the running goal of this console, whoever asked the console for it.
+        """Cancel the running goal of this console, whichever program or person sent it.
+
+        Returns when the robot has accepted the cancel; the goal may end later. Goals in the queue
+        are held, not cancelled.
 
         Args:
             timeout: Seconds for the robot's answer; None: as long as the console answers.
 
         Raises:
             Refused: No goal runs, or the robot refuses.
+            Misused: The running goal is another client's: `do("cancel", "--yes")` cancels it.
+            RanOut: `timeout` seconds are over.
         """
         self.do("cancel", timeout=timeout)
 
     def stop(self, *ignored: object, **also_ignored: object) -> None:
-        """Send STOP: it overtakes whatever waits, is final, and stays until it is released.
+        """Send STOP, and return once the robot has confirmed it; it holds until it is released.
 
-        Where this console has gone, STOP goes to every other console of the same robot. It takes
-        at most 15 s, is written at once, and is carried out also when nobody waits for it.
+        STOP jumps every queue, and requests that were made before it and not sent yet are not sent.
+        It takes at most 15 s; a console that received it carries it out even if nobody waits for
+        the result. If this console has gone, STOP goes to every other console of the same robot.
 
         Args:
             *ignored: Anything: a STOP is never refused for what is given with it.
             **also_ignored: Anything.
 
         Raises:
-            Unreached: It is not confirmed: the robot may be moving. A suspended console
+            Unreached: The STOP is not confirmed: the robot may be moving. A suspended console
                 carries it out when it wakes.
-            Refused: The robot did not confirm it.
+            Refused: The robot did not confirm the STOP.
         """
         hello = self._hello
         robot = {name: hello.get(name) for name in ("engine", "domain")}
-        with unreached():
+        with convert_unreached():
             try:
                 _stop({"to": hello["name"]})
             except finder.NoConsole:
                 _stop({"to": hello["namespace"], **robot})
 
     def set(self, node: str, name: str, value: Any, timeout: float | None = None) -> None:
-        """Set a parameter.
+        """Set a parameter of a node, and return once the node has accepted the value.
 
         Args:
-            node: Its node: `motor_controller`.
-            name: Its name: `max_speed`.
-            value: A bool, number, text, or list of these, as its type is.
+            node: The name of the node: `motor_controller`.
+            name: The name of the parameter: `max_speed`.
+            value: A bool, number, text, or list of these, as the parameter's type is.
             timeout: Seconds; None: as long as the console answers.
 
         Raises:
             Refused: The node refuses the value, or does not answer.
             Misused: There is no such parameter, or the value is beyond its range.
+            RanOut: `timeout` seconds are over.
         """
         self.do("set", node, name, _text(value), timeout=timeout)
 
     def get(self, node: str, name: str, timeout: float | None = None) -> Any:
-        """Return the value of a parameter.
+        """Return the value of a parameter: a bool, number, text, or list of these.
 
         Args:
-            node: Its node: `motor_controller`.
-            name: Its name: `max_speed`.
+            node: The name of the node: `motor_controller`.
+            name: The name of the parameter: `max_speed`.
             timeout: Seconds; None: as long as the console answers.
+
+        Raises:
+            Misused: There is no such node or parameter.
+            RanOut: `timeout` seconds are over.
         """
         return self.do("get", node, name, timeout=timeout)["value"]
 
     def wait(self, *what: str | float, timeout: float | None = None) -> None:
-        """Wait for the robot; for a goal of your own use `GoalHandle.wait`.
+        """Wait until the robot is in a state; for a goal of your own use `GoalHandle.wait`.
 
         Args:
             *what: `idle`, `ready`, `stopped`, `arrived` (the goal that runs now, whoever sent it),
@@ -213,20 +239,24 @@ class Robot:
             timeout: Seconds; None: as long as the console answers. Nothing is cancelled after it.
 
         Raises:
-            RanOut: It is not so after `timeout` seconds.
-            Refused: It can no longer become so.
+            RanOut: The robot is not in that state after `timeout` seconds.
+            Refused: The robot cannot reach that state, or no goal runs that could arrive.
+            Aborted: With `arrived`: the goal has ended without arriving.
+            Cancelled: With `arrived`: the goal was cancelled.
+            Misused: There is no such state.
         """
         self.do("wait", *map(_text, what), timeout=timeout)
 
     def events(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
-        """Return an iterator over what happens from this call on; other calls go on beside it.
+        """Return an iterator over the events from this call on; other calls go on beside it.
 
         Args:
-            timeout: Seconds after which it ends; None: never, as long as the console answers.
+            timeout: Seconds after which the iterator ends; None: it goes on while the console
+                answers.
 
         Returns:
             An iterator, for one thread, of events as `archo-tui events --follow --json` prints
-            them: `level`, `source`, `text`.
+            them: `level`, `source`, `text`. It raises Unreached once the console has gone.
         """
         request = self._request(checked_timeout(timeout), words=["events"], follow=True)
         request.send()
@@ -239,20 +269,21 @@ class Robot:
     ) -> Iterator[dict[str, Any]]:
         """Return an iterator over the messages of a topic; other calls go on beside it.
 
-        It yields at most five a second, and leaves out those between.
+        It yields at most five messages a second, and leaves out those between.
 
         Args:
-            topic: Its name: `/battery_level`.
+            topic: The name of the topic: `/battery_level`.
             *fields: The dotted paths of fields, `pose.position.x`; without any the whole message.
-            timeout: Seconds after which it ends; None: never, as long as the console answers.
+            timeout: Seconds after which the iterator ends; None: it goes on while the console
+                answers.
 
         Returns:
             An iterator, for one thread, of mappings: fields by name, or the chosen ones by path.
             Numbers that JSON lacks are the texts `nan`, `inf` and `-inf`.
 
         Raises:
-            Misused: There is no such topic or field, or a message is too large. The iterator
-                raises it.
+            Misused: There is no such topic or field, or a message is too large. The iterator raises
+                it.
         """
         words = ["echo", topic, *fields]
         if is_stop({"words": words}):
@@ -264,6 +295,8 @@ class Robot:
     def do(self, *words: str, wait: bool = False, timeout: float | None = None) -> Any:
         """Carry out any verb of the shell: `robot.do("log_level", "dashboard", "debug")`.
 
+        Words that mean STOP call `stop`, whatever else is given, and return None.
+
         Args:
             *words: The verb and its words. A verb that asks a person takes `--yes`.
             wait: True, of goals: return when they have ended; any exception cancels them.
@@ -274,14 +307,14 @@ class Robot:
             The data that the verb has with `--json`; None: it has none.
 
         Raises:
-            NotDone: As its subclass that says why.
+            NotDone: The verb was not carried out; the subclass says why, as RanOut or Refused.
         """
         if is_stop({"words": [*words]}):
             return self.stop()
         fields = {"words": [*map(_text, words)], "wait": wait}
         with self._request(checked_timeout(timeout), **fields) as request:
             request.send()
-            return data_of(request.result())
+            return data_or_raise(request.result())
 
     def _request(self, timeout: float | None, **fields: Any) -> Request:
         request = Request(self._path, timeout, fields)
@@ -308,34 +341,44 @@ if hasattr(os, "register_at_fork"):
 
 
 def stop(to: str = "") -> None:
-    """Send STOP to every console that could be meant. See `archo_tui.stop`."""
-    with unreached():
+    """Send STOP to every console that could be meant. See `archo_tui.stop`.
+
+    Raises:
+        Unreached: No console runs, or one did not confirm the STOP.
+        Refused: A robot did not confirm the STOP.
+    """
+    with convert_unreached():
         _stop({"to": to})
 
 
 def _stop(selection: Mapping[str, Any]) -> None:
-    """Send STOP to every console that is meant.
+    """Send STOP to every console that is meant, and wait for the results of all, 15 s at most.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
 
     Raises:
-        NotDone: A console did not confirm it.
-        finder.NoConsole: None could be meant.
+        NotDone: A console did not confirm the STOP: the error of the first such console.
+        finder.NoConsole: No console could be meant.
     """
     for ended in finder.stop(selection, _ignore):
-        data_of({"code": ended.code, "text": ended.text})
+        data_or_raise({"code": ended.code, "text": ended.text})
 
 
 def _events(
     request: Request, first: dict[str, Any], replies: Iterator[dict[str, Any]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the events among the replies to a request, and close it at the end.
+    """Yield the events among the replies to a request, and close the request at the end.
+
+    It ends without an error when the request's timeout is over.
 
     Args:
         request: The request.
         first: Its first reply.
         replies: The replies that follow.
+
+    Raises:
+        NotDone: The request ended otherwise.
     """
     reply = first
     with contextlib.closing(request):
@@ -344,25 +387,34 @@ def _events(
                 yield reply["event"]
             reply = next(replies)
         if reply["code"] != "ran_out":
-            data_of(reply)
+            data_or_raise(reply)
 
 
 def _messages(request: Request) -> Iterator[dict[str, Any]]:
-    """Yield the messages of a topic that is followed, and close the request at the end."""
+    """Yield the messages of a topic that is followed, and close the request at the end.
+
+    It ends without an error when the request's timeout is over.
+
+    Args:
+        request: The request to follow the topic, which has been sent.
+
+    Raises:
+        NotDone: The request ended otherwise.
+    """
     with contextlib.closing(request):
         for reply in request.replies():
             if "message" in reply:
                 yield reply["message"]
         if reply["code"] != "ran_out":
-            data_of(reply)
+            data_or_raise(reply)
 
 
 def _ignore(_text: str) -> None:
-    """Drop a notice: the error or the end tells the same."""
+    """Drop a notice of `finder.stop`: the error that follows has the same text."""
 
 
 def _text(value: Any) -> str:
-    """Return a value as it is typed.
+    """Return a value as it is typed: texts unchanged, anything else as JSON.
 
     Raises:
         Misused: JSON has no such value.

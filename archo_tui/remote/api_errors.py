@@ -12,10 +12,10 @@ from archo_tui.remote.protocol import is_valid_timeout
 
 
 class NotDone(ArchoError):
-    """The base of all errors here: a call did not do what it was asked for.
+    """The base of all errors here: a call did not do what was asked for.
 
     Attributes:
-        code: How it ended, a word of docs/protocol.md such as `refused`, `misuse` or `aborted`.
+        code: The outcome, a word of docs/protocol.md such as `refused`, `misuse` or `aborted`.
     """
 
     def __init__(self, code: str, text: str) -> None:
@@ -24,27 +24,30 @@ class NotDone(ArchoError):
 
 
 class Refused(NotDone):
-    """The robot or the console refused, or did not confirm it."""
+    """The error for a request that the robot or the console refused, or did not confirm."""
 
 
 class Misused(NotDone):
-    """The arguments mean nothing here; nothing was sent."""
+    """The error for arguments that mean nothing here; nothing was sent."""
 
 
 class Aborted(NotDone):
-    """The goal ended, and the robot has not arrived."""
+    """The error for a goal that ended without the robot arriving."""
 
 
 class Cancelled(NotDone):
-    """The goal was cancelled, by whomever, or is held in the queue."""
+    """The error for a goal that was cancelled by anybody, or is held in the queue."""
 
 
 class RanOut(NotDone):
-    """The time given as `timeout` is over."""
+    """The error for a call that did not finish within its `timeout`."""
 
 
 class Unreached(NotDone):
-    """No console runs, several do, or it does not answer: the robot may still be moving."""
+    """The error for a console that could not be reached or did not answer.
+
+    No console runs, several could be meant, or one does not answer: the robot may still be moving.
+    """
 
 
 ERRORS: dict[str, type[NotDone]] = {
@@ -59,11 +62,12 @@ ERRORS: dict[str, type[NotDone]] = {
 _GOOD = ("done", "accepted", "arrived")
 
 
-def data_of(result: Mapping[str, Any]) -> Any:
-    """Return the data of a result.
+def data_or_raise(result: Mapping[str, Any]) -> Any:
+    """Return the `data` of a successful result, None if it has none; raise the error of any other.
 
     Raises:
-        NotDone: As the subclass for its code, unless that is a success.
+        NotDone: The code is not `done`, `accepted` or `arrived`. The subclass depends on the code;
+            for a code that is not in ERRORS it is Refused.
     """
     code = result["code"]
     if code not in _GOOD:
@@ -72,7 +76,7 @@ def data_of(result: Mapping[str, Any]) -> Any:
 
 
 @contextlib.contextmanager
-def unreached() -> Iterator[None]:
+def convert_unreached() -> Iterator[None]:
     """Convert `client.Unreached`, raised inside this context, to the `Unreached` of this module."""
     try:
         yield
@@ -81,10 +85,10 @@ def unreached() -> Iterator[None]:
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return `timeout` itself.
+    """Return `timeout` unchanged if it is None or from 0 to 1e9 seconds.
 
     Raises:
-        Misused: It is neither None nor a valid number of seconds.
+        Misused: It is neither.
     """
     if timeout is not None and not is_valid_timeout(timeout):
         raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")

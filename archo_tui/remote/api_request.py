@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from archo_tui.remote import client, finder
-from archo_tui.remote.api_errors import Unreached, unreached
+from archo_tui.remote.api_errors import Unreached, convert_unreached
 from archo_tui.remote.protocol import LONGEST_WAIT
 
 # Seconds without a message after which the console is asked whether it still answers.
@@ -19,14 +19,17 @@ _CALL_OFF_TIMEOUT = 5.0
 
 
 class Request:
-    """A request on a connection of its own, which is closed at the end or by any exception."""
+    """A request to a console, on a connection of its own, which it closes as a context manager.
+
+    An exception inside the context calls the request off.
+    """
 
     def __init__(self, path: str, timeout: float | None, fields: Mapping[str, Any]) -> None:
-        """Connect; `send` sends the request.
+        """Connect to the console; `send` sends the request.
 
         Args:
             path: The socket of the console.
-            timeout: Seconds after which the console ends it; None: never.
+            timeout: Seconds after `send` in which the console ends the request; None: never.
             fields: The names and values of the request, as docs/protocol.md lists them.
 
         Raises:
@@ -34,7 +37,7 @@ class Request:
         """
         self._path, self._timeout, self._fields = path, timeout, fields
         self._end: float | None = None  # Monotonic time in seconds.
-        with unreached():
+        with convert_unreached():
             self._console = finder.reach(path)
 
     def __enter__(self) -> Request:
@@ -50,22 +53,24 @@ class Request:
             self.close()
 
     def send(self) -> None:
-        """Send the request.
+        """Send the request; its timeout begins now.
 
         Raises:
             Unreached: The console has gone.
         """
         if self._timeout is not None:
             self._end = time.monotonic() + self._timeout + _CALL_OFF_TIMEOUT
-        with unreached():
+        with convert_unreached():
             self._send_message({"id": 1, "timeout": self._timeout, **self._fields})
 
     def replies(self) -> Iterator[dict[str, Any]]:
         """Yield all replies of the console, the result last.
 
+        After each 10 s without a reply, another connection tests whether the console still answers.
+
         Raises:
-            Unreached: The console has gone or no longer answers, or `timeout` passed without a
-                result.
+            Unreached: The console has gone or no longer answers, or there is no result 5 s after
+                the timeout of the request.
         """
         reply: dict[str, Any] = {}
         while "code" not in reply:
@@ -82,10 +87,10 @@ class Request:
             yield reply
 
     def result(self) -> dict[str, Any]:
-        """Wait for the result and return it.
+        """Wait for the result and return it; other replies are dropped.
 
         Raises:
-            Unreached: As `replies` raises it.
+            Unreached: The console has gone or no longer answers, as for `replies`.
         """
         reply: dict[str, Any] = {}
         for reply in self.replies():  # noqa: B007  # the last one is wanted
@@ -93,7 +98,10 @@ class Request:
         return reply
 
     def give_up(self) -> None:
-        """Call off what was asked for, without waiting until that is done."""
+        """Tell the console to call the request off, and return without waiting for the result.
+
+        Does nothing if the connection is closed or broken.
+        """
         with contextlib.suppress(client.Unreached):
             self._send_message({"give_up": True})
 
@@ -102,7 +110,10 @@ class Request:
         self._console.close()
 
     def shut_down(self) -> None:
-        """Shut the connection down, so that `replies` ends in its thread, which closes it."""
+        """End the connection from another thread: `replies` raises Unreached in its thread.
+
+        That thread closes the socket. The console calls off what is still underway.
+        """
         if self._console.socket is not None:
             with contextlib.suppress(OSError):  # It is closed already.
                 self._console.socket.shutdown(socket.SHUT_RDWR)
@@ -113,6 +124,10 @@ class Request:
             self._console.send(message)
 
     def _check_that_it_answers(self) -> None:
-        """Raise Unreached if the console accepts no other connection either."""
-        with unreached():
+        """Connect to the console once more, and close that connection at once.
+
+        Raises:
+            Unreached: The console does not say hello within 10 s.
+        """
+        with convert_unreached():
             finder.reach(self._path, _SILENCE).close()

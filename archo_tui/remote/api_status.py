@@ -16,7 +16,10 @@ class Battery:
     Attributes:
         percentage: 0 to 100; None: not received.
         voltage: In V; None: not received, or not reported by this robot.
+        charging: None: not received, or not reported by this robot.
+        word: The state in a word, as on the screen.
         age: Seconds since the reading; None: never received.
+        source: Always `measured`.
     """
 
     percentage: float | None
@@ -32,9 +35,13 @@ class Motion:
     """The last report of the robot about its motion.
 
     Attributes:
-        stopped: True while a STOP is latched; None: not certain, or not reported.
+        moving: None: not received, or not certain.
+        stopped: True while a confirmed STOP holds or the robot reports a stop; None: not
+            certain, or not reported.
         speed: In m/s; None: not received.
+        word: The state in a word, as on the screen.
         age: Seconds since the report; None: never received.
+        source: Always `measured`.
     """
 
     moving: bool | None
@@ -50,11 +57,17 @@ class Goal:
     """The state of a goal at one moment.
 
     Attributes:
-        code: How it ended: `arrived`, `cancelled`, `aborted`; None while it runs.
-        mine: True when this console sent it, whoever asked the console to.
+        kind: The goal of the robot file, such as `shelf`.
+        values: The values of its fields, by name.
+        name: The goal in words: `shelf 12`.
+        phase: The phase as on the screen: `MOVING`, `ARRIVED`.
+        code: The outcome: `arrived`, `cancelled`, `aborted`; None while the goal runs.
+        mine: True if this console sent the goal, for a person or a program.
         remaining: Metres left, as the robot reports them; None: not reported yet.
         length: Metres of the whole way; None: not known.
-        age: Seconds since the robot last reported on it; None: never.
+        message: The robot's own text about the end; "" without one.
+        age: Seconds since the robot last reported on the goal; None: never.
+        source: `commanded` if this console sent the goal, else `measured`.
     """
 
     kind: str
@@ -72,7 +85,12 @@ class Goal:
 
 @dataclass(frozen=True)
 class Queue:
-    """The goals that wait, and why they are held; an empty text: they are not."""
+    """The console's queue of goals that are not sent yet.
+
+    Attributes:
+        waiting: The goals in words, the next one first.
+        held: The reason why no goal is sent until a person continues; "" if the queue is not held.
+    """
 
     waiting: list[str]
     held: str
@@ -80,7 +98,7 @@ class Queue:
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm; `since` is a Unix time in seconds."""
+    """An alarm of the console; `since` is a Unix time in seconds."""
 
     name: str
     text: str
@@ -94,8 +112,12 @@ class Status:
     """The state of the robot, as `archo-tui status --json` prints it.
 
     Attributes:
+        robot: The name of the robot.
+        namespace: The namespace of the robot on the ROS graph.
+        watching: True if the console only watches, and sends no command.
+        goal: The running goal or, if none runs, the last one; None: no goal is known.
         stop: `open`: a STOP is not confirmed; `uncertain`: it may no longer hold; else empty.
-        line: All of it in one line of text.
+        line: The whole state in one line of text.
     """
 
     robot: str
@@ -110,6 +132,12 @@ class Status:
     line: str
 
 
-def from_reply(kind: type[_Kind], told: Mapping[str, Any]) -> _Kind:
-    """Create an object from a console's reply; fields of a newer console are ignored."""
-    return kind(**{field.name: told[field.name] for field in fields(kind)})  # type: ignore[arg-type]
+def from_reply(kind: type[_Kind], reply: Mapping[str, Any]) -> _Kind:
+    """Create an object of the class `kind` from a console's reply.
+
+    Entries that the class does not have, such as those of a newer console, are ignored.
+
+    Raises:
+        KeyError: The reply lacks an attribute of the class.
+    """
+    return kind(**{field.name: reply[field.name] for field in fields(kind)})  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from archo_tui.remote.protocol import words_of
-from archo_tui.remote.waits import RanOut, timeout_of, wait_for
+from archo_tui.remote.waits import RequestTimedOut, timeout_of, wait_for
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
 from archo_tui.robot.parameter_values import typed_text
@@ -30,13 +30,13 @@ ASKED = "asked"  # In place of an outcome's code: a person has to decide.
 
 
 class Assistants:
-    """The handler of all assistants' requests; each assistant sees only its own.
+    """The handler of all assistants' requests; each assistant sees and cancels only its own goals.
 
-    A STOP of an assistant does not come here: it is carried out as anybody's.
+    A STOP of an assistant does not come here: the request handler carries it out like any STOP.
     """
 
     def __init__(self, station: Station, verbs: Mapping[str, Verb], until: Until) -> None:
-        """Make the handler.
+        """Create the handler.
 
         Args:
             station: The station that knows the robot.
@@ -46,20 +46,24 @@ class Assistants:
         self._station, self._verbs, self._until = station, verbs, until
 
     async def carry_out(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request of an assistant, and return the result.
+        """Carry out a request of an assistant, and return the result with the request's `id`.
+
+        An assistant may ask for a goal, list goals, wait for its request, cancel its goal, and run
+        verbs that only read; any other verb is refused.
 
         Raises:
-            RanOut: The timeout is over.
+            RequestTimedOut: The timeout is over.
+            ArchoError: A name means nothing here.
             ValueError: The request means nothing here.
         """
         number = request.get("id")
         if "ask" in request:
-            return {"id": number, **await self._ask(requester, request["ask"])}
+            return {"id": number, **await self._request_approval(requester, request["ask"])}
         word, *rest = words_of(request)
         if word == "goals" and not rest:
             return {"id": number, "code": "done", "text": "", "data": self._goals()}
         if word == "wait" and rest[:1] == ["request"]:
-            return {"id": number, **await self._wait(requester, rest[1:], request)}
+            return {"id": number, **await self._wait_for_request(requester, rest[1:], request)}
         if word == "cancel" and not rest:
             outcome = await self._cancel(requester)
             return {"id": number, "code": outcome.code.value, "text": outcome.text}
@@ -77,7 +81,10 @@ class Assistants:
         return result if data is None else {**result, "data": data}
 
     def _goals(self) -> list[dict[str, Any]]:
-        """Return the kinds of goals, each with the JSON schema of its values by dotted path."""
+        """Return `kind`, `title` and `schema`, the JSON schema of the values, of each kind of goal.
+
+        The values are named by the dotted paths of their fields, and all are required.
+        """
         snapshot, found = self._station.robot.snapshot, []
         for verb in self._verbs.values():
             if isinstance(verb, Go):
@@ -91,10 +98,21 @@ class Assistants:
                 found.append({"kind": verb.id, "title": verb.title, "schema": json_schema})
         return found
 
-    async def _ask(self, requester: Requester, wanted: Any) -> dict[str, Any]:
+    async def _request_approval(self, requester: Requester, wanted: Any) -> dict[str, Any]:
         """Ask a person to allow a goal, and return the reply without waiting for the decision.
 
-        Its data have the number of the approval request.
+        The wait for a robot that has just started lasts some seconds at most.
+
+        Args:
+            requester: The assistant.
+            wanted: The `ask` of its request: `kind` and `values` of the goal.
+
+        Returns:
+            The reply with code `asked` and the number of the approval request in `data`; with a
+            code such as `refused` if nobody is asked.
+
+        Raises:
+            ValueError: The kind or the values mean nothing, or are not fit for a person to read.
         """
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
@@ -103,7 +121,7 @@ class Assistants:
             raise ValueError(f"kind: the goals of this robot are {kinds}")
         if self._station.robot.watching:
             return {"code": Code.REFUSED.value, "text": WATCHING}
-        values = self._values(verb, wanted.get("values"))
+        values = self._checked_values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
         left = PATIENCE - self._station.age
         await self._until(requester, lambda: verb.is_ready(self._station, goals), left)
@@ -130,11 +148,16 @@ class Assistants:
             "data": {"request": request.number, "expires_in": LIFETIME},
         }
 
-    def _values(self, verb: Go, given: Any) -> dict[str, Any]:
-        """Return the values of a goal by dotted path, each of its field's type.
+    def _checked_values(self, verb: Go, given: Any) -> dict[str, Any]:
+        """Return the values of a goal by dotted path, each converted to its field's type.
+
+        Args:
+            verb: The verb of the goal.
+            given: The values that the assistant sent, by dotted path.
 
         Raises:
-            ValueError: One is missing, unknown, or not of its type.
+            ValueError: `given` is no object, or a value is missing, unknown, or not of its type; or
+                the action's type is not installed.
         """
         fields = self._station.robot.snapshot.forms.get(verb.kind.id)
         if fields is None:
@@ -155,10 +178,20 @@ class Assistants:
             texts[path] = typed_text(given[path])
         return forms.parse_all(fields, verb.kind.form, texts)
 
-    async def _wait(
+    async def _wait_for_request(
         self, requester: Requester, words: list[str], request: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Wait until a person has decided, and an allowed goal has ended."""
+        """Wait until a person denies the assistant's request or its goal ends; return the reply.
+
+        Args:
+            requester: The assistant.
+            words: The words behind `wait request`: the number of the approval request.
+            request: The request to wait; its `timeout` in seconds counts up to 50, the default.
+
+        Raises:
+            RequestTimedOut: The timeout is over; the text tells the state of the request.
+            ValueError: This assistant has no request of that number.
+        """
         self._request_of(requester, words)
         timeout = timeout_of(request)
         seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
@@ -176,8 +209,8 @@ class Assistants:
             outcome = await wait_for(
                 self._station, self._verbs, [], {"timeout": seconds}, outcome_if_over
             )
-        except RanOut:
-            raise RanOut(self._progress_text(self._request_of(requester, words))) from None
+        except RequestTimedOut:
+            raise RequestTimedOut(self._progress_text(self._request_of(requester, words))) from None
         decided = self._request_of(requester, words)
         if decided.status != ApprovalStatus.ALLOWED:
             text = f"request {decided.number} is {decided.status.value}: {decided.reason}"

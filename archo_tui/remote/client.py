@@ -20,7 +20,7 @@ UNANSWERED = "the console does not answer; the robot may still be moving"
 
 
 class Unreached(Exception):
-    """The error for a request that reached no console: none runs, several do, or none answers."""
+    """The error for a request that no console answered: none runs, several do, or none answers."""
 
 
 class Silent(Unreached):
@@ -30,15 +30,16 @@ class Silent(Unreached):
 class Connection:
     """A connection to one console.
 
-    It is made without waiting, among others; after `set_blocking`, its requests wait for replies.
+    At first no method blocks, so that one thread can connect to several consoles at once. After
+    `set_blocking`, `request` and `remaining_replies` wait for the console.
 
     Attributes:
-        path: The socket.
+        path: The path of the socket.
         card: The copy of the hello in the file beside the socket; None if there is no such file.
         hello: The console's first message; empty until it has come.
         result: The result of the request that was sent on connecting; None until it has come.
         is_dead: True if no process listens on the socket.
-        has_gone: True if the connection was made, and is broken.
+        has_gone: True if the connection broke or could not be made, though the socket exists.
         socket: The connected socket; None before that.
     """
 
@@ -46,8 +47,8 @@ class Connection:
         """Create the connection without connecting.
 
         Args:
-            path: The socket.
-            card: The result of `socket_files.read_card` for it.
+            path: The path of the socket.
+            card: The result of `socket_files.read_card` for the socket.
         """
         self.path, self.card = path, card
         self.hello: dict[str, Any] = {}
@@ -63,7 +64,9 @@ class Connection:
     def connect(self, first: bytes) -> None:
         """Try to connect, without waiting, and send `first` before the hello has come.
 
-        If too many connections wait, `socket` stays None and the caller tries again.
+        Errors are not raised: `is_dead` or `has_gone` is set instead. The files of a console that
+        was killed are removed. If too many connections wait, `socket` stays None and the caller
+        tries again.
 
         Args:
             first: The request as bytes; b"" for none.
@@ -82,7 +85,11 @@ class Connection:
             self.has_gone = True
 
     def receive(self) -> None:
-        """Read what has come, without waiting, and set `hello` and `result` from it."""
+        """Read what the console has sent, without waiting, and set `hello` and `result` from it.
+
+        Sets `has_gone` if the console has closed the connection or sent what is no message.
+        Messages behind the result stay unread.
+        """
         assert self.socket is not None
         try:
             chunk = self.socket.recv(65536)
@@ -116,7 +123,7 @@ class Connection:
 
     @property
     def short_description(self) -> str:
-        """The console in a few words, known also before its hello."""
+        """The words `the console of pid N, NAMESPACE,`; without hello and card only the pid."""
         if self.identity:
             return f"the console of pid {self.identity['pid']}, {self.identity['namespace']},"
         pid = os.path.basename(self.path).partition(socket_files.SUFFIX)[0].partition("-")[0]
@@ -124,9 +131,9 @@ class Connection:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """The robot, namespace, engine and pid of the console, among other values.
+        """The robot, namespace, engine and pid of the console, among other values of a hello.
 
-        They are those of its hello or, until a valid one has come, those of its card: the file
+        They are those of the hello or, until a valid hello has come, those of the card: the file
         beside the socket with a copy of the hello. Empty if neither names the console.
         """
         return next(
@@ -135,7 +142,7 @@ class Connection:
 
     @property
     def description(self) -> str:
-        """The console in a line: process, robot, namespace, engine."""
+        """The console in a line: process, robot, namespace, engine; or all that is known."""
         identity = self.identity
         if not identity:
             return self.short_description.removeprefix("the console of ")
@@ -150,37 +157,44 @@ class Connection:
         assert self.socket is not None
         self.socket.settimeout(None)
 
-    def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
+    def request(
+        self, total_timeout: float | None = None, **fields: Any
+    ) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
+        Nothing is sent before the iterator is first advanced. Replies to other requests are
+        dropped.
+
         Args:
-            within: Seconds for all replies together; None for any time.
+            total_timeout: Seconds for all replies together; None for any time.
             **fields: The fields of the request, as docs/protocol.md lists them.
 
         Raises:
-            Unreached: The console has gone, or did not answer in time.
+            Silent: The result did not come in time. A subclass of Unreached.
+            Unreached: The console has gone.
         """
         self._number += 1
         number = self._number
         self.send({"id": number, **fields})
-        for reply in self.remaining_replies(within):
+        for reply in self.remaining_replies(total_timeout):
             if reply.get("id") in (number, None):
                 yield reply
                 if "code" in reply:
                     return
 
-    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield all messages of the console from now on, whichever request they are for.
+    def remaining_replies(self, total_timeout: float | None = None) -> Iterator[dict[str, Any]]:
+        """Yield all further messages of the console, whichever request they are for; never end.
 
         Args:
-            within: Seconds for all messages together; None to wait for any time.
+            total_timeout: Seconds for all messages together, from the first `next` on; None for any
+                time.
 
         Raises:
             Silent: The time is over.
             Unreached: The console has gone.
         """
         assert self.socket is not None
-        end = None if within is None else time.monotonic() + within
+        end = None if total_timeout is None else time.monotonic() + total_timeout
         try:
             while True:
                 while (reply := self._next_message()) is not None:
@@ -202,6 +216,9 @@ class Connection:
     def send(self, request: dict[str, Any]) -> None:
         """Send a request, an answer, or `give_up`, as docs/protocol.md lists them.
 
+        Args:
+            request: The whole message, with an `id` if it needs one.
+
         Raises:
             Unreached: The console has gone.
         """
@@ -217,7 +234,7 @@ class Connection:
             self.socket.close()
 
     def detach(self) -> tuple[socket.socket, bytes]:
-        """Return the socket, and the bytes that were read and not parsed.
+        """Return the socket, and the bytes that were read from it and not parsed yet.
 
         The caller reads and closes the socket from now on.
         """

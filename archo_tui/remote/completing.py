@@ -1,7 +1,7 @@
 """The hidden `archo-tui __complete WORD ...`, which the script of a shell calls at a tab.
 
-A person waits for it in the middle of a line: without an answer it prints nothing, and it only
-reads.
+A person waits for it in the middle of a line: it takes half a second at most, prints nothing if it
+gets no answer, and changes nothing on the robot.
 """
 
 from __future__ import annotations
@@ -28,6 +28,9 @@ _PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
 
 def print_candidates(words: Sequence[str]) -> int:
     """Print the words that may follow on a command line, one a line, and return 0.
+
+    Prints nothing if no console answers within half a second; words with blanks or characters that
+    a shell interprets are left out.
 
     Args:
         words: The words behind `archo-tui`; the last one is unfinished, and may be empty.

@@ -1,8 +1,8 @@
 """The search for the console that is meant, for shell, Python, assistant and `consoles`.
 
-A verb goes to the only console that fits, and to none while one that could be meant does not
-answer. A STOP goes to every console that could be meant: it is written as each is connected to,
-so that one that is busy or suspended carries it out when it wakes.
+A verb goes to the only console that fits, and to none while another that could be meant does not
+answer. A STOP goes to every console that could be meant: it is written as soon as the connection is
+made, so that a busy or suspended console carries it out when it wakes.
 """
 
 from __future__ import annotations
@@ -41,30 +41,33 @@ class StopResult:
     Attributes:
         console: The description of the console, one line.
         code: A code of docs/protocol.md; LOST if the console reported no result.
-        text: The console's text, or why there is none.
+        text: The console's text, or the reason why there is none.
     """
 
     def __init__(self, console: str, code: str, text: str) -> None:
-        """Create a result."""
         self.console, self.code, self.text = console, code, text
 
 
 def find(
     selection: Mapping[str, Any],
     faults: list[str] | None = None,
-    within: float = HELLO_TIMEOUT,
+    hello_timeout: float = HELLO_TIMEOUT,
 ) -> list[Connection]:
-    """Return all consoles that could be meant, sorted by process number.
+    """Return connections to all consoles that could be meant, sorted by process number.
 
-    Consoles that do not answer are among them. The caller closes the connections.
+    Consoles that do not answer are among them. The caller closes the connections. Socket files of
+    killed consoles are removed.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
         faults: The reason for each folder that is not searched is appended to it.
-        within: Seconds in which each console has to send its hello.
+        hello_timeout: Seconds in which all consoles have to send their hellos.
+
+    Raises:
+        Unreached: This system has no Unix sockets.
     """
     found = _candidates(selection, [] if faults is None else faults)
-    _exchange(found, b"", lambda console: bool(console.hello), within)
+    _exchange(found, b"", lambda console: bool(console.hello), hello_timeout)
     for console in found:
         if not _could_be_meant(selection, console):
             console.close()
@@ -74,21 +77,24 @@ def find(
     return sorted(found, key=lambda console: int(console.identity.get("pid", 0)))
 
 
-def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Connection:
-    """Return a connection to the one console that is meant, whose hello has come.
+def choose(selection: Mapping[str, Any], hello_timeout: float = HELLO_TIMEOUT) -> Connection:
+    """Return a blocking connection to the one console that is meant, whose hello has come.
 
-    A console that only watches is passed over where another one of the same robot can act.
+    Without `to`, the environment variable ARCHO_TUI_CONSOLE names the console. A console that only
+    watches is passed over if another one of the same robot can act. The caller closes the
+    connection.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        within: Seconds in which the console has to send its hello.
+        hello_timeout: Seconds in which the console has to send its hello.
 
     Raises:
-        Unreached: No console or several are meant, or one that could be meant does not answer:
-            a verb could reach another robot.
+        NoConsole: No console could be meant.
+        Unreached: Several are meant, or one that could be meant does not answer or speaks another
+            protocol: a verb could reach another robot.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
-    found = _without_needless_watchers(find(selection, faults, within))
+    found = _without_needless_watchers(find(selection, faults, hello_timeout))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
         found[0].set_blocking()
@@ -103,9 +109,9 @@ def choose(selection: Mapping[str, Any], within: float = HELLO_TIMEOUT) -> Conne
 
 
 def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
-    """Return the connections except to consoles that only watch what another one can operate.
+    """Drop the connections to consoles that watch a robot on which another one acts.
 
-    The connections that are left out are closed.
+    Return the others; the dropped connections are closed.
     """
     watching = _only_watching(found)
     for console in watching:
@@ -114,7 +120,7 @@ def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
 
 
 def _only_watching(found: Sequence[Connection]) -> list[Connection]:
-    """Return the consoles that watch a robot on which another one of them can act.
+    """Return the consoles that only watch a robot on which another one of `found` can act.
 
     Consoles with the same engine, domain and namespace have the same robot.
     """
@@ -127,18 +133,20 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
     return [console for console in watching if robot(console) in acting]
 
 
-def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
+def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:
     """Connect to the console of a socket, and return the connection once its hello has come.
 
+    Requests on the connection wait for replies. The caller closes it.
+
     Args:
-        path: The socket.
-        within: Seconds in which the console has to send its hello.
+        path: The path of the socket.
+        hello_timeout: Seconds in which the console has to send its hello.
 
     Raises:
         Unreached: The console has gone, does not answer, or speaks another protocol.
     """
     console = Connection(path, socket_files.read_card(path))
-    _exchange([console], b"", lambda console: bool(console.hello), within)
+    _exchange([console], b"", lambda console: bool(console.hello), hello_timeout)
     if console.is_dead or console.fault:
         console.close()
         raise Unreached(GONE if console.is_dead or console.has_gone else console.fault)
@@ -151,15 +159,15 @@ def stop(
     notice: Callable[[str], None],
     more: Mapping[str, Any] | None = None,
 ) -> list[StopResult]:
-    """Send STOP to every console that could be meant, then wait for all of them.
+    """Send STOP to every console that could be meant, then wait for all of them, 15 s at most.
 
-    If the console that CHOSEN names is not found, every console that fits `selection` gets the
-    STOP.
+    Without `to`, the environment variable ARCHO_TUI_CONSOLE names the console; if that is not
+    found, every console that fits `selection` gets the STOP.
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        notice: Called with each line that a person should read while other consoles are waited
-            for, or afterwards.
+        notice: Called with each line that a person should read while other consoles are waited for,
+            or afterwards.
         more: Further names and values of the request.
 
     Returns:
@@ -168,6 +176,7 @@ def stop(
 
     Raises:
         NoConsole: No console could be meant.
+        Unreached: This system has no Unix sockets.
     """
     faults: list[str] = []
     meant = _with_default_console(selection)
@@ -191,8 +200,16 @@ def _stop_each(
 ) -> list[StopResult]:
     """Send STOP to each console that fits, wait for all, and return their results.
 
-    The arguments are those of `stop` and, for `faults`, of `find`. The list is empty if no console
-    fits.
+    The connections are closed at the end.
+
+    Args:
+        selection: The consoles that are meant, as for `stop`.
+        notice: Called with a line for each console that does not answer after a second.
+        more: Further names and values of the request.
+        faults: The reason for each folder that is not searched is appended to it.
+
+    Returns:
+        The results; empty if no console fits.
     """
     found = _candidates(selection, faults)
     first = encode({"id": 1, "words": ["stop"], **more, **selection})
@@ -230,13 +247,17 @@ def _stop_result(console: Connection) -> StopResult:
 
 
 def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of the selection; a missing `to` is the environment variable CHOSEN."""
+    """Return a copy of the selection; a missing `to` becomes ARCHO_TUI_CONSOLE's value."""
     to = selection.get("to") or os.environ.get(CHOSEN, "")
     return {**selection, "to": to} if to else dict(selection)
 
 
 def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connection]:
-    """Return a connection for each socket whose card does not exclude its console.
+    """Return an unconnected connection for each socket whose card does not exclude its console.
+
+    Args:
+        selection: The consoles that are meant.
+        faults: The reason for each folder that is not searched is appended to it.
 
     Raises:
         Unreached: This system has no Unix sockets.
@@ -249,11 +270,9 @@ def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connect
 
 
 def _could_be_meant(selection: Mapping[str, Any], console: Connection) -> bool:
-    """Return whether a console could be meant.
+    """Return True unless the console's hello, or else its card, does not fit the selection.
 
-    Returns:
-        False if its hello, or the copy of that beside the socket, does not fit; True without
-        either.
+    A console of which neither is known could be meant.
     """
     return not console.identity or is_meant(selection, console.identity)
 
@@ -264,7 +283,9 @@ def _exchange(
     is_over: Callable[[Connection], bool],
     timeout: float,
 ) -> None:
-    """Connect to all consoles at once, and read their messages until all are over or time is.
+    """Connect to all consoles at once, and read their messages until all are done or time is over.
+
+    Errors are recorded in each connection's `is_dead` and `has_gone`.
 
     Args:
         consoles: The consoles; one that is connected already is only read.
@@ -301,7 +322,13 @@ def _exchange(
 def _silent_error(
     selection: Mapping[str, Any], silent: Sequence[Connection], found: Sequence[Connection]
 ) -> str:
-    """Return the error text for consoles that could be meant and do not answer."""
+    """Return the error text for consoles that could be meant and take no verb.
+
+    Args:
+        selection: The console that was looked for; its `to` stands in the text.
+        silent: The consoles that take no verb.
+        found: All consoles that could be meant.
+    """
     faults = "; ".join(console.fault for console in silent)
     if selection.get("to"):
         return f"no console {selection['to']} answers here; {faults}"
@@ -328,8 +355,8 @@ def no_console_error(selection: Mapping[str, Any], faults: Sequence[str]) -> str
     """Return the error text for a search that found no console, with the likely causes.
 
     Args:
-        selection: Which console was looked for, as for `find`.
-        faults: The reasons why folders of sockets were not looked into.
+        selection: The console that was looked for, as for `find`.
+        faults: The reasons why folders of sockets were not searched.
     """
     to, by_name = selection.get("to", ""), os.environ.get(CHOSEN, "")
     text = NO_CONSOLE

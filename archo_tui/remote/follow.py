@@ -1,4 +1,4 @@
-"""Streams of events, of the state, and of a goal, for as long as the client is there."""
+"""Streams of events, of the state, and of a goal, for as long as the client is connected."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ PERIOD = 0.2  # Seconds between two polls: five a second, as on the screen.
 
 
 async def follow(station: Station, send: Callable[[dict[str, Any]], None], number: Any) -> NoReturn:
-    """Send each event, and the state when it has changed, until the task is cancelled.
+    """Send each event from now on, and the state now and when its line changes, until cancelled.
+
+    Polls five times a second. An event that repeats is sent again.
 
     Args:
         station: The station that is followed.
         send: Sends a message to the client.
-        number: The `id` of its request.
+        number: The `id` of the client's request, which each message repeats.
     """
     seen = {event.number: event.count for event in station.robot.snapshot.events}
     line = ""
@@ -40,8 +42,10 @@ async def follow_goal(
 ) -> NoReturn:
     """Send the state of the goal of `requester` whenever it has changed, until cancelled.
 
+    Polls five times a second. Of several goals the one that runs is sent; nothing while none does.
+
     Args:
-        station: The station that drives it.
+        station: The station that drives the goal.
         requester: The client that waits for its goals; it may have none yet.
         send: Sends a message to that client.
         number: The `id` of its request, which each message repeats.

@@ -1,4 +1,4 @@
-"""The handle of a goal that the robot has accepted."""
+"""The handle of a goal that a Python program has sent through a console."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from archo_tui.remote.api_errors import (
     RanOut,
     Unreached,
     checked_timeout,
-    data_of,
+    data_or_raise,
 )
 from archo_tui.remote.api_request import Request
 from archo_tui.remote.api_status import Goal, from_reply
@@ -22,9 +22,10 @@ PARENTS_GOAL = "the goal is of the process that forked this one; the robot may s
 
 
 class GoalHandle:
-    """A goal that the robot has accepted, or several that it drives one after the other.
+    """A goal that the robot has accepted or that waits in the console's queue; `Robot.go` makes it.
 
-    Every method may be called from any thread, also at the same time. `Robot.go` makes it.
+    Several goals of one `go` share a handle; the robot drives them one after the other. Every
+    method may be called from any thread, also at the same time.
     """
 
     def __init__(self, request: Request) -> None:
@@ -35,21 +36,24 @@ class GoalHandle:
         threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
 
     def wait(self, timeout: float | None = None) -> Goal:
-        """Wait until the goal has ended.
+        """Wait until the goal has ended, and return it if the robot has arrived.
 
-        Any other exception here, ctrl+c too, cancels the goal.
+        An exception that interrupts the wait, such as KeyboardInterrupt, cancels the goal.
 
         Args:
-            timeout: Seconds to wait; None: until it has ended. The goal goes on behind it.
+            timeout: Seconds to wait, after which the goal runs on; None: until it has ended.
 
         Returns:
             The goal at its end, of several the last one.
 
         Raises:
-            Aborted: It ended, and the robot has not arrived.
-            Cancelled: It was cancelled, by whomever, or is held in the queue.
-            RanOut: `timeout` seconds passed, and it still runs; or the time given to `go` is over.
+            Aborted: The goal ended, and the robot has not arrived.
+            Cancelled: The goal was cancelled by anybody, or is held in the queue.
+            Refused: The goal waited in the queue, and was refused when its turn came.
+            RanOut: `timeout` seconds passed, and the goal still runs; or the time given to `go` is
+                over.
             Unreached: The console has gone or no longer answers: the robot may still be moving.
+            Misused: `timeout` is not a valid time; the goal is cancelled.
         """
         try:
             has_ended = self._has_ended.wait(checked_timeout(timeout))
@@ -58,10 +62,12 @@ class GoalHandle:
             raise
         if not has_ended:
             raise RanOut("ran_out", f"not within {timeout:g} s: the goal still runs")
-        return from_reply(Goal, data_of(self._result))
+        return from_reply(Goal, data_or_raise(self._result))
 
     def cancel(self, timeout: float = CANCEL_TIMEOUT) -> None:
-        """Cancel the goal, and those behind it in the same `go`; does nothing once it has ended.
+        """Cancel the goal and those behind it in the same `go`, and wait for the end.
+
+        Does nothing once the goal has ended. However it ends, also by arriving, no error is raised.
 
         Args:
             timeout: Seconds to wait for the end.
@@ -74,10 +80,12 @@ class GoalHandle:
         if not self._has_ended.wait(checked_timeout(timeout)):
             raise RanOut("ran_out", "the cancel is not confirmed: the robot may still be moving")
         if ERRORS.get(self._result["code"]) is Unreached:  # it ended for this program only
-            data_of(self._result)
+            data_or_raise(self._result)
 
     def feedback(self) -> Goal | None:
-        """Return the newest state of the goal, without waiting; of several that which is driven.
+        """Return the newest state of the goal, without waiting.
+
+        Of several goals it is the one that is driven; after the end, the last one as it ended.
 
         Returns:
             The state; its `remaining` is the way left, in metres. None: not reported yet.
@@ -85,31 +93,36 @@ class GoalHandle:
         return self._state
 
     def done(self) -> bool:
-        """Return True once the goal has ended, however it did."""
+        """Return True once the goal has ended in any way, or the console is unreachable."""
         return self._has_ended.is_set()
 
     def _leave_to_parent(self) -> None:
-        """End the handle in a forked child, which has no thread that reads replies."""
+        """End the handle in a forked child, which has no thread that reads replies.
+
+        From now on `done` is True, and `wait` and `cancel` raise Unreached: the goal is the
+        parent's.
+        """
         self._result = {"code": "lost", "text": PARENTS_GOAL}
-        # new ones: whoever held those of the parent is not in the child either
+        # New events: a thread of the parent, which the child lacks, may hold the old ones' locks.
         self._is_accepted, self._has_ended = threading.Event(), threading.Event()
         self._is_accepted.set()
         self._has_ended.set()
 
     def _wait_until_accepted(self) -> None:
-        """Wait until the robot has accepted the goal.
+        """Wait until the robot has accepted the goal, or the console has queued it.
 
         Raises:
-            NotDone: As its subclass that `Robot.go` names.
+            NotDone: The goal has ended already without success; the subclass is one that `Robot.go`
+                names.
         """
         self._is_accepted.wait()
         if self._has_ended.is_set():
-            data_of(self._result)
+            data_or_raise(self._result)
 
     def _read_replies(self) -> None:
         """Read replies until the goal has ended, and keep its newest state and its result.
 
-        This is the target of the handle's thread.
+        The connection is closed at the end. This is the target of the handle's thread.
         """
         try:
             for reply in self._request.replies():

@@ -43,7 +43,10 @@ def is_valid_timeout(timeout: object) -> bool:
 
 
 def encode(message: dict[str, Any]) -> bytes:
-    """Return a message as a line of JSON, with its line feed."""
+    """Return a message as a line of JSON in UTF-8, with its line feed.
+
+    A lone surrogate becomes `?`.
+    """
     return json.dumps(message, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
@@ -51,7 +54,7 @@ def words_of(request: dict[str, Any]) -> list[str]:
     """Return the words of a request: a verb and its arguments.
 
     Raises:
-        ValueError: The request has none, or they are not a list of valid texts.
+        ValueError: The request has no words, or they are not a list of valid texts.
     """
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
@@ -62,7 +65,11 @@ def words_of(request: dict[str, Any]) -> list[str]:
 
 
 def is_stop(request: Mapping[str, Any]) -> bool:
-    """Return True for the request of a STOP, by the rule of `plain.lines.is_stop_text`."""
+    """Return True for the request of a STOP: its first word is `stop` in any spelling.
+
+    `plain.lines.is_stop` has the rule. Words that are no texts are skipped, and `words` may be a
+    text.
+    """
     words = request.get("words")
     if isinstance(words, list):
         words = " ".join(word for word in words if isinstance(word, str))
@@ -70,12 +77,13 @@ def is_stop(request: Mapping[str, Any]) -> bool:
 
 
 def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
-    """Return True when a console is one of those that a request is meant for.
+    """Return True if a console fits the selection of a request.
 
     Args:
         selection: `to` is a process number, a namespace or the name of a socket; `engine` and
             `domain` are as in a hello. A missing or empty entry fits every console.
-        hello: The first message of the console, which describes it.
+        hello: The first message of the console, which describes it. A console without a domain fits
+            every domain.
     """
     to, engine, domain = selection.get("to"), selection.get("engine"), selection.get("domain")
     names = (str(hello.get("pid")), hello.get("namespace"), hello.get("name"))
@@ -90,7 +98,7 @@ def decode(data: bytes) -> dict[str, Any]:
     """Return the message that a line contains.
 
     Raises:
-        ValueError: The line is not a JSON object.
+        ValueError: The line is not a JSON object, or is nested too deeply.
     """
     try:
         found = json.loads(data)

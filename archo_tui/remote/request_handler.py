@@ -15,7 +15,7 @@ from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import ClientSession
-from archo_tui.remote.waits import POLL_PERIOD, RanOut, timeout_of, wait_for
+from archo_tui.remote.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
 from archo_tui.robot import messages
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
@@ -39,10 +39,16 @@ RAN_OUT = "ran_out"  # In place of an outcome's code: the client's timeout is ov
 
 
 class RequestHandler:
-    """The handler of one console's requests, for all clients."""
+    """The handler that carries out the requests of one console's clients on the console's loop.
+
+    `serve`, `on_answer` and `on_client_left` may be called on any thread, and return at once.
+
+    Attributes:
+        verbs: The robot's verbs, by id.
+    """
 
     def __init__(self, station: Station) -> None:
-        """Make the handler of a station, whose loop carries out the requests."""
+        """Create the handler of a station, whose loop carries out the requests."""
         self._station, self._robot = station, station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
@@ -57,12 +63,17 @@ class RequestHandler:
     # Called on the server's thread.
 
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        """Begin to carry out a request; a STOP goes before all others.
+        """Begin to carry out a request, and return at once; a STOP goes before all others.
+
+        The client gets the result as a reply, and a call of `on_request_ended` unless it is a STOP.
+        STOPs that wait at the same time are sent to the robot as one; of more than 1000 only the
+        last are answered.
 
         Args:
             client: Gets the replies.
             request: A request of docs/protocol.md.
-            stops: STOPs that had been read when it was read.
+            stops: STOPs that had been read when it was read. If another STOP is read before the
+                robot gets the request, the request is void.
         """
         if is_stop(request):
             is_assistant = request.get("assistant") is True
@@ -74,19 +85,29 @@ class RequestHandler:
             self._station.post(partial(self._serve, client, request, stops))
 
     def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Pass on the answer to a question, or a `give_up`, of a client whose request runs."""
+        """Pass on a client's answer to a question, or call its request off at a `give_up`.
+
+        Args:
+            client: The client that sent it.
+            answer: An `answer` or `give_up` of docs/protocol.md.
+            stops: Ignored.
+        """
         self._station.post(partial(self._pass_answer, client, answer))
 
     def on_client_left(self, client: ClientSession) -> None:
-        """Call off the work that a client waits for, after its connection has closed."""
+        """Call off the work that a client waits for, after its connection has closed.
+
+        Goals that the client did not wait for run on, except those of an assistant.
+        """
         self._station.post(partial(self._end_session, client))
 
     # Called on the console's loop.
 
     async def _stop(self) -> None:
-        """Send one STOP for all that wait, at the pace of the rate limit, and reply to each client.
+        """Send one STOP for all that wait, within the rate limit, and reply to each client.
 
-        An earlier STOP may still be unanswered.
+        An earlier STOP may still be unanswered. Open questions are closed. If the task is
+        cancelled, the STOPs are put back and a new task is requested for them.
         """
         clock = self._station.clock
         now: list[tuple[ClientSession, Any, bool]] = []
@@ -141,10 +162,10 @@ class RequestHandler:
         await self._call_off(session)
 
     async def _call_off(self, session: _Session) -> None:
-        """Take a client's goals out of the queue, and cancel the running one.
+        """Call off what a client waits for: answer its open question with no, and end its request.
 
-        That ends what the client waits for. A client that does not wait keeps its goals, unless
-        it is an assistant that has left.
+        Its goals are removed from the queue and the running one is cancelled, if the client waits
+        for them or is an assistant that has left; other goals run on.
         """
         if session.pending_answer is not None and not session.pending_answer.done():
             session.pending_answer.set_result(False)
@@ -152,14 +173,17 @@ class RequestHandler:
         if session.task is not None and session.is_read_only:
             session.is_called_off = True
             session.task.cancel()
-        elif session.is_waiting and not session.leaves:
+        elif session.is_waiting and not session.keeps_goals:
             ends_with_it = True
         if ends_with_it:
             session.requester.has_left = True
             await self._station.goals.call_off(session.requester)
 
     async def _pass_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
-        """Pass on the answer to a question, or call the client's request off at a `give_up`."""
+        """Pass on the answer to a question, or call the client's request off at a `give_up`.
+
+        A `give_up` without a request gets a reply at once. An answer to no question is ignored.
+        """
         session = self._session_of(client)
         if answer.get("give_up") and session.task is None:
             client.reply(_result(None, Outcome(Code.DONE, "it had ended")))
@@ -188,7 +212,7 @@ class RequestHandler:
             result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
         except _Declined as error:
             result = _result(number, Outcome(Code.CANCELLED, str(error)))
-        except RanOut as error:
+        except RequestTimedOut as error:
             result = {"id": number, "code": RAN_OUT, "text": str(error)}
         except (ArchoError, ValueError) as error:
             result = _result(number, Outcome(Code.MISUSE, str(error)))
@@ -210,10 +234,13 @@ class RequestHandler:
     async def _carry_out_in_time(
         self, session: _Session, request: dict[str, Any]
     ) -> dict[str, Any]:
-        """Carry out a request within its timeout, and return the result.
+        """Carry out a request within its `timeout`, and return the result that the client gets.
+
+        `wait` and requests of assistants apply the timeout themselves.
 
         Raises:
-            RanOut: The timeout is over. What was sent is cancelled, unless the client `leaves`.
+            RequestTimedOut: The timeout is over. What was sent is cancelled, unless the client
+                keeps its goals or waits for a service, which cannot be called back.
         """
         words, timeout = request.get("words"), timeout_of(request)
         waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
@@ -225,27 +252,31 @@ class RequestHandler:
             with suppress(TimeoutError):
                 return await clock.wait_for(asyncio.shield(work), timeout)
             if session.is_read_only:
-                raise RanOut(f"{timeout:g} s are over")
-            if session.leaves:
+                raise RequestTimedOut(f"{timeout:g} s are over")
+            if session.keeps_goals:
                 work.add_done_callback(_retrieve_exception)
-                raise RanOut(f"{over}; what was sent goes on")
+                raise RequestTimedOut(f"{over}; what was sent goes on")
             if session.calls_service:  # Nothing takes back a request that a service has.
-                raise RanOut(f"{over}: the robot may still do it")
+                raise RequestTimedOut(f"{over}: the robot may still do it")
             return await self._call_off_late(session, work, over)
         finally:
-            if not session.leaves:
+            if not session.keeps_goals:
                 work.cancel()
 
     async def _call_off_late(
         self, session: _Session, work: asyncio.Future[dict[str, Any]], over: str
     ) -> dict[str, Any]:
-        """Call off work whose time is over, and return its result if that is good after all.
+        """Call off work whose time is over, and return its result if it has succeeded after all.
 
-        Clients wait for `_CALL_OFF_TIMEOUT` and little more, so this ends then, also while the
-        robot has not answered the cancel.
+        It returns within 3 s, even if the robot has not answered the cancel, which goes on then.
+
+        Args:
+            session: The client whose work it is.
+            work: The task that does it; it is not cancelled here.
+            over: The beginning of the error text: `not within 5 s`.
 
         Raises:
-            RanOut: The work did not end well; the text is `over`, and how it ended.
+            RequestTimedOut: The work did not end well; the text is `over`, and how it ended.
         """
         session.is_waiting = session.requester.has_left = True
         cancel = asyncio.ensure_future(self._call_off(session))
@@ -256,13 +287,23 @@ class RequestHandler:
                 result = await self._station.clock.wait_for(asyncio.shield(work), _CALL_OFF_TIMEOUT)
                 if result["code"] in ("done", "arrived"):  # At the last moment.
                     return result
-                raise RanOut(f"{over}: {result['text']}")
+                raise RequestTimedOut(f"{over}: {result['text']}")
         except _Declined:
-            raise RanOut(f"{over}: nobody has answered") from None
-        raise RanOut(f"{over}; what was sent may still be done")
+            raise RequestTimedOut(f"{over}: nobody has answered") from None
+        raise RequestTimedOut(f"{over}; what was sent may still be done")
 
     async def _carry_out(self, session: _Session, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request without a time limit, and return the result that the client gets."""
+        """Carry out a request without a time limit, and return the result that the client gets.
+
+        Further replies, such as questions, go to the client meanwhile. A request to follow events
+        or a topic never returns.
+
+        Raises:
+            ArchoError: A name means nothing, or a question was not answered with yes.
+            ValueError: The request means nothing here.
+            RequestTimedOut: The time of a `wait` is over.
+            Void: A STOP was read after the request.
+        """
         number = request.get("id")
         if session.is_assistant:
             return await self._assistants.carry_out(session.requester, request)
@@ -321,7 +362,14 @@ class RequestHandler:
         return result if data is None else {**result, "data": data}
 
     async def _follow_topic(self, session: _Session, request: dict[str, Any]) -> NoReturn:
-        """Send each message of a topic, until the task is cancelled: see `Echo.follow`."""
+        """Send the client each message of a topic until the task is cancelled.
+
+        Messages are left out beyond five a second, and while the client has not read all replies.
+        If none comes, one `said` reply tells why.
+
+        Raises:
+            ArchoError: There is no such topic or field, or a message cannot be shown.
+        """
         station, client, number = self._station, session.client, request.get("id")
         verb = self.verbs["echo"]
         assert isinstance(verb, Echo)
@@ -344,7 +392,13 @@ class RequestHandler:
         )
 
     async def _wait_for_ends(self, session: _Session, number: Any, *, feedback: bool) -> Outcome:
-        """Wait until all goals of a client have ended; with `feedback`, send it their states."""
+        """Wait until all goals of a client have ended, and return their combined outcome.
+
+        Args:
+            session: The client.
+            number: The `id` of its request.
+            feedback: True to send it the state of the goal whenever that has changed.
+        """
         if not feedback:
             return await _wait_for_all(session.requester.ends)
         work = follow_goal(self._station, session.requester, session.client.reply, number)
@@ -356,11 +410,11 @@ class RequestHandler:
 
     @staticmethod
     def _check_of_goals(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
-        """Return a function that returns the combined outcome of goals; None while one runs."""
+        """Return a function that returns the combined outcome of goals, or None while one runs."""
         return lambda: _combined_outcome(ends) if all(end.done() for end in ends) else None
 
     async def _ask(self, session: _Session, number: Any, person: bool, question: Question) -> None:
-        """Ask the person at the shell.
+        """Ask the person at the shell, and return if the answer is yes.
 
         Args:
             session: The client that is asked.
@@ -370,7 +424,7 @@ class RequestHandler:
 
         Raises:
             ArchoError: No person is there.
-            _Declined: The answer is not yes, or none came in time.
+            _Declined: The answer is not yes, or none came within 60 s.
         """
         text = " ".join(question.text.split())
         if not person:
@@ -389,7 +443,7 @@ class RequestHandler:
     async def _until(
         self, requester: Requester, holds: Callable[[], object], seconds: float
     ) -> None:
-        """Wait until `holds()` is true, the client has left, or so many seconds have passed."""
+        """Wait until `holds()` is true, the client has left, or `seconds` have passed."""
         clock = self._station.clock
         end = clock.monotonic() + seconds
         while not (holds() or requester.has_left) and clock.monotonic() < end:
@@ -404,16 +458,18 @@ class _Session:
     """The state of one client: its request, its goals, and its name in events.
 
     Attributes:
-        sent: The futures of the outcomes of the goals that it sent last.
+        client: The connected client, which gets the replies.
+        sent: Futures for the outcomes of the goals that it sent last, also after its request ended.
         pending_answer: The future of the person's answer to a question; None while none is asked.
         task: The task that carries out its request; None between requests.
         requester: The client as events and goals name it.
         is_assistant: True from the first request on that says so.
         has_gone: True once its connection is closed.
         is_waiting: True while it waits for the end of its goals.
-        leaves: True if its goals are to go on when it leaves.
+        keeps_goals: True if its goals are to run on when it leaves or its time is over.
         calls_service: True while it waits for the answer of a service.
-        is_read_only: True for a request that commands nothing.
+        is_read_only: True for a request that only waits or reads, so that its task is cancelled to
+            call it off.
         is_called_off: True once its request was called off.
     """
 
@@ -426,15 +482,18 @@ class _Session:
         self.start_request({})
 
     def start_request(self, request: Mapping[str, Any]) -> None:
-        """Set the attributes for the next request of the client."""
+        """Set the attributes for the next request of the client; a new requester is made for it.
+
+        An assistant keeps its requester for all its requests.
+        """
         words = request.get("words")
         if not self.is_assistant:
             self.is_assistant = request.get("assistant") is True
             self.requester = _requester(self.client, assistant=self.is_assistant)
-        # Before its goals are sent: it may have left by then.
+        # Set before the goals are sent: the client may have left by the time they are.
         self.is_waiting = request.get("wait") is True
-        self.leaves = request.get("leave") is True
-        self.requester.waits = self.is_assistant or (self.is_waiting and not self.leaves)
+        self.keeps_goals = request.get("leave") is True
+        self.requester.waits = self.is_assistant or (self.is_waiting and not self.keeps_goals)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"], ["echo"], ["hz"])
         self.calls_service = False
         self.is_read_only = waits or bool(request.get("follow"))
@@ -442,7 +501,7 @@ class _Session:
 
 
 def _retrieve_exception(work: asyncio.Future[Any]) -> None:
-    """Retrieve the exception of work that nobody waits for: asyncio warns of others."""
+    """Retrieve the exception of work that nobody waits for, so that asyncio logs no warning."""
     if not work.cancelled():
         work.exception()
 
@@ -457,9 +516,10 @@ def _requester(client: ClientSession, *, assistant: bool = False) -> Requester:
 
 
 async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
-    """Wait for all goals, and return their combined outcome.
+    """Wait for the ends of all goals, and return their combined outcome.
 
-    A held goal that is continued gets a further future in `ends`.
+    If a held goal is continued, its future in `ends` is replaced by a new one, which is waited for,
+    too.
     """
     while waited := [end for end in ends if not end.done()]:
         await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
@@ -467,7 +527,11 @@ async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
 
 
 def _combined_outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
-    """Return the outcome of the first goal that did not arrive, else of the last."""
+    """Return the outcome of the first goal that did not arrive, else that of the last goal.
+
+    Args:
+        ends: At least one future, and every one is done.
+    """
     outcomes = [end.result() for end in ends]
     bad = [outcome for outcome in outcomes if outcome.code != Code.ARRIVED]
     return bad[0] if bad else outcomes[-1]

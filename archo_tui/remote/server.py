@@ -1,7 +1,7 @@
 """The server of the console's socket, to which programs of the same user send requests.
 
-It has a thread and a loop of its own. Requests of one client are carried out one after the other;
-a STOP is counted as it is read and overtakes them. A client that floods, or does not read its
+It has a thread and a loop of its own. Requests of one client are carried out one after the other; a
+STOP is counted as it is read and overtakes them. A client that floods, or does not read its
 replies, delays no other.
 
 A STOP is read also when its client has gone: sockets are read and written independently, because
@@ -44,7 +44,7 @@ _MAX_ID = 100  # Characters.
 
 
 class ClientSession(Protocol):
-    """A connected client, as the request handler sees it.
+    """The interface to a connected client, as the request handler uses it.
 
     Attributes:
         pid: The client's process; 0 if it is not known.
@@ -53,30 +53,35 @@ class ClientSession(Protocol):
     pid: int
 
     def reply(self, reply: dict[str, Any]) -> None:
-        """Send a reply to the client. May be called on any thread."""
+        """Send a reply to the client, without waiting. May be called on any thread."""
 
     def on_request_ended(self) -> None:
-        """Let the next request of the client be carried out. May be called on any thread."""
+        """Record that the client's request has ended, and have its next one carried out.
+
+        May be called on any thread.
+        """
 
     @property
     def is_behind(self) -> bool:
         """True while the client has not read all replies. May be read on any thread."""
 
 
-class RequestHandler(Protocol):
+class HandlesRequests(Protocol):
     """The interface to the handler of requests; its methods are called on the server's thread."""
 
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        """Begin to carry out a request, and call `client.on_request_ended()` when it has ended.
+        """Begin to carry out a request, and return at once.
+
+        `client.on_request_ended()` must be called when the request has ended, except for a STOP.
 
         Args:
             client: Gets the replies.
             request: A request of docs/protocol.md.
-            stops: STOPs that had been read when it was read.
+            stops: STOPs that had been read when it was read; a STOP counts itself.
         """
 
     def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Pass on the answer to a question, or a `give_up`, of a client whose request runs.
+        """Pass on a client's answer to a question, or call its request off at a `give_up`.
 
         Args:
             client: The client that sent it.
@@ -89,7 +94,11 @@ class RequestHandler(Protocol):
 
 
 class Client:
-    """A connected program: what it sends, and what is still to be sent to it."""
+    """A connected program: the requests of it that wait, and the replies that it has not read.
+
+    Attributes:
+        pid: The client's process; 0 if it is not known.
+    """
 
     def __init__(self, server: Server, connected: socket.socket, pid: int) -> None:
         self.pid = pid
@@ -105,18 +114,21 @@ class Client:
     # Called on any thread.
 
     def reply(self, reply: dict[str, Any]) -> None:
-        """Send a reply; a client that leaves MAX_UNREAD bytes unread is dropped."""
+        """Send a reply, without waiting; a client that leaves 256 kB unread is disconnected.
+
+        A client that has left gets nothing.
+        """
         with contextlib.suppress(RuntimeError):  # The loop is closed.
             self._loop.call_soon_threadsafe(self._write, encode(reply))
 
     def on_request_ended(self) -> None:
-        """Carry out the next request, after REQUEST_INTERVAL."""
+        """Hand the next waiting request to the handler, 0.02 s from now."""
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._pause)
 
     @property
     def is_behind(self) -> bool:
-        """True while the socket has not taken all that was sent."""
+        """True while replies wait because the client has not read earlier ones."""
         return bool(self._unread)
 
     # Called on the server's thread.
@@ -143,7 +155,15 @@ class Client:
             self._writing = None
 
     def on_line(self, data: bytes) -> None:
-        """Carry out one line that the client sent: a STOP or an answer at once, others in turn."""
+        """Handle a line that the client sent: a STOP or an answer at once, other requests in turn.
+
+        A STOP is counted. A line is answered with a refusal if it is too long, if MAX_CLIENTS
+        others were connected earlier, or if MAX_WAITING bytes of requests wait; of the latter only
+        the first is answered. Of a client that has left or was dropped, all but a STOP is ignored.
+
+        Args:
+            data: The line without its end, or `lines.TOO_LONG`.
+        """
         stops = self._server.stops
         if data == lines.TOO_LONG:
             self.refuse(None, "misuse", "a line of more than 64 kB")
@@ -174,7 +194,10 @@ class Client:
         self._loop.call_later(REQUEST_INTERVAL, self._serve_next_line)
 
     def _serve_next_line(self) -> None:
-        """Hand the oldest waiting line to the handler, with the answers that follow it."""
+        """Hand the oldest waiting line to the handler, with the answers that follow it.
+
+        An invalid line is answered with a refusal instead.
+        """
         self._is_pausing = False
         self._is_busy = bool(self._waiting)
         if not self._waiting:
@@ -194,18 +217,21 @@ class Client:
             self._server.handler.on_answer(self, _parse_request(data) or {}, stops)
 
     def on_left(self) -> None:
-        """Drop the waiting requests, and call off the work, of a client that has disconnected."""
+        """Drop the waiting requests of a client that has disconnected, and tell the handler."""
         self._waiting.clear()
         self._server.handler.on_client_left(self)
 
     def drop(self) -> None:
-        """End the connection, once what the client has sent is read."""
+        """Shut the connection down.
+
+        Of what the client has sent already, only a STOP is still carried out.
+        """
         self._is_cut_off = True
         with contextlib.suppress(OSError):  # It has left already.
             self._socket.shutdown(socket.SHUT_RDWR)
 
     async def close(self) -> None:
-        """Make the current write fail, wait for its end, and close the socket."""
+        """Drop the client, wait until the current write has failed, and close the socket."""
         self.drop()
         if self._writing is not None:  # It fails now.
             await asyncio.wait([self._writing])
@@ -227,8 +253,8 @@ def _parse_request(data: bytes) -> dict[str, Any] | None:
     """Return the request in a line.
 
     Returns:
-        None if the line has none, or its id cannot be repeated in the reply. A STOP with such an
-        id is returned all the same, with None as its id.
+        None if the line is no JSON object, or its id cannot be repeated in the reply. A STOP with
+        such an id is returned all the same, with None as its id.
     """
     try:
         request = decode(data)
@@ -242,9 +268,9 @@ def _parse_request(data: bytes) -> dict[str, Any] | None:
 
 
 def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
-    """Return the request of a line that is a STOP; None if it is none.
+    """Return the request of a line that is a STOP; None if the line is no STOP.
 
-    A STOP may also be plain text, or a `call` of the STOP's service.
+    A STOP may also be plain text, or a `call` of the STOP's service, which becomes `stop`.
     """
     text = data.replace(b"\0", b"").lower()
     if not any(word in text for word in (b"stop", b"call", b"\\u")):  # Nearly no line has one.
@@ -271,11 +297,16 @@ def _is_answer(data: bytes) -> bool:
 
 
 class Server:
-    """The console's socket, and its clients."""
+    """The server of the console's socket, which reads the clients' requests on its thread.
+
+    Attributes:
+        stops: The counter of STOPs.
+        hello: The first message to every client; it has the name of the socket after `start`.
+    """
 
     def __init__(
         self,
-        make_handler: Callable[[], RequestHandler],
+        make_handler: Callable[[], HandlesRequests],
         hello: dict[str, Any],
         stops: Stops,
         notify: Callable[[str], None],
@@ -283,7 +314,8 @@ class Server:
         """Create a server that does not listen yet.
 
         Args:
-            make_handler: Makes the request handler; called for the first client.
+            make_handler: Makes the request handler; called on the server's thread for the first
+                request.
             hello: The first message to every client, without the name of the socket.
             stops: Counts each STOP as it is read.
             notify: Called with a line if no socket can be opened.
@@ -299,12 +331,15 @@ class Server:
         self._thread = threading.Thread(target=self._run, name="socket", daemon=True)
 
     @cached_property
-    def handler(self) -> RequestHandler:
-        """The request handler, made when it is needed first."""
+    def handler(self) -> HandlesRequests:
+        """The request handler, which is made at the first use."""
         return self._make_handler()
 
     def start(self) -> None:
-        """Begin to listen; if no socket can be opened, only `notify` is called with the reason."""
+        """Make the socket and its card, begin to listen, and start the thread.
+
+        If no socket can be opened, only `notify` is called with the reason.
+        """
         # A process in another container may have the same number: the name needs more.
         name = f"{os.getpid()}-{secrets.token_hex(4)}"
         self.hello = {**self.hello, "name": name}
@@ -319,7 +354,11 @@ class Server:
         self._thread.start()
 
     def close(self) -> None:
-        """End listening, and remove the socket."""
+        """End listening, remove the socket and its card, and disconnect all clients.
+
+        Waits up to 1 s while what the clients have sent is still read. Does nothing if it never
+        listened.
+        """
         if self._loop is None or self._accepting is None:  # It never listened.
             return
         socket_files.remove(self._path)
@@ -345,7 +384,7 @@ class Server:
             loop.close()
 
     def takes_all_requests_of(self, client: Client) -> bool:
-        """Return False for a client beyond MAX_CLIENTS, from which only a STOP is taken."""
+        """Return True for the first MAX_CLIENTS connected clients; others may only send STOP."""
         return client in islice(self._clients, MAX_CLIENTS)
 
     async def _accept_clients(self, listening: socket.socket) -> None:
@@ -398,7 +437,10 @@ class Server:
 
 
 def _read_at_once(connected: socket.socket) -> bytes:
-    """Return the bytes that a client has sent already, without waiting; b"" if none."""
+    """Return the bytes that a client has sent already, up to 256 kB, without waiting; b"" if none.
+
+    The socket is made non-blocking.
+    """
     connected.setblocking(False)
     read = bytearray()
     with contextlib.suppress(OSError):  # There is no more, or it has left.
@@ -408,10 +450,10 @@ def _read_at_once(connected: socket.socket) -> bytes:
 
 
 def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
-    """Open a socket that only this user can connect to, from its first moment.
+    """Open a socket that only this user can connect to, and write its card, the hello, beside it.
 
     Returns:
-        The listening socket, and its path.
+        The listening, non-blocking socket, and its path.
 
     Raises:
         OSError: No socket can be opened on this system or in this user's folders.
@@ -423,14 +465,14 @@ def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
         raise OSError("this user has no home, and XDG_RUNTIME_DIR is not set")
     socket_files.make_folder(folder)
     path = os.path.join(folder, f"{hello['name']}{socket_files.SUFFIX}")
-    # No other console can have this name: whoever has made the card has it.
+    # Creating the card exclusively reserves the name: no other console can have it.
     exclusively = os.O_WRONLY | os.O_CREAT | os.O_EXCL
     card = path.removesuffix(socket_files.SUFFIX) + socket_files.CARD_SUFFIX
     with os.fdopen(os.open(card, exclusively, 0o600), "w", encoding="utf-8") as file:
         json.dump(hello, file)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
-    # Under another name until it listens: clients take one that refuses for a dead console's.
+    # Bound under another name until it listens: clients remove a socket that refuses them.
     hidden = f".{hello['name']}.new"
     try:
         os.fchmod(made.fileno(), 0o600)
@@ -450,7 +492,10 @@ def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
 
 
 def _link_from_home(path: str) -> None:
-    """Make links to a socket and its card in the user's home, where other clients look."""
+    """Make links to a socket and its card in the user's home, where other clients look.
+
+    Does nothing if the socket is there itself or the home cannot be written to.
+    """
     folder = socket_files.link_folder()
     name = os.path.basename(path).removesuffix(socket_files.SUFFIX)
     with contextlib.suppress(OSError):  # The home cannot be written to.
@@ -462,7 +507,7 @@ def _link_from_home(path: str) -> None:
 
 
 def _pid_and_uid(connected: Any) -> tuple[int, int | None]:
-    """Return process id and user id of a client; 0 and None where the system does not say."""
+    """Return the process id and user id of a client; 0 and None on any system but Linux."""
     if sys.platform == "linux":
         raw = connected.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
         pid, uid, _ = struct.unpack("3i", raw)

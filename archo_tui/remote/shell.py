@@ -36,13 +36,31 @@ if TYPE_CHECKING:
     class VerbConnection(Protocol):
         """The interface of a connection to a console, or to a station in this process."""
 
-        def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
-            """Send a request, and yield all replies to it, the result last."""
+        def request(
+            self, seconds: float | None = None, /, **fields: Any
+        ) -> Iterator[dict[str, Any]]:
+            """Send a request, and yield all replies to it, the result last.
 
-        def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-            """Yield the replies that follow; raise `Unreached` after `within` seconds."""
+            Args:
+                seconds: The time for all replies together from a console, for each from a station
+                    in this process; None for any time.
+                **fields: The fields of the request, as docs/protocol.md lists them.
 
-        def send(self, said: dict[str, Any]) -> None:
+            Raises:
+                Unreached: No reply came in time, or the console has gone.
+            """
+
+        def remaining_replies(self, seconds: float | None = None, /) -> Iterator[dict[str, Any]]:
+            """Yield the replies that follow.
+
+            Args:
+                seconds: The time for them, as for `request`.
+
+            Raises:
+                Unreached: No reply came in time, or the console has gone.
+            """
+
+        def send(self, message: dict[str, Any], /) -> None:
             """Send an answer, or `give_up`, to the request that is being carried out."""
 
 
@@ -56,9 +74,9 @@ class _CommandLine:
     """The words of a verb, with the options of this program taken out.
 
     Attributes:
-        stops: True if the words are a STOP.
+        is_stop: True if the words are a STOP, whatever follows it.
         flags: Options without a value, as typed.
-        values: Options with a value.
+        values: Options with a value, by name.
         rest: The words for the console: the verb and its arguments.
     """
 
@@ -66,17 +84,16 @@ class _CommandLine:
         """Sort the words.
 
         Raises:
-            ValueError: An option is wrong, or a word no UTF-8. Never for a STOP, which is one
-                whatever follows it.
+            ValueError: An option is wrong, or a word is no UTF-8; never for a STOP.
         """
-        self.stops = is_stop({"words": list(words)})
+        self.is_stop = is_stop({"words": list(words)})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []
         remaining = iter(words)
         for word in remaining:
             if has_lone_surrogate(word):
-                if self.stops:
+                if self.is_stop:
                     continue
                 raise ValueError(f"not UTF-8: {word!r}")
             name, equals, value = word.partition("=")
@@ -84,18 +101,19 @@ class _CommandLine:
                 self.flags.add(word)
             elif name in VERB_VALUES:
                 self.values[name] = value if equals else next(remaining, "")
-                if not (self.values[name] or self.stops):
+                if not (self.values[name] or self.is_stop):
                     raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
-        if not self.stops:
+        if not self.is_stop:
             self._check()
 
     def _check(self) -> None:
-        """Check the options of this program; the console checks the rest.
+        """Check that this program's options fit the verb; the console checks the rest.
 
         Raises:
-            ValueError: An option belongs to another verb.
+            ValueError: The verb has no `--line`, `--follow` or `--once`, or `--leave` is without
+                `--wait`.
         """
         verb = self.rest[0] if self.rest else ""
         for flag, verbs in _VERBS_WITH_OPTION.items():
@@ -106,21 +124,21 @@ class _CommandLine:
             raise ValueError("--leave goes with --wait")
 
     @property
-    def follows(self) -> bool:
-        """True if the verb replies without end, as `echo` does without `--once`."""
-        if self.stops or "--help" in self.rest:
+    def is_endless(self) -> bool:
+        """True for `--follow`, and `echo` without `--once`: the verb replies until interrupted."""
+        if self.is_stop or "--help" in self.rest:
             return False
         echoes = self.rest[:1] == ["echo"] and "--once" not in self.flags
         return echoes or "--follow" in self.flags
 
     @property
     def timeout(self) -> float | None:
-        """The seconds of `--timeout`; None without one, and for a STOP.
+        """The seconds of `--timeout`; None without that option, and for a STOP.
 
         Raises:
-            ValueError: It is no time.
+            ValueError: The value is not a number from 0 to 1e9.
         """
-        text = None if self.stops else self.values.get("--timeout")
+        text = None if self.is_stop else self.values.get("--timeout")
         try:
             seconds = None if text is None else float(text)
         except ValueError:
@@ -131,7 +149,7 @@ class _CommandLine:
 
 
 class _Interrupted(Exception):
-    """The exception that SIGINT (ctrl+c) and SIGTERM raise."""
+    """The exception that SIGINT (ctrl+c) and SIGTERM raise while a verb is carried out."""
 
 
 def run(
@@ -141,7 +159,10 @@ def run(
     meant: Mapping[str, Any] | None = None,
     robot_file: Path | None = None,
 ) -> int:
-    """Send a verb to the console that its options select, and return the exit code.
+    """Send a verb to the selected console, print its result, and return the exit code.
+
+    A STOP goes to every console that could be meant. `--help` needs no console. Errors are printed,
+    not raised.
 
     Args:
         words: The verb and its arguments.
@@ -167,7 +188,7 @@ def run(
         timeout = command_line.timeout
         to = command_line.values.get("--to") or (meant or {}).get("to")
         selection = {**(meant or {}), **({"to": to} if to else {})}
-        if command_line.stops:
+        if command_line.is_stop:
             return _stop(selection, command_line, attach)
         # If a console is named, no other one and no other robot is meant.
         if wants_help or "--to" in command_line.values or os.environ.get(finder.CHOSEN):
@@ -184,13 +205,17 @@ def run(
     except (ValueError, ArchoError) as error:
         return _fail("misuse", str(error), words)
     except Unreached as error:
-        if command_line.stops:
+        if command_line.is_stop:
             return _fail(NOT_REACHED, str(error), words)
         return _print_without_console(words, others, str(error), robot_file)
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
-    """Print why a command failed, as an object with `--json`, and return the exit code."""
+    """Print why a command failed, and return the exit code of `code`.
+
+    The reason goes to standard error; with `--json` among `words` it is an object on standard
+    output.
+    """
     if "--json" in words:
         _print_json({"code": code, "text": text})
     else:
@@ -201,9 +226,17 @@ def _fail(code: str, text: str, words: Sequence[str]) -> int:
 def _print_without_console(
     words: Sequence[str], others: Iterable[str], why: str, robot_file: Path | None = None
 ) -> int:
-    """Print what is known without a console, and return the exit code.
+    """Print help or an error that needs no console, and return the exit code.
 
-    A robot file may have verbs that are not known here: only a misspelled one is misuse.
+    Args:
+        words: The verb and its arguments.
+        others: Commands besides verbs.
+        why: The reason why no console was reached.
+        robot_file: The robot file whose verbs are known; None: ARCHO's.
+
+    Returns:
+        0 if help was printed; MISUSED for a word that is no verb and resembles another command;
+        otherwise UNREACHED, since the console may know further verbs.
     """
     word, wants_help = words[0], "--help" in words[1:]
     if wants_help or word not in (*VERBS, "wait"):
@@ -227,9 +260,15 @@ def _nearest(word: str, others: Iterable[str]) -> str:
 
 
 def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
-    """Add the nearest command to a console's error about an unknown verb.
+    """Return a console's error about an unknown verb with the nearest of all commands.
 
-    The console knows verbs only, this program other commands, too.
+    The console knows verbs only, this program other commands, too. Any other error is returned
+    unchanged.
+
+    Args:
+        text: The console's error.
+        word: The verb that was typed.
+        others: The commands of this program besides verbs.
     """
     reason, found, verb = text.removesuffix(")").partition(" (nearest: ")
     reason = reason.removesuffix(" (help lists them")
@@ -239,8 +278,8 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
     return f"{reason} (nearest: {near})" if near else f"{reason} (archo-tui --help lists them)"
 
 
-def consoles(words: Sequence[str]) -> int:
-    """Print the consoles that run here.
+def print_consoles(words: Sequence[str]) -> int:
+    """Print the consoles that run here, one a line.
 
     Args:
         words: With `--json` among them, each console is printed as JSON.
@@ -273,13 +312,13 @@ def _stop(
     command_line: _CommandLine,
     attach: Callable[[], AbstractContextManager[VerbConnection]] | None,
 ) -> int:
-    """Send STOP to every console that could be meant, or else to the robot itself.
+    """Send STOP to every console that could be meant or to the robot itself, and print the results.
 
     Args:
-        selection: Which consoles are meant, as for `finder.find`.
+        selection: The consoles that are meant, as for `finder.find`.
         command_line: The words of the STOP; those after the first are ignored, with a warning.
-        attach: Connects to the robot itself, which is done if no console confirms the STOP and
-            no `--to` is given; None: nothing can.
+        attach: Connects to the robot itself, which is done if no console confirms the STOP and no
+            `--to` is given; None: nothing can.
 
     Returns:
         The highest exit code of all results.
@@ -323,21 +362,25 @@ def _send(
     others: Iterable[str],
     attach: Callable[[], AbstractContextManager[VerbConnection]] | None = None,
 ) -> int:
-    """Send a verb to a console, or to the robot itself if the verb acts and the console watches.
+    """Send a verb, print the replies and the result, and return the exit code.
+
+    If the verb acts and the console only watches, the verb goes to the robot itself. From now on
+    SIGINT and SIGTERM call the request off, a second one ends the program; with `--leave` the first
+    only ends the wait.
 
     Args:
         console: The console that is meant.
         command_line: The words of the verb.
         timeout: Seconds that the user gave; None: none.
-        others: As for `run`.
+        others: Commands besides verbs, for the nearest one to a misspelled word.
         attach: Connects to the robot itself; None: nothing can.
 
-    Returns:
-        The exit code.
+    Raises:
+        Unreached: The console has gone, or did not answer in time.
     """
-    words = command_line.rest[:1] if command_line.stops else command_line.rest
+    words = command_line.rest[:1] if command_line.is_stop else command_line.rest
     request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
-    if command_line.follows:
+    if command_line.is_endless:
         as_text = "--json" not in command_line.flags
         request = {
             "words": command_line.rest,
@@ -353,8 +396,8 @@ def _send(
     except ValueError:  # This is not the main thread, which alone gets signals.
         pass
     try:
-        within = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
-        result = _request_result(console, request, command_line, within)
+        seconds = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
+        result = _request_result(console, request, command_line, seconds)
         if result["code"] == WATCHING and attach is not None:
             with attach() as robot:
                 return _send(robot, command_line, timeout, others)
@@ -369,14 +412,20 @@ def _request_result(
     console: VerbConnection,
     request: dict[str, Any],
     command_line: _CommandLine,
-    within: float | None,
+    seconds: float | None,
 ) -> dict[str, Any]:
-    """Send a request, print or answer the replies, and return the result.
+    """Send a request, print its replies, ask the person its questions, and return the result.
+
+    Args:
+        console: The console, or a station in this process.
+        request: The fields of the request.
+        command_line: The words; with `--json` each reply is printed as JSON.
+        seconds: The time for the replies, as for `VerbConnection.request`.
 
     Raises:
-        Unreached: The console has gone, or did not answer within so many seconds.
+        Unreached: The console has gone, or did not answer in time.
     """
-    for reply in console.request(within, **request):
+    for reply in console.request(seconds, **request):
         if "code" in reply:
             return reply
         if "ask" in reply:
@@ -394,7 +443,10 @@ def _request_result(
 
 
 def _print_topic_message(reply: dict[str, Any]) -> None:
-    """Print a message of a topic, with YAML's separator behind one of several lines."""
+    """Print a message of a topic, with YAML's separator `---` behind a message of several lines.
+
+    If messages before it were left out, their number is printed to standard error.
+    """
     text = reply["text"]
     _print(f"{text}\n---" if "\n" in text else text)
     if reply["left_out"]:
@@ -406,10 +458,13 @@ def _print_result(
 ) -> int:
     """Print a result, or why the command failed, and return its exit code.
 
+    Answers go to standard output, acknowledgements and failures to standard error.
+
     Args:
         result: The console's result.
         command_line: The words and the options that were typed.
-        others: The commands of this program besides verbs, for the nearest one to a misspelled.
+        others: The commands of this program besides verbs, for the nearest one to a misspelled
+            word.
     """
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
@@ -417,7 +472,7 @@ def _print_result(
         _print_json(result)
     elif code:
         _print_to_stderr(_failure_text(result, command_line.rest, others))
-    elif "--help" in command_line.rest[1:] and not command_line.stops:
+    elif "--help" in command_line.rest[1:] and not command_line.is_stop:
         from archo_tui.remote.verb_help import help_with_options
 
         _print(help_with_options(command_line.rest[0], result["text"], tuple(data or ())))
@@ -455,9 +510,9 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
 
 
 def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
-    """Call off the request, print what came of it, and return INTERRUPTED.
+    """Call the request off, print its result, and return INTERRUPTED.
 
-    The wait for the console's reply lasts _CALL_OFF_TIMEOUT seconds at most.
+    The wait for the console's reply lasts 3 s at most; without a reply that is printed.
     """
     try:
         console.send({"give_up": True})
@@ -491,7 +546,7 @@ def _print(text: str) -> None:
 
 
 def _print_json(message: dict[str, Any]) -> None:
-    """Print a message without the request's id, which this program has made up."""
+    """Print a message as JSON without the request's id, which this program has made up."""
     _print(json.dumps({name: value for name, value in message.items() if name != "id"}))
 
 

@@ -15,17 +15,18 @@ if TYPE_CHECKING:
 
 FOLDER_VARIABLE = "ARCHO_TUI_SOCKETS"  # Names a folder that is used in the place of all others.
 SUFFIX = ".sock"
-# Of the "card", a file beside the socket with its console's hello, for when that is silent.
+# The suffix of a card: the file beside the socket with the hello, read if the console is silent.
 CARD_SUFFIX = ".json"
 MAX_PATH = 107  # Bytes of a socket's path that Linux takes: unix(7), sun_path.
 _RUNTIME = "/run/user"  # systemd makes a folder there for each user who is logged in.
 
 
 def listening_folder() -> str:
-    """Return the folder in which a console of this process listens.
+    """Return the folder in which a console of this process listens; it may not exist yet.
 
-    It is `archo-tui` in XDG_RUNTIME_DIR where that is a folder of this user, else `archo-tui/run`
-    in the state folder: never one that others can write to. "" if this user has no home either.
+    The folder is that of ARCHO_TUI_SOCKETS; else `archo-tui` in XDG_RUNTIME_DIR, if that is a
+    folder of this user; else `archo-tui/run` in the state folder. "" if this user has no home
+    either.
     """
     only, runtime = os.environ.get(FOLDER_VARIABLE, ""), os.environ.get("XDG_RUNTIME_DIR", "")
     if only:
@@ -36,10 +37,11 @@ def listening_folder() -> str:
 
 
 def all_folders() -> list[str]:
-    """Return every folder in which a console of this user can listen, whatever it was started by.
+    """Return every folder in which a console of this user can listen, whether it exists or not.
 
-    The variables of whoever looks and of the console may differ: cron, `su -` and systemd set
-    neither XDG_RUNTIME_DIR nor XDG_STATE_HOME.
+    Consoles that were started with other environment variables are covered: cron, `su -` and
+    systemd set neither XDG_RUNTIME_DIR nor XDG_STATE_HOME. If ARCHO_TUI_SOCKETS is set, its folder
+    is the only one.
     """
     if os.environ.get(FOLDER_VARIABLE, ""):
         return [listening_folder()]
@@ -53,9 +55,10 @@ def all_folders() -> list[str]:
 
 
 def link_folder() -> str:
-    """Return where a console leaves links to its socket: no variable decides on this folder.
+    """Return the folder in the user's home in which a console leaves links to its socket.
 
-    So a console is found by clients that have another XDG_RUNTIME_DIR. "" if none is needed.
+    Clients with another XDG_RUNTIME_DIR find the console there. "" if the console listens there
+    itself, or ARCHO_TUI_SOCKETS is set.
     """
     own, last = listening_folder(), (_folders_in_homes() or [""])[-1]
     return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
@@ -64,7 +67,7 @@ def link_folder() -> str:
 def _folders_in_homes() -> list[str]:
     """Return the socket folders of this user below XDG_STATE_HOME, HOME and the system's home.
 
-    `sudo` and `su` may leave another user's HOME behind.
+    The last one depends on no variable: `sudo` and `su` may leave another user's HOME behind.
     """
     state, homes = os.environ.get("XDG_STATE_HOME", "").strip(), [os.environ.get("HOME", "")]
     if sys.platform != "win32":
@@ -89,7 +92,10 @@ def _owner(path: str) -> int | None:
 
 
 def folder_fault(path: str) -> str:
-    """Return the reason why no socket may be in a folder; "" if one may."""
+    """Return the reason why a folder is not used for sockets; "" if it is safe.
+
+    It must be a folder of this user that nobody else may read or write.
+    """
     try:
         found = os.lstat(path)
     except OSError as error:
@@ -105,7 +111,10 @@ def folder_fault(path: str) -> str:
 
 
 def other_users() -> list[str]:
-    """Return the names of other users whose sockets this user may list; mostly only root can."""
+    """Return the names of other users who have sockets that this user may list.
+
+    Mostly only root can list them. Empty if ARCHO_TUI_SOCKETS is set.
+    """
     found = []
     if not os.environ.get(FOLDER_VARIABLE, ""):
         for user in _names_in(_RUNTIME):
@@ -136,11 +145,13 @@ def _names_in(path: str) -> list[str]:
 
 
 def socket_paths(faults: list[str] | None = None) -> list[str]:
-    """Return the paths of all sockets in all folders, of consoles that live or do not.
+    """Return the paths of all sockets in all folders, also of consoles that are dead.
+
+    Sockets of the same name in two folders count as one.
 
     Args:
-        faults: Gets the reason for each folder that is there and not searched, because others
-            could listen there; None if nobody wants to know.
+        faults: The reason for each existing folder that is not searched, because others could
+            listen there, is appended to it; None drops the reasons.
     """
     found: dict[str, str] = {}  # by name: two paths may be one folder
     for path in all_folders():
@@ -160,7 +171,7 @@ def read_card(path: str) -> dict[str, Any] | None:
     """Return the card of a socket: the copy of its console's hello in the file beside it.
 
     Returns:
-        The hello; None if there is no such file.
+        The hello; None if there is no such file, or it has no JSON object.
     """
     try:
         with open(path.removesuffix(SUFFIX) + CARD_SUFFIX, "rb") as file:
@@ -171,7 +182,7 @@ def read_card(path: str) -> dict[str, Any] | None:
 
 
 def make_folder(path: str) -> None:
-    """Make a folder for sockets.
+    """Make a folder for sockets with mode 0700, and the folders above it; it may exist already.
 
     Raises:
         OSError: The folder cannot be made, or others could listen there.
@@ -187,7 +198,11 @@ def make_folder(path: str) -> None:
 
 
 def remove(path: str) -> None:
-    """Remove the socket of a console that has gone, its card, and the links to both."""
+    """Remove a socket, its card, and the links to both in all folders; missing files are no error.
+
+    Args:
+        path: The path of the socket of a console that has gone.
+    """
     name = os.path.basename(path).removesuffix(SUFFIX)
     for folder in {os.path.dirname(path), *all_folders()}:
         for suffix in (SUFFIX, CARD_SUFFIX):
@@ -196,12 +211,13 @@ def remove(path: str) -> None:
 
 
 def connect(path: str) -> socket.socket:
-    """Return a connected socket that does not block.
+    """Return a socket that is connected to `path` and does not block.
 
     Raises:
         BlockingIOError: Too many connections wait to be accepted.
         ConnectionRefusedError: The console is dead: a socket has its name only while it listens.
-        OSError: There is no such socket, or the system has none.
+        FileNotFoundError: There is no such socket.
+        OSError: The connection failed otherwise, or the system has no such sockets.
     """
     if sys.platform == "win32":
         raise OSError("Windows has no such sockets")
@@ -221,11 +237,12 @@ def connect(path: str) -> socket.socket:
 
 
 def short_path(descriptor: int, path: str) -> str:
-    """Return the socket's path, through its folder's open descriptor where it would be too long.
+    """Return a socket's path that is short enough for the system.
 
     Args:
-        descriptor: The open descriptor of the folder.
-        path: The socket.
+        descriptor: The open descriptor of the socket's folder, through which a path that is too
+            long is given.
+        path: The path of the socket.
 
     Raises:
         OSError: The path is too long, and the system has no /proc.

@@ -1,4 +1,4 @@
-"""`archo-tui VERB --help` and the verbs that exist, also where no console runs."""
+"""The help of `archo-tui VERB --help` and the verbs that exist, also where no console runs."""
 
 from __future__ import annotations
 
@@ -31,15 +31,20 @@ _QUESTION_OPTIONS = (("--yes", "answer yes to the question"),)
 
 
 def client_verb_help(verb: str) -> str:
-    """Return the help of a verb that this program explains itself; "" for any other verb."""
+    """Return the help of `stop` or `wait`, whose text is here; "" for any other verb."""
     return help_with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
     """Return the verbs of a robot by their ids.
 
+    The fields of its goals count as int32, since no interface file is read.
+
     Args:
         path: The robot file; None for ARCHO's.
+
+    Raises:
+        ArchoError: The file cannot be read or is not valid.
     """
     from archo_tui.robot.state import TypedField
     from archo_tui.robot_file.load import default_path, load
@@ -64,7 +69,7 @@ def help_of(verb: str, path: Path | None = None) -> str:
 
 
 def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
-    """Return the help of a verb: its line, and below it its options.
+    """Return the help of a verb: its line, and below it its options with what each does.
 
     Args:
         verb: The verb's id.
@@ -76,14 +81,19 @@ def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
 
 
 def every_option() -> list[str]:
-    """Return the options of all verbs."""
+    """Return the names of the options of all verbs, such as `--json`."""
     options = (option for options in _OPTIONS_OF_VERB.values() for option in options)
     all_of_them = (_JSON, _TO, _TIMEOUT, *_QUESTION_OPTIONS, *_GOAL_OPTIONS, *options)
     return [name.partition(" ")[0] for name, _ in all_of_them]
 
 
 def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str], ...]:
-    """Return the options of a verb, each with what it does."""
+    """Return the options of a verb as pairs of what is typed, `--timeout S`, and what it does.
+
+    Args:
+        verb: The verb's id.
+        takes: The options of its own, as in `Verb.options`; those of all verbs are added.
+    """
     if verb == "stop":
         return _JSON, _TO
     possible = (*_QUESTION_OPTIONS, *_GOAL_OPTIONS, *_OPTIONS_OF_VERB.get(verb, ()))

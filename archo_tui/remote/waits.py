@@ -28,17 +28,22 @@ async def wait_for(
 ) -> Outcome:
     """Wait until a condition holds or can no longer become true, and return the outcome.
 
+    Nothing is cancelled at a timeout.
+
     Args:
         station: The station that knows the robot.
         verbs: All verbs, by id.
         words: The condition, as typed behind `wait`.
-        request: The request; its `timeout` limits the wait.
+        request: The request; its `timeout` in seconds limits the wait.
         goals_outcome: Returns the outcome of the client's own goals, None while they run; it is
             used in place of `words`.
 
+    Returns:
+        The outcome: DONE if the condition holds, REFUSED if it never will; for goals their outcome.
+
     Raises:
-        RanOut: The timeout is over.
-        ValueError: There is no such condition.
+        RequestTimedOut: The timeout is over.
+        ValueError: There is no such condition, or the timeout is no time.
     """
     check = goals_outcome or _check_of(station, verbs, words)
     timeout, clock = timeout_of(request), station.clock
@@ -46,7 +51,7 @@ async def wait_for(
     while (outcome := check()) is None:
         if end is not None and clock.monotonic() >= end:
             drives = station.running_goal is not None
-            raise RanOut("the robot still drives" if drives else "not yet")
+            raise RequestTimedOut("the robot still drives" if drives else "not yet")
         await clock.sleep(POLL_PERIOD)
     return outcome
 
@@ -55,7 +60,7 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
     """Return the timeout of a request in seconds; None if it has none.
 
     Raises:
-        ValueError: It is no time.
+        ValueError: The timeout is not a number from 0 to 1e9.
     """
     timeout = request.get("timeout")
     if timeout is not None and not is_valid_timeout(timeout):
@@ -63,8 +68,8 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
     return timeout
 
 
-class RanOut(ValueError):
-    """The error for a request whose timeout is over."""
+class RequestTimedOut(ValueError):
+    """The error for a request whose timeout is over; its text tells what is not done."""
 
 
 def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
@@ -76,7 +81,11 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
     robot = station.robot
 
     def idle() -> Outcome | None:
-        """Return success once no goal runs or is about to, and the robot does not move."""
+        """Return success once no goal runs or is about to be sent, and the robot does not move.
+
+        None while the robot's topics bring no data; without reports of motion also for the first
+        THERE seconds, in which another client's goal may not be found yet.
+        """
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
         # A goal of a robot that does not report its motion may not be found yet.
         is_new = robot.file.motion is None and station.age < THERE
@@ -85,7 +94,10 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:
-        """Return success once a goal could be sent and driven; a refusal where none ever can."""
+        """Return success once a goal could be sent and driven; None before that.
+
+        Return a refusal if the console only watches or the robot file has no goal `go`.
+        """
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
             return None if _is_goal_pointless(station) else Outcome(Code.DONE, "ready")
@@ -99,7 +111,10 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
     running = robot.snapshot.running_goal
 
     def arrived() -> Outcome | None:
-        """Return the outcome of the goal that ran when the wait began; a refusal if none did."""
+        """Return the outcome of the goal that ran when the wait began; None while it runs.
+
+        It is a refusal if no goal ran, or the goal is no longer known.
+        """
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _newest_state_of(station, running)
@@ -119,7 +134,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             raise ValueError("the robot file names no battery")
 
         def charged() -> Outcome | None:
-            """Return success once the battery reports at least the wanted charge."""
+            """Return success once a recent reading of the battery has the wanted charge or more."""
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
             if charge is None or charge < percent or old:  # An old charge says nothing about now.
@@ -131,14 +146,17 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
 
 
 def _is_silent(station: Station) -> bool:
-    """Return True while reports of the motion, which the robot file names, are missing or old."""
+    """Return True while reports of the motion are missing or old.
+
+    Always False for a robot whose file names no such reports.
+    """
     motion, described = station.robot.snapshot.motion, station.robot.file.motion
     silent = motion.received is None or motion.is_old(station.clock.monotonic())
     return described is not None and silent
 
 
 def _may_move(station: Station) -> bool:
-    """Return True while the robot reports that it moves, or its motion is not known."""
+    """Return True while the robot reports motion, or should report its motion and does not."""
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
 
 

@@ -22,7 +22,7 @@ from archo_tui.words.state import elsewhere_text
 
 
 class HasStation(Protocol):
-    """A session, as far as a verb without a console needs it."""
+    """The interface of a session, as far as a verb without a console needs it."""
 
     station: Station
 
@@ -31,13 +31,15 @@ class HasStation(Protocol):
 def attached(
     make_session: Callable[[], AbstractContextManager[HasStation]],
 ) -> Iterator[InProcessConnection]:
-    """Run a session for one verb, and connect to it.
+    """Run a session for one verb, yield a connection to its station, and end both afterwards.
+
+    What is still being carried out at the end is cancelled.
 
     Args:
         make_session: Returns the session, which runs inside its context.
 
     Raises:
-        Unreached: No robot is on the graph.
+        Unreached: No robot is on the graph after 5 s.
     """
     with make_session() as session:
         connection = InProcessConnection(session.station)
@@ -55,18 +57,19 @@ _END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 class InProcessConnection:
     """A connection to a station in this process, used like a `Connection` to a console.
 
-    It is the client of a request handler and the station's front end at once. The station runs on
-    a loop in a thread of its own; the methods down to `close` are called on other threads.
+    It is the client of a request handler and the station's front end at once. The station runs on a
+    loop in a thread of its own; `request`, `remaining_replies`, `send` and `close` are called on
+    other threads, all further methods on the loop.
     """
 
     def __init__(self, station: Station) -> None:
-        """Start the loop, and wait until a robot is found.
+        """Start the loop in its thread, and wait up to 5 s until a node is on the graph.
 
         Args:
-            station: Its session runs already.
+            station: The station, whose session runs already.
 
         Raises:
-            Unreached: No robot is on the graph.
+            Unreached: No robot is on the graph by then; the loop has ended again.
         """
         self.pid = os.getpid()
         self._station, self._handler = station, RequestHandler(station)
@@ -84,15 +87,19 @@ class InProcessConnection:
             seen = f"in namespace {station.robot.snapshot.namespace}: {others}" if others else ""
             raise Unreached(f"no console runs here, and no robot is {seen or station.unseen}")
 
-    def request(self, within: float | None = None, **fields: Any) -> Iterator[dict[str, Any]]:
+    def request(
+        self, reply_timeout: float | None = None, **fields: Any
+    ) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
+        Nothing is sent before the iterator is first advanced. A STOP is counted.
+
         Args:
-            within: Seconds for each reply; None for any time.
-            **fields: The fields of the request, as docs/protocol.md lists them.
+            reply_timeout: Seconds for each reply; None for any time.
+            **fields: The fields of the request, as docs/protocol.md lists them; `words` is needed.
 
         Raises:
-            Unreached: No reply came in time.
+            Unreached: A reply did not come in time.
         """
         self._number += 1
         stops = self._station.robot.stops
@@ -100,14 +107,21 @@ class InProcessConnection:
             fields["words"] = ["stop"]
         request = {"id": self._number, **fields}
         self._handler.serve(self, request, stops.register() if is_stop(fields) else stops.count)
-        yield from self.remaining_replies(within)
+        yield from self.remaining_replies(reply_timeout)
 
-    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield the replies that are still to come, the result last, as `request` does."""
+    def remaining_replies(self, reply_timeout: float | None = None) -> Iterator[dict[str, Any]]:
+        """Yield the replies that are still to come, the result last.
+
+        Args:
+            reply_timeout: Seconds for each reply; None for any time.
+
+        Raises:
+            Unreached: A reply did not come in time.
+        """
         reply: dict[str, Any] = {}
         while "code" not in reply:
             try:
-                reply = self._replies.get(timeout=within)
+                reply = self._replies.get(timeout=reply_timeout)
             except queue.Empty:
                 raise Unreached(UNANSWERED) from None
             yield reply
@@ -117,7 +131,7 @@ class InProcessConnection:
         self._handler.on_answer(self, request, self._station.robot.stops.count)
 
     def close(self) -> None:
-        """End the loop, and what is still being carried out with it."""
+        """End the loop, and cancel what is still being carried out; wait up to 5 s for that."""
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(_END_TIMEOUT)
 
@@ -132,32 +146,32 @@ class InProcessConnection:
 
     @property
     def is_behind(self) -> bool:
-        """True while replies have not been taken."""
+        """True while replies have not been taken by `remaining_replies`."""
         return not self._replies.empty()
 
     # The station's front end.
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin work that the operator wants."""
+        """Begin work that the operator wants, as a task on the loop, and return at once."""
         self._start_task(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin work that nobody waits for."""
+        """Begin work that nobody waits for, as a task on the loop, and return at once."""
         self._start_task(work())
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
-        """Do nothing: whoever waits for the goal is told."""
+        """Do nothing: the requester gets the answer as a result."""
 
     @property
     def has_person(self) -> bool:
-        """Return False: a person who could allow a request sits at a console."""
+        """Always False: a person who could allow a request of an assistant sits at a console."""
         return False
 
     def close_questions(self) -> None:
-        """Do nothing: the only one who could be asked is the one who sent the STOP."""
+        """Do nothing: only the sender of the STOP could have been asked."""
 
     def restart(self, why: str) -> None:
-        """Do nothing: no node of the user's own runs here."""
+        """Do nothing: this process hosts no nodes, which alone need a restart."""
 
     def _start_task(self, work: Coroutine[Any, Any, None]) -> None:
         task = self._loop.create_task(work)
@@ -176,7 +190,7 @@ class InProcessConnection:
         self._station.on_snapshot(snapshot)
 
     async def _run_station(self, found: threading.Event) -> None:
-        """Set `found` once a node is on the graph, then tick the station until the loop ends."""
+        """Attach to the station, set `found` once a node is on the graph, then tick each second."""
         station = self._station
         station.attach(self)
         station.robot.subscribe(self._on_snapshot)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.remote.waits import RanOut, wait_for
+from archo_tui.remote.waits import RequestTimedOut, wait_for
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.verbs import verbs
@@ -27,7 +27,7 @@ async def waited(snapshot: Snapshot, words: str) -> Outcome | None:
     spoken = verbs(snapshot.file, snapshot.forms)
     try:
         return await wait_for(station, spoken, words.split(), {"timeout": 0})
-    except RanOut:
+    except RequestTimedOut:
         return None
 
 

@@ -25,7 +25,7 @@ from archo_tui.assistant.tool_answer import ToolAnswer
 from archo_tui.remote import finder, server, shell, socket_files
 from archo_tui.remote.api_errors import Unreached
 from archo_tui.remote.client import Unreached as NotReached
-from archo_tui.remote.shell import consoles
+from archo_tui.remote.shell import print_consoles
 from tests.assistant.support import FakeConsole
 from tests.support import warm
 from tests.support.night import corners
@@ -112,7 +112,7 @@ def by_python() -> int:
 
 
 def by_consoles() -> int:
-    return consoles([])
+    return print_consoles([])
 
 
 def asked_of(tool: Any) -> int:

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.remote.waits import RanOut, wait_for
+from archo_tui.remote.waits import RequestTimedOut, wait_for
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Latch, Phase
@@ -250,7 +250,7 @@ async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
         typed.type("stop\ngo 3\n")
         await typed.until(HOLDS)
-        with pytest.raises(RanOut):
+        with pytest.raises(RequestTimedOut):
             await ended(wait_for(station, spoken, ["ready"], {"timeout": 3.0}))
         assert (await ended(wait_for(station, spoken, ["stopped"], {"timeout": 3.0}))).ok
         typed.type("release --yes\n")
