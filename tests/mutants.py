@@ -207,7 +207,7 @@ FAULTS = [
     Fault("robot/goals.py", "            tracked.is_cancelled = True\n        if tracked.goal.phase == Phase.SENT:", "            pass\n        if tracked.goal.phase == Phase.SENT:", ROBOT + "/test_cancel_on_its_way.py"),
     Fault("robot/goals.py", "        if tracked.is_cancelled:\n            return Outcome(Code.CANCELLED, NEVER_LEFT)", "", ROBOT + "/test_cancel_on_its_way.py"),
     Fault("station/ledger.py", "goal.mine and goal.number > self.newest_before", "goal.number > self.newest_before", ROBOT + "/test_cancel_on_its_way.py"),
-    Fault("verbs/run_when_ready.py", "        left = PATIENCE - station.age", "        left = PATIENCE", "tests/plain/test_plain_patience.py"),
+    Fault("verbs/run_when_ready.py", "        left = ROBOT_TIMEOUT - station.age", "        left = ROBOT_TIMEOUT", "tests/plain/test_plain_patience.py"),
     Fault("robot/goal_guard.py", "        if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:", "        if False:", ROBOT + "/test_latch.py"),
     Fault("robot/motion_publishers.py", "return self._clock.monotonic() - self._changed <= _RESTART", "return False", ROBOT + "/test_latch.py"),
     Fault("robot/stop_latch.py", "            self.check_holders()  # A node that was started anew may report it.", "            pass", ROBOT + "/test_latch.py"),

@@ -60,11 +60,11 @@ async def _wait_for_robot_file(station: Station) -> str:
     """Wait for a robot, and return its robot file; complain and return "" if none comes."""
     import asyncio
 
-    from archo_tui.verbs.base import PATIENCE
+    from archo_tui.verbs.base import ROBOT_TIMEOUT
     from archo_tui.verbs.describe import robot_file_text
     from archo_tui.words.state import elsewhere_text
 
-    while not station.robot.snapshot.nodes and station.age < PATIENCE:
+    while not station.robot.snapshot.nodes and station.age < ROBOT_TIMEOUT:
         await asyncio.sleep(_POLLING_PERIOD)
     snapshot = station.robot.snapshot
     if not snapshot.nodes:

@@ -30,7 +30,7 @@ from archo_tui.shutdown import Shutdown
 from archo_tui.station.approval_requests import READING_TIME
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import PATIENCE, Question, Values, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.inspect import FOLLOW, Echo, FollowedMessage
 from archo_tui.verbs.parse import YES, UnknownVerbError, parse
@@ -422,7 +422,7 @@ class Plain:
         """
         try:
             await self._conditions.wait_at_most(
-                lambda: verb.is_ready(self._station, values), PATIENCE - self._station.age
+                lambda: verb.is_ready(self._station, values), ROBOT_TIMEOUT - self._station.age
             )
             await verb.follow(
                 self._station,

@@ -17,7 +17,7 @@ from archo_tui.station.approval_requests import LIFETIME, ApprovalRequest, Appro
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.base import PATIENCE, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Verb
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import parse, schema
 
@@ -123,7 +123,7 @@ class Assistants:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._checked_values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
-        left = PATIENCE - self._station.age
+        left = ROBOT_TIMEOUT - self._station.age
         await self._until(requester, lambda: verb.is_ready(self._station, goals), left)
         await verb.prepare(self._station, goals)
         refusal = verb.refusal(self._station)

@@ -23,7 +23,7 @@ from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data, verbs
-from archo_tui.verbs.base import PATIENCE, Question, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Question, Verb
 from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.candidates import candidates
 from archo_tui.verbs.goals import SendGoal
@@ -374,7 +374,7 @@ class RequestHandler:
         verb = self.verbs["echo"]
         assert isinstance(verb, Echo)
         values, _ = parse(verb, station, words_of(request)[1:])
-        left = PATIENCE - station.age
+        left = ROBOT_TIMEOUT - station.age
         await self._until(session.requester, lambda: verb.is_ready(station, values), left)
         for_program = request.get("as_text") is not True
 

@@ -11,7 +11,7 @@ from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import THERE, Verb
+from archo_tui.verbs.base import DISCOVERY_TIME, Verb
 from archo_tui.words.state import no_data_text
 
 WAITS = "idle, arrived, ready, stopped or battery N"
@@ -84,11 +84,11 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         """Return success once no goal runs or is about to be sent, and the robot does not move.
 
         None while the robot's topics bring no data; without reports of motion also for the first
-        THERE seconds, in which another client's goal may not be found yet.
+        DISCOVERY_TIME seconds, in which another client's goal may not be found yet.
         """
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
         # A goal of a robot that does not report its motion may not be found yet.
-        is_new = robot.file.motion is None and station.age < THERE
+        is_new = robot.file.motion is None and station.age < DISCOVERY_TIME
         if is_new or no_data_text(robot.snapshot):
             return None
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")

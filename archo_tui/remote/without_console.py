@@ -17,7 +17,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import PATIENCE
+from archo_tui.verbs.base import ROBOT_TIMEOUT
 from archo_tui.words.state import elsewhere_text
 
 
@@ -81,7 +81,7 @@ class InProcessConnection:
         found = threading.Event()
         self._start_task(self._run_station(found))
         self._thread.start()
-        if not found.wait(PATIENCE):
+        if not found.wait(ROBOT_TIMEOUT):
             self.close()
             others = elsewhere_text(station.robot.snapshot)
             seen = f"in namespace {station.robot.snapshot.namespace}: {others}" if others else ""

@@ -23,7 +23,7 @@ class Alarms(Verb):
     help = "List the alarms"
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if there is an alarm: one may still appear until PATIENCE is over."""
+        """Return True if there is an alarm: one may still appear until ROBOT_TIMEOUT is over."""
         station.refresh()
         return bool(station.view.alarms)
 

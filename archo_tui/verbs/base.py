@@ -10,8 +10,8 @@ from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 
 Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
-THERE = 2.0  # Seconds after the start in which every server on the graph is found.
-PATIENCE = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
+DISCOVERY_TIME = 2.0  # Seconds after the start by which every server on the graph is found.
+ROBOT_TIMEOUT = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
 ANSWERS = 5.0  # Seconds to wait for answers to earlier requests, which have deadlines.
 
 
@@ -162,7 +162,7 @@ class Verb:
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return False if the verb cannot run yet, but could once more of the robot is found.
 
-        Frontends wait for True, until PATIENCE after the start at most.
+        Frontends wait for True, until ROBOT_TIMEOUT seconds after the start at most.
         """
         return not self.service or self.service in station.robot.snapshot.offered
 

@@ -12,7 +12,7 @@ from archo_tui.robot.state import Snapshot, in_namespace
 from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import mismatch
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import THERE
+from archo_tui.verbs.base import DISCOVERY_TIME
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
@@ -45,7 +45,7 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
     """Return True if a name was found, or is outside of the robot's namespace and may be tried.
 
-    Such a name may be tried from THERE seconds after the start.
+    Such a name may be tried from DISCOVERY_TIME seconds after the start.
 
     Args:
         station: The station. Its snapshot has no names outside of the robot's namespace: such a
@@ -54,7 +54,7 @@ def is_known(station: Station, name: str, found: Collection[str]) -> bool:
         found: The names of its kind in the robot's namespace.
     """
     is_out = is_elsewhere(station.robot.snapshot, name)
-    return name in found or (is_out and station.age >= THERE)
+    return name in found or (is_out and station.age >= DISCOVERY_TIME)
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:

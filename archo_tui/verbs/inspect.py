@@ -14,7 +14,7 @@ from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state import TOPIC, Snapshot, TopicInfo
 from archo_tui.robot_file.mismatch import not_installed
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import THERE, Argument, Values, Verb
+from archo_tui.verbs.base import DISCOVERY_TIME, Argument, Values, Verb
 from archo_tui.verbs.graph_names import full_name
 from archo_tui.words.inspect import rate_text
 
@@ -59,7 +59,7 @@ class _TopicVerb(Verb):
         """Return True if the topic was found, or had time enough to be."""
         snapshot = station.robot.snapshot
         found = _topics(snapshot)
-        return full_name(snapshot, values["topic"], found) in found or station.age >= THERE
+        return full_name(snapshot, values["topic"], found) in found or station.age >= DISCOVERY_TIME
 
     @asynccontextmanager
     async def inspect(self, station: Station, topic: str) -> AsyncIterator[Inspection]:

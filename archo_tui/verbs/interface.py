@@ -10,7 +10,7 @@ from archo_tui.robot.outcome import Outcome, Report
 from archo_tui.robot.state import Snapshot
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import THERE, Argument, Values, Verb
+from archo_tui.verbs.base import DISCOVERY_TIME, Argument, Values, Verb
 
 
 class ShowInterface(Verb):
@@ -24,7 +24,7 @@ class ShowInterface(Verb):
         """Return False while the type, or one that is spelled alike, may still be found."""
         known, typed = _types_on_graph(station.robot.snapshot), values["type"]
         is_found = bool(known) if "/" in typed else typed in map(base_name, known)
-        return is_found or station.age >= THERE
+        return is_found or station.age >= DISCOVERY_TIME
 
     async def run(self, station: Station, values: Values) -> Outcome:
         known = _types_on_graph(station.robot.snapshot)

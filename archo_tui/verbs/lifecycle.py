@@ -8,7 +8,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import ACTION, SERVICE, NodeState, Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 from archo_tui.words.goal import activity
 
@@ -31,7 +31,7 @@ class Lifecycle(Verb):
 
     def is_ready(self, station: Station, values: Values) -> bool:
         node = _managed(station.robot.snapshot).get(self._name(station, values))
-        return node is not None or station.age >= PATIENCE
+        return node is not None or station.age >= ROBOT_TIMEOUT
 
     async def prepare(self, station: Station, values: Values) -> Values:
         name, managed = self._name(station, values), _managed(station.robot.snapshot)

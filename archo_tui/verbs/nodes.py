@@ -13,7 +13,7 @@ from archo_tui.robot.state import LEVELS, Hosted
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
@@ -153,7 +153,7 @@ class LogLevel(Verb):
         return not self.acts_with(values)
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        return self._name(station, values) in self._nodes(station) or station.age >= PATIENCE
+        return self._name(station, values) in self._nodes(station) or station.age >= ROBOT_TIMEOUT
 
     async def prepare(self, station: Station, values: Values) -> Values:
         name, nodes = self._name(station, values), self._nodes(station)

@@ -22,7 +22,7 @@ from archo_tui.robot.values import text_of
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import full_name, nearest_node_hint
 
 _NODE, _NAME = Argument("node"), Argument("name")
@@ -35,7 +35,7 @@ NOBODY = "no node has reported its parameters yet"
 def are_reported(station: Station) -> bool:
     """Return True if every node of the robot has reported its parameters, or had time enough."""
     found = bool(station.robot.snapshot.nodes)
-    return (found and not _unreported(station)) or station.age >= PATIENCE
+    return (found and not _unreported(station)) or station.age >= ROBOT_TIMEOUT
 
 
 def _unreported(station: Station) -> list[str]:
@@ -47,7 +47,7 @@ def _unreported(station: Station) -> list[str]:
 def is_reported(station: Station, node: str) -> bool:
     """Return True if the node has reported its parameters, or had time enough."""
     reported = (parameter.node for parameter in station.robot.snapshot.parameters)
-    return node in reported or station.age >= PATIENCE
+    return node in reported or station.age >= ROBOT_TIMEOUT
 
 
 class _ParameterVerb(Verb):

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.stops import Void
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import ANSWERS, PATIENCE, Question, Values, Verb
+from archo_tui.verbs.base import ANSWERS, ROBOT_TIMEOUT, Question, Values, Verb
 
 # Waits until a condition holds, for a number of seconds at most.
 Until = Callable[[Callable[[], object], float], Awaitable[None]]
@@ -45,7 +45,7 @@ async def run_when_ready(
         return (is_void and gate.is_shut) or verb.is_answered(station)
 
     if not (acts and station.robot.watching):  # A watching console runs nothing anyway.
-        left = PATIENCE - station.age
+        left = ROBOT_TIMEOUT - station.age
         if left > 0:
             await until(is_found, left)
         await until(is_answered, ANSWERS)

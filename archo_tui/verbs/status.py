@@ -16,7 +16,7 @@ from archo_tui.station.remedies import advice, remedy_hints
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.as_data import goal as goal_data
-from archo_tui.verbs.base import PATIENCE, THERE, Argument, Values, Verb
+from archo_tui.verbs.base import DISCOVERY_TIME, ROBOT_TIMEOUT, Argument, Values, Verb
 from archo_tui.words.alarm import state_word
 from archo_tui.words.event import event_text
 from archo_tui.words.line_by_line import (
@@ -54,8 +54,8 @@ class Status(Verb):
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True once battery and motion were received, or are no longer waited for.
 
-        Topics without a publisher are waited for until THERE seconds after the start, others
-        until PATIENCE seconds after it.
+        Topics without a publisher are waited for until DISCOVERY_TIME seconds after the start,
+        others until ROBOT_TIMEOUT seconds after it.
         """
         snapshot, robot = station.robot.snapshot, station.robot.file
         missing = []
@@ -63,9 +63,9 @@ class Status(Verb):
             missing.append(robot.battery.topic)
         if robot.motion is not None and snapshot.motion.received is None:
             missing.append(robot.motion.topic)
-        there = station.age >= THERE  # What is missing by then may never come.
+        there = station.age >= DISCOVERY_TIME  # What is missing by then may never come.
         comes = any(topic in snapshot.offered or not there for topic in missing)
-        return not comes or station.age >= PATIENCE
+        return not comes or station.age >= ROBOT_TIMEOUT
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
