@@ -107,8 +107,11 @@ class StopLatch:
 
         The time is kept as `released`, also if there was no STOP. `on_change` is not called.
         """
-        self.state, self._lasting_doubt = Latch.NONE, ""
+        self._end()
         self.released, self._sent = self._clock.monotonic(), None
+
+    def _end(self) -> None:
+        self.state, self.doubt, self._lasting_doubt = Latch.NONE, "", ""
         self.holders_have_ended = False
 
     def expect_standstill(self, sent: float) -> None:
@@ -152,7 +155,7 @@ class StopLatch:
         it is uncertain from now on, whatever its nodes do (rule 3).
         """
         if self._reports_stop or (self._other_console == console and self.state is Latch.HELD):
-            self.state = Latch.NONE
+            self._end()
             self._on_change()
         else:
             self._cast_lasting_doubt(f"console {console} released it")
@@ -229,7 +232,7 @@ class StopLatch:
         elif is_released and self.state is Latch.HELD:
             self.check_holders()  # A node that was started anew may report it.
             if self.state is Latch.HELD:
-                self.state = Latch.NONE
+                self._end()
         self._check_motion(motion, is_released=is_released)
 
     def _check_motion(self, motion: Motion, *, is_released: bool) -> None:

@@ -106,13 +106,19 @@ class StopVerbs:
                 gate()
                 self._stopping.on_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
-            outcome = await self._caller.call_named(name, request, gate, late)
+
+            def on_late_answer(outcome: Outcome) -> None:
+                if outcome.ok:
+                    self._stopping.on_accepted(turn)
+                report_late(outcome)
+
+            outcome = await self._caller.call_named(name, request, gate, on_late_answer)
             if outcome.ok:
                 self._stopping.on_accepted(turn)
             return outcome
 
         ros2 = self._checks.call_command(name, request)
-        late = self._runner.late_report("release stop", "release")
+        report_late = self._runner.late_report("release stop", "release")
         return await self._runner.run("release", {}, "release stop", ros2, call)
 
     def _is_held_by_nobody(self, release: str) -> bool:

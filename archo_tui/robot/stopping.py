@@ -28,7 +28,7 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Motion, OpenStop, StopAnswer, not_offered
+from archo_tui.robot.state import Latch, Motion, OpenStop, StopAnswer, not_offered
 from archo_tui.robot.stop_answers import StopResult, not_sent, result_of
 from archo_tui.robot.stop_latch import OBEYED, StopLatch
 from archo_tui.robot_file import model
@@ -150,9 +150,9 @@ class Stopping:
     def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
         """Record the result of one call (rules 2 and 4).
 
-        A confirmation makes the latch hold and closes the open STOP. Another result becomes the
-        answer of the open STOP, unless a later call was answered before. A call from before the
-        open STOP is ignored.
+        A confirmation makes the latch hold and closes the open STOP, also if that was given up or
+        released meanwhile. Another result becomes the answer of the open STOP, unless a later call
+        was answered before. A call from before the open STOP is ignored.
 
         Args:
             result: What the servers answered.
@@ -166,10 +166,13 @@ class Stopping:
             return False
         if result.outcome.ok or result.answer == StopAnswer.UNCONFIRMED:
             self._confirmed = sent, self._clock.monotonic()
+        held_before = self.latch.state is Latch.HELD
         if result.outcome.ok:
             self.latch.hold()
-        if self.open is None:  # Another call was confirmed meanwhile.
-            return False
+        if self.open is None:  # Another call was confirmed meanwhile, or the STOP was given up.
+            if result.outcome.ok:
+                self._on_change()
+            return result.outcome.ok and not held_before
         if result.outcome.ok:
             self.latch.expect_standstill(self.open.asked)
             self.close()
@@ -233,6 +236,7 @@ class Stopping:
             motion: The message. Pass it only if a single node publishes the motion.
         """
         if self.open is not None and motion.stopped:
+            self._confirmed = self.open.asked, self._clock.monotonic()
             self.latch.expect_standstill(self.open.asked)
             if self.open.answer == StopAnswer.NONE:
                 text = "STOP, sent again: the robot says that it is stopped"
@@ -268,8 +272,9 @@ class Stopping:
         """The monotonic time at which the last STOP left that the robot must have obeyed by now.
 
         Goals from before it must have ended. Only STOPs count that all servers answered, none with
-        a refusal, and those of other consoles. None if there was none, or the last one was answered
-        or reported less than OBEYED ago.
+        a refusal, or behind which the robot reported that it is stopped, and those of other
+        consoles. None if there was none, or the last one was answered or reported less than OBEYED
+        ago.
         """
         if self._confirmed is None:
             return None

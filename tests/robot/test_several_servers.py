@@ -15,7 +15,7 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import OpenStop, Phase, StopAnswer
+from archo_tui.robot.state import Latch, OpenStop, Phase, StopAnswer
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import MOVES_AFTER_STOP, SEVERAL_STOP_SERVERS, STOP_UNCONFIRMED
 from tests.support import clock
@@ -235,6 +235,18 @@ async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
         await until(lambda: clock.seconds() > later)
         assert made[0].asked <= asked + 1  # one may have been on its way
         made[0].awake.set_result(True)
+
+
+async def test_a_yes_behind_a_stop_that_was_given_up_holds_and_is_said() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "yes", 4.0)) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        assert it.snapshot.latch is Latch.NONE
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        said = "STOP, answered late: confirmed: a yes"
+        await until(lambda: said in {event.text for event in it.snapshot.events})
 
 
 async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:

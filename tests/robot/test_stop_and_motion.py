@@ -58,6 +58,19 @@ async def test_a_robot_that_moves_on_behind_a_confirmed_stop_is_an_alarm() -> No
         assert MOVES_AFTER_STOP not in alarms(it)
 
 
+async def test_goals_end_behind_a_stop_that_only_the_motion_confirms() -> None:
+    wheels: list[Wheels] = []
+    drives: list[Drive] = []
+    makers = making([], Brake, "brake", "nothing"), making(wheels, Wheels)
+    async with robot(*makers, making(drives, Drive, "drive")) as it:
+        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+        assert (await ended(go(it, 5))).ok
+        await later(1.0)
+        wheels[0].moving, wheels[0].stopped = False, True
+        await ended(it.emergency_stop())
+        await until(lambda: drives[0].over.done())
+
+
 async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm() -> None:
     wheels: list[Wheels] = []
     async with robot(making([], Brake, "brake"), making(wheels, Wheels)) as it:

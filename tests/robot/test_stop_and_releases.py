@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger
 from archo_tui.robot import services
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Latch
 from tests.support import clock
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
@@ -76,6 +77,17 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
         await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
         await until(task.done)
         assert made[0].latched
+
+
+async def test_a_release_that_is_answered_late_ends_the_stop() -> None:
+    made: list[Busy] = []
+    async with robot(making(made, Busy)) as it:
+        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+        assert (await ended(it.emergency_stop())).ok
+        assert (await ended(it.release_emergency_stop())).code == Code.TIMEOUT
+        assert it.snapshot.latch is Latch.HELD
+        made[0].wake()
+        await until(lambda: it.snapshot.latch is Latch.NONE)
 
 
 class Released(Busy):

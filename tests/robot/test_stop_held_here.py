@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from archo_tui.clock import Clock
+from archo_tui.robot.state import Motion
 from archo_tui.robot.stop_latch import StopLatch
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.
@@ -41,6 +42,17 @@ def test_one_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
     nodes.unended = []
     assert not nodes.look(motor=HERE)  # It is still on the graph.
     assert nodes.look()
+
+
+def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() -> None:
+    nodes = Nodes()
+    nodes.served = {"motor": {HERE}}
+    nodes.latch.on_motion(Motion(stopped=False))  # A robot that reports its stops.
+    nodes.latch.hold()
+    nodes.unended = []
+    assert nodes.look()
+    nodes.latch.on_released_elsewhere("other")
+    assert not nodes.look()
 
 
 def test_one_whose_node_has_left_but_is_not_ended_is_held() -> None:
