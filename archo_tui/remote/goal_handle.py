@@ -53,10 +53,11 @@ class GoalHandle:
             RanOut: `timeout` seconds passed, and the goal still runs; or the time given to `go` is
                 over.
             Unreached: The console has gone or no longer answers: the robot may still be moving.
-            Misused: `timeout` is not a valid time; the goal is cancelled.
+            Misused: `timeout` is not a valid time; the goal runs on.
         """
+        seconds = checked_timeout(timeout)
         try:
-            has_ended = self._has_ended.wait(checked_timeout(timeout))
+            has_ended = self._has_ended.wait(seconds)
         except BaseException:
             self._request.give_up()
             raise
@@ -75,6 +76,7 @@ class GoalHandle:
         Raises:
             RanOut: The end was not confirmed in that time: the robot may still be moving.
             Unreached: The console has gone or no longer answers: the robot may still be moving.
+            Misused: `timeout` is not a valid time; the goal is cancelled all the same.
         """
         self._request.give_up()
         if not self._has_ended.wait(checked_timeout(timeout)):

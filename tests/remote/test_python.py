@@ -135,6 +135,8 @@ async def test_a_handle_reports_waits_and_cancels() -> None:
         await until(lambda: 0.0 < left(goal) < first.remaining)
         with pytest.raises(RanOut, match="the goal still runs"):
             await asyncio.to_thread(goal.wait, 0.01)
+        with pytest.raises(Misused):
+            await asyncio.to_thread(goal.wait, -1)
         assert not goal.done()
         status: Any = await asyncio.to_thread(robot.status)
         assert (status.goal.code, status.queue.waiting) == (None, ["7"])
