@@ -75,11 +75,13 @@ def check_options(options: Options) -> None:
 
 def _check_record(path: Path) -> None:
     try:
-        is_there = path.exists()
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass  # What is said of its folder below.
     except (OSError, ValueError) as error:  # A path that is too long, for example.
         why = getattr(error, "strerror", None) or error
         raise ArchoError(f"--record {path}: {why}") from None
-    if is_there:
+    else:
         raise ArchoError(f"--record {path}: it exists already: name another bag")
     if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
         raise ArchoError(f"--record {path}: nothing can be written to {path.parent}")
