@@ -137,7 +137,8 @@ class Forks:
     def _next_portion(self, fork: _Fork) -> list[int]:
         """Return the indices of the tests that a fork runs next; none: it is to end."""
         others = sum(one.computes for one in self._forks if one is not fork)
-        fork.computes = others < self._processors and len(self._computing) > 0
+        most = self._processors + (not self._waiting)
+        fork.computes = others < most and len(self._computing) > 0
         left = self._computing if fork.computes else self._waiting
         size = min(_MOST, 1 + len(left) // (4 * self._count))
         return [left.popleft() for _ in range(min(size, len(left)))]

@@ -71,7 +71,8 @@ def _server() -> str:
     """Return the abstract socket of the run's loaded process; start it if it is not there."""
     name = f"archo-tests-{os.environ['ARCHO_TESTS_RUN']}"
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    with listener:
+    with open(__file__) as lock, listener:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # Between bind and listen nobody can connect.
         try:
             listener.bind("\0" + name)
         except OSError:  # another worker has started it
