@@ -102,6 +102,7 @@ class Output:
             if self.is_done:
                 self._announce()
             self._condition.wait_for(lambda: not self.is_done or self._is_closed)
+            self._is_writing = True  # Before lines are taken: `is_done` is read without the lock.
             had_room, dropped, self._dropped = self.has_room, self._dropped, 0
             # As many whole lines as fit, or the first line if none fits.
             end = self._waiting.rfind(b"\n", 0, _CHUNK) + 1 or self._waiting.find(b"\n") + 1

@@ -34,10 +34,27 @@ class Typed:
         self._reading, self._out = os.pipe()
         Quiet()  # from now on it knows of what is done on threads
         self._plain = Plain(station, self._in, self._out)
+        self._follow_input()
         self._running = asyncio.ensure_future(self._plain.run())
         self._said, self._hearing = b"", threading.Lock()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
+
+    def _follow_input(self) -> None:
+        """Know of what the input has read, and of which its thread has not told the loop yet."""
+        self._is_told = True
+        read: Any = self._plain._input
+        keep, announce = read._keep, read._announce
+
+        def kept(lines: list[bytes]) -> None:
+            self._is_told = False
+            keep(lines)
+
+        def announced() -> None:
+            announce()
+            self._is_told = True
+
+        read._keep, read._announce = kept, announced
 
     def _read(self) -> None:
         chunk = b"more"
@@ -73,7 +90,7 @@ class Typed:
 
     async def is_read(self) -> None:
         """Wait until what was typed is read; only then a virtual clock may move."""
-        while not (self._plain._input.is_quiet or self.is_over):
+        while not ((self._plain._input.is_quiet and self._is_told) or self.is_over):
             await asyncio.sleep(clock.LOOK)
 
     def _is_heard(self) -> bool:
@@ -83,9 +100,10 @@ class Typed:
         import fcntl
         import termios
 
+        is_done = self._plain._output.is_done  # First: what is written then is in the pipe.
         with self._hearing:
             waits = any(fcntl.ioctl(self._reading, termios.FIONREAD, bytes(4)))
-        return self.is_over or (self._plain._output.is_done and not waits)
+        return self.is_over or (is_done and not waits)
 
     @property
     def is_over(self) -> bool:
