@@ -13,7 +13,7 @@ import archo_tui
 from archo_tui.errors import first_line, quoted_line
 from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.source import Source
-from archo_tui.hosting.tracebacks import own_frames
+from archo_tui.hosting.tracebacks import traceback_without
 
 # Errors that rclpy raises without a text, and what they mean.
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
@@ -34,11 +34,12 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
         source: The text of the file.
 
     Returns:
-        `FILE:LINE: TypeError: ..., in: x = y + 1` with the last line that ran of the file or
-        its modules, and the traceback without the frames of the engine.
+        A line, as `FILE:LINE: TypeError: ..., in: x = y + 1`, and the traceback without the frames
+        of the engine. The place is that of a syntax error, else the last line that ran of the file
+        or its modules, else a callback that the error is about; else FILE without a line.
     """
     name, why = type(error).__name__, reason_of(error)
-    report = own_frames(error, rclpy, archo_tui)
+    report = traceback_without(error, rclpy, archo_tui)
     if isinstance(error, SyntaxError) and own_code.is_own(error.filename or ""):
         place = f"{own_code.display_name(error.filename or '')}:{error.lineno}"
         return f"{place}: {name}: {error.msg}{quoted_line(error.text or '')}", report
@@ -59,9 +60,10 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the first line of an error's text; explain a topic that has two types in a process.
+    """Return the first line of an error's text; "" for an error without text.
 
-    Fast DDS reports the two types as an incompatible type or an invalid allocator.
+    The text about a topic that has two types in this process, which Fast DDS reports as an
+    incompatible type or an invalid allocator, is replaced by an explanation.
     """
     text = ""
     with contextlib.suppress(Exception):  # A __str__ of the user's own may fail, too.
@@ -72,7 +74,7 @@ def reason_of(error: BaseException) -> str:
 
 
 def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> str:
-    """Return how to mend a wrong call of rclpy, for errors that do not say so themselves.
+    """Return how to mend a wrong call of rclpy, or `why` if it is none of the known mistakes.
 
     Args:
         own_code: The code of the file and of its folder.
@@ -80,7 +82,7 @@ def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> 
         where: `FILE:LINE` of the call.
         why: The text of the error.
     """
-    early = source.called_too_early()
+    early = source.line_of_called_callback()
     if "callback" in why and where == f"{own_code}:{early}":
         return _NOT_CALLED
     if "_TYPE_SUPPORT" in why or "resolve_name(): incompatible" in why:
@@ -107,7 +109,7 @@ def _place_of_callback(
     """
     # A timer whose callback is None raises UnboundLocalError in rclpy's own code.
     if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:
-        line = source.called_too_early()
+        line = source.line_of_called_callback()
         if line is not None:
             return f"{own_code}:{line}", _NOT_CALLED
     for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):

@@ -20,7 +20,10 @@ _of_thread: ContextVar[Executor] = ContextVar("global executor")
 
 
 class GlobalExecutor(SingleThreadedExecutor):
-    """The global executor of one hosted node."""
+    """An executor for the code of one hosted node, which reports each node before adding it.
+
+    `rclpy.spin` and its like use it in the threads where `use` has set it.
+    """
 
     def __init__(self, context: Context, on_add: Callable[[Node], None]) -> None:
         """Create an executor without nodes.
@@ -33,18 +36,20 @@ class GlobalExecutor(SingleThreadedExecutor):
         self._on_add = on_add
 
     def add_node(self, node: Node) -> bool:
-        """Add a node as rclpy does, after calling `on_add`."""
+        """Call `on_add`, then add the node; return False, as rclpy does, if it was added before."""
         self._on_add(node)
         return super().add_node(node)
 
 
 def use(executor: Executor) -> None:
-    """Set the global executor of the calling thread."""
+    """Set the global executor of the calling thread, which rclpy uses once `install` was called."""
     _of_thread.set(executor)
 
 
 def install() -> Callable[[], None]:
-    """Make rclpy use the executor of the calling thread as its global one.
+    """Make rclpy use the executor that `use` has set for the calling thread as its global one.
+
+    In threads without such an executor, rclpy uses that of the process.
 
     Returns:
         A function that restores rclpy's own behaviour.

@@ -27,13 +27,15 @@ _LOCK_POLL = 0.05  # Seconds between two checks whether a node that waits for th
 
 
 class Host:
-    """The nodes of this process.
+    """The nodes of this process, and the user's programs.
 
-    `states` may be called on any thread. All else may block for JOIN_TIMEOUT and longer, so it is
-    never called on the UI thread; one call at a time changes nodes.
+    `states`, `names` and `unended_names` may be called on any thread. All else may block for
+    JOIN_TIMEOUT and longer, so it is never called on the UI thread; one call at a time changes
+    nodes.
 
     Attributes:
-        nodes: The nodes, with those that were stopped or have crashed.
+        nodes: The nodes, with those that were stopped or have crashed; not those of programs.
+        programs: The user's programs.
     """
 
     def __init__(
@@ -51,7 +53,7 @@ class Host:
             context: The rclpy context of the nodes.
             on_event: Called with level, source and text of an event, on any thread.
             on_end: Called with the services and actions that no node of this process serves any
-                more, after a node has ended.
+                more, perhaps none, after a node has ended; on any thread.
             early_stop_request: Returns the full name of the service of a STOP that is not released,
                 and the values of its request; "" for the name if there is no such STOP.
             on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
@@ -74,11 +76,14 @@ class Host:
     def add(self, make: Callable[..., Any]) -> None:
         """Construct a node, which `start` spins.
 
+        A late node of a file is added, too: an event names the line at which its constructor waits,
+        and the node starts by itself.
+
         Args:
             make: Makes the node, given the context by that name.
 
         Raises:
-            Exception: The exception that the constructor raises.
+            Exception: The exception that the constructor raises; the node is not added then.
         """
         with self._changing:
             hosted = self._hosted(make)
@@ -90,7 +95,7 @@ class Host:
         return HostedNode(make, self._context, *callbacks, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
-        """Wait for a node; write an event if it is late.
+        """Wait for a node; write an event if it is late, a warning if it is overdue.
 
         Raises:
             Exception: The exception that the constructor raises.
@@ -100,7 +105,7 @@ class Host:
             self._on_event(level, hosted.name.lstrip("/"), hosted.lateness_text())
 
     def start(self) -> None:
-        """Spin every node that is made; late nodes start by themselves."""
+        """Spin every node that is made; late nodes start by themselves from now on."""
         with self._changing:
             self._has_started = True
             for hosted in self.nodes:
@@ -114,7 +119,8 @@ class Host:
             seconds: The time limit for all of them together.
 
         Returns:
-            The place of each constructor that has not returned, or the error that it raised.
+            A text for each node that is not made by then: the line at which its constructor is, or
+            the error that the constructor raised.
         """
         end = time.monotonic() + seconds
         late = [hosted for hosted in self.nodes if hosted.is_late]
@@ -122,24 +128,39 @@ class Host:
         return [wrong for wrong in waited if wrong]
 
     def states(self) -> tuple[Hosted, ...]:
-        """Return the state of each node; may be called on any thread."""
+        """Return the states of all nodes, programs' last; may be called on any thread."""
         nodes = tuple(hosted.current_state() for hosted in self.nodes)
         return nodes + self.programs.states()
 
     def names(self) -> list[str]:
-        """Return the full names of all nodes of this process; may be called on any thread."""
+        """Return the full names of all nodes, programs' included; may be called on any thread.
+
+        Nodes that were stopped or have crashed are among them, and for a program without nodes its
+        own name.
+        """
         return [*(hosted.name for hosted in self.nodes), *self.programs.names()]
 
     def unended_names(self) -> list[str]:
-        """Return the full names of the nodes whose code may still run; on any thread."""
+        """Return the full names of the nodes that neither were stopped, nor crashed, nor ended.
+
+        May be called on any thread.
+        """
         ended = (Life.STOPPED, Life.CRASHED, Life.ENDED)
         return [hosted.name for hosted in self.states() if hosted.life not in ended]
 
     def start_node(self, name: str) -> Outcome:
-        """Construct a stopped or crashed node again and spin it, or run its program again.
+        """Construct a stopped, crashed or stuck node again and spin it, or run its program again.
+
+        If a STOP is not released, a node that serves it carries it out before it spins, and a
+        program is refused. What still runs of a stuck node is interrupted and taken off the graph.
 
         Args:
             name: The fully qualified name of one of the nodes.
+
+        Returns:
+            The outcome; REFUSED if the node runs, is starting, or raises in its constructor;
+            NOT_CONFIRMED if it spins now without having confirmed the STOP; DONE also for a late
+            node, which starts by itself.
         """
         program = self.programs.find(name)
         if program is not None:
@@ -157,13 +178,15 @@ class Host:
             return self._make_and_spin(old.make_again, text, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
-        """Stop a node; the others are not affected.
+        """Stop a node, or end its program as Ctrl-C does; other nodes are not affected.
+
+        `on_end` is called with what no node of this process serves any more.
 
         Args:
             name: The fully qualified name of one of the nodes.
 
         Returns:
-            The outcome; TIMEOUT if a callback of the node does not return.
+            The outcome; TIMEOUT if a callback of the node does not return: the node is stuck then.
         """
         program = self.programs.find(name)
         if program is not None:
@@ -180,8 +203,14 @@ class Host:
     def copy_node(self, name: str) -> Outcome:
         """Run another node of the same class, under the next free name: `dashboard_2`.
 
+        If a STOP is not released, a copy that serves it carries it out before it spins.
+
         Args:
             name: The fully qualified name of one of the nodes.
+
+        Returns:
+            The outcome; REFUSED for the node of a program, or if the constructor raises. Otherwise
+            as that of `start_node`.
         """
         if self.programs.find(name) is not None:
             return Outcome(Code.REFUSED, f"{name} is a program of its own: it is not copied")
@@ -194,10 +223,12 @@ class Host:
             return self._make_and_spin(lambda: self._hosted(kind, short), f"{short} started")
 
     def reload(self, file: NodeFile, operator_values: Callable[[str], Mapping[str, Any]]) -> None:
-        """Run the nodes of a file as it is now, in place of those of its text before.
+        """Load a file as it is now, and run its nodes in place of those of its text before.
 
         If the file cannot be imported, the old nodes run on. If a new node cannot be constructed,
-        the old nodes are constructed again.
+        the old nodes are constructed again. An event says what was done. If a STOP is not released,
+        a node that serves it carries it out before it spins. A node of the robot's own with the
+        name of a new one is stopped and removed.
 
         Args:
             file: The file.
@@ -250,7 +281,9 @@ class Host:
                 self._on_event("WARN", file.path.name, file.not_run)
 
     def _start(self, new: HostedNode) -> Outcome:
-        """Spin a new node; if a STOP is not released, the node carries it out first.
+        """Spin a new node, which first carries out a STOP that is not released, if it serves it.
+
+        The node spins even if it does not confirm the STOP.
 
         Returns:
             The outcome of the STOP, whose text goes on after `NODE started`.
@@ -262,8 +295,12 @@ class Host:
     def _carry_out_stop(self, new: HostedNode) -> Outcome:
         """Make a new node carry out a STOP that is not released, if it serves it.
 
+        A STOP that the node does not confirm becomes an error event; `on_early_stop` is called for
+        one that it confirms.
+
         Returns:
-            The outcome of the STOP, whose text goes on after `NODE started`.
+            The outcome of the STOP, whose text goes on after `NODE started`: DONE and "" if there
+            is nothing to carry out, NOT_CONFIRMED if the node does not confirm the STOP.
         """
         service, request = self._early_stop_request()
         if not service or not new.serves(service):
@@ -279,7 +316,8 @@ class Host:
     def _carry_out_stop_early(self, new: HostedNode) -> None:
         """Make a node carry out a STOP that is not released, before its constructor spins it.
 
-        Do nothing if it was told at an earlier spin: since then it receives requests itself.
+        Do nothing if a STOP was not released at its last spin either: since then the node receives
+        requests itself. `was_stopped_early` of the node is set for the next call.
         """
         is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
@@ -288,9 +326,11 @@ class Host:
     def _on_made_late(self, hosted: HostedNode) -> None:
         """Start a late node, one whose constructor has returned after `HostedNode.wait` gave up.
 
-        The node replaces a node of the robot's own of the same name. This is called on the node's
-        thread: a caller that stops the node holds the lock and waits for this thread, which
-        therefore never waits for the lock without checking `is_stopping`.
+        The node gets the operator's parameters and replaces a node of the robot's own of the same
+        name; an event says that it is made. It spins only if `start` was called. Nothing of this is
+        done for a node that is being stopped. This is called on the node's thread: a caller that
+        stops the node holds the lock and waits for this thread, which therefore never waits for the
+        lock without checking `is_stopping`.
         """
         if not self._acquire_unless(lambda: hosted.is_stopping):
             return
@@ -304,9 +344,9 @@ class Host:
             self._changing.release()
 
     def _make_way_for_program_node(self, name: str, is_stopping: Callable[[], bool]) -> None:
-        """Remove the node of the robot's own, if any, that a node of a program replaces.
+        """Stop and remove the node of the robot's own, if any, that a node of a program replaces.
 
-        This is called on a thread of the program.
+        Do nothing if the program is to end. This is called on a thread of the program.
 
         Args:
             name: The full name of both nodes.
@@ -335,7 +375,7 @@ class Host:
             self._report_ended(own)
 
     def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
-        """Construct nodes again, and return the new ones; an event names each that fails."""
+        """Construct nodes again, and return them, not spinning; an event names each that fails."""
         made = []
         for old in olds:
             try:
@@ -351,7 +391,7 @@ class Host:
     def _report_not_run(
         self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError
     ) -> None:
-        """Show why the new text of a file does not run, as an event and at its old nodes."""
+        """Put the error of a file's new text into the state of nodes, and write an event."""
         for hosted in nodes:
             text = without_file_name(file, str(error))
             hosted.state = hosted.state._replace(error=text, traceback=error.report)
@@ -369,7 +409,7 @@ class Host:
                 self._on_event("WARN", hosted.name.lstrip("/"), text)
 
     def _abandon(self, old: HostedNode) -> str:
-        """Abandon a stuck node, and return `, the one before ...` about what of it still runs."""
+        """Abandon a stuck node, and return `, the one before ...` about what still runs of it."""
         if old.abandon():
             return ", the one before did not return and was interrupted"
         return ", the one before is stuck: its callback still runs"
@@ -377,15 +417,16 @@ class Host:
     def _make_and_spin(
         self, make: Callable[[], HostedNode], text: str, instead_of: HostedNode | None = None
     ) -> Outcome:
-        """Construct a node, add it to the nodes and spin it.
+        """Construct a node, add it to the nodes and spin it, after a STOP that is not released.
 
         Args:
-            make: Starts to construct it.
+            make: Starts to construct the node.
             text: `NODE started`, for the outcome.
             instead_of: The node that it replaces; None if it is a further one.
 
         Returns:
-            The outcome; REFUSED with the error if the constructor raises.
+            The outcome; REFUSED with the error if the constructor raises, NOT_CONFIRMED if the node
+            does not confirm the STOP. A late node is DONE: it is added, and starts by itself.
         """
         try:
             new = make()
@@ -403,7 +444,9 @@ class Host:
         return next(hosted for hosted in self.nodes if hosted.name == name)
 
     def stop(self) -> list[str]:
-        """Stop every node and program, within END_TIMEOUT; programs are then ended by force.
+        """Ask every node and program to end, and wait END_TIMEOUT; then end programs by force.
+
+        `on_end` is not called.
 
         Returns:
             The names of the nodes and programs that did not end.

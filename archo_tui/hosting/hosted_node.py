@@ -25,7 +25,7 @@ from archo_tui.hosting.explain import explain
 from archo_tui.hosting.global_executor import GlobalExecutor
 from archo_tui.hosting.node_files import FileNode
 from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_limited, stack_of
-from archo_tui.hosting.tracebacks import own_frames
+from archo_tui.hosting.tracebacks import traceback_without
 from archo_tui.hosting.user_file import NodeFileError, UserFile
 from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot import message_classes
@@ -50,7 +50,8 @@ class HostedNode:
         node: The node; not set until its constructor has returned.
         make: The function or FileNode that makes the node.
         file: The node file; None for a node of the robot's own.
-        operator_values: Returns the parameters that the operator has set on a node, by its name.
+        operator_values: A function that returns the parameter values that the operator has set
+            on a node, given the node's full name.
         state: The state of the node; `current_state` is more precise while it is constructed.
         was_stopped_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
@@ -68,7 +69,7 @@ class HostedNode:
         on_early: Callable[[HostedNode], object],
         rename: str = "",
     ) -> None:
-        """Start the thread, which constructs the node; `wait` returns when it has.
+        """Start the thread, which constructs the node, and return without waiting for it.
 
         Args:
             make: Makes the node, given the context.
@@ -112,7 +113,7 @@ class HostedNode:
 
     @property
     def name(self) -> str:
-        """The fully qualified name; the name of the file while the node has none."""
+        """The full name; until the node has one, the name of its file, or `/` if it has none."""
         if self._name:
             return self._name
         for node in self._begun:
@@ -122,12 +123,12 @@ class HostedNode:
 
     @property
     def is_made(self) -> bool:
-        """True if the constructor has returned."""
+        """True once the constructor has returned without an error; stays True."""
         return bool(self._name)
 
     @property
     def is_late(self) -> bool:
-        """True if `wait` gave up on the constructor; the node is spun once that returns."""
+        """True once `wait` has given up on the constructor; stays True when the node is made."""
         return self._is_late
 
     @property
@@ -136,7 +137,11 @@ class HostedNode:
         return self._stopping
 
     def current_state(self) -> Hosted:
-        """Return the state of the node; while it is constructed, with the line that runs."""
+        """Return the state of the node now.
+
+        While a node of a file is constructed, `error` is the line that runs, and `serves` holds the
+        services and actions that its constructor has made so far.
+        """
         state = self.state
         if state.life is not Life.STARTING or self.file is None:
             return state
@@ -147,14 +152,15 @@ class HostedNode:
     def _serves_by_now(self) -> tuple[str, ...]:
         """Return the services and actions that the node has made in its constructor so far.
 
-        The constructor may spin the node and never return.
+        The constructor may spin the node and never return. The result is empty while the
+        constructor has not called that of `Node`.
         """
         with contextlib.suppress(Exception):  # The constructor may not have come that far.
             return tuple(sorted({name for node in self._begun for name in served_names(node)}))
         return ()
 
     def wait(self) -> bool:
-        """Wait until the node is made.
+        """Wait until the node is made; for a node of the robot's own without a time limit.
 
         Returns:
             False if the constructor of a node of a file waits for other nodes, or takes longer
@@ -179,7 +185,11 @@ class HostedNode:
         return time.monotonic() - self._began >= CONSTRUCTION_TIME
 
     def lateness_text(self) -> str:
-        """Return the line at which the constructor of a late node is, and why it waits."""
+        """Return where the constructor of a late node of a file is, and why it has not returned.
+
+        Returns:
+            A line, as `FILE:LINE: Talker.__init__ waits for other nodes, in: ...`.
+        """
         assert isinstance(self.make, FileNode)
         where, line = self.make.file.code.place(stack_of(self._thread))
         limit = f"did not return within {CONSTRUCTION_TIME:g} s"
@@ -193,7 +203,8 @@ class HostedNode:
             seconds: The time limit.
 
         Returns:
-            The place of its constructor, or the error that it raised; "" if the node is made.
+            The line at which its constructor still is, or the error that the constructor raised; ""
+            if the node is made.
         """
         self._is_over.wait(seconds)
         if self._failure is not None:
@@ -201,7 +212,7 @@ class HostedNode:
         return "" if self._is_over.is_set() else self.lateness_text()
 
     def _run(self) -> None:
-        """Construct the node, and spin it once that is allowed."""
+        """Construct the node, and spin it once `start` allows that; record a late node's crash."""
         global_executor.use(self._global)
         with contextlib.suppress(Interrupted):  # It was stopped while it was constructed.
             try:
@@ -236,9 +247,9 @@ class HostedNode:
         self._name = name
 
     def _main_executor(self, name: str) -> tuple[Executor, Workers | None]:
-        """Return the executor that spins the node as `main()` does.
+        """Return the executor that spins the node as `main()` of its file does.
 
-        If `main()` calls `rclpy.spin(node)`, that is the global executor.
+        If `main()` names no executor, or the node has no file, that is the global executor.
 
         Returns:
             The executor, and its threads if it has several, else None.
@@ -251,9 +262,9 @@ class HostedNode:
         return multi_threaded(self._context, self.make.threads, name, begin)
 
     def _on_added(self, node: Node) -> None:
-        """Stop a node that its constructor is about to spin, or warn of a nested spin.
+        """Call `on_early` for a node that its constructor is about to spin; warn of a nested spin.
 
-        Called before user code spins a node, by `rclpy.spin` and the like.
+        This is called before user code spins a node, by `rclpy.spin` and the like.
         """
         if not self._is_over.is_set():
             if self._begun and not self._has_returned:
@@ -262,7 +273,10 @@ class HostedNode:
             self._warn_of_nested_spin(node)
 
     def _warn_of_nested_spin(self, node: Node) -> None:
-        """Warn that a nested spin takes a node from the executor of `main()`, as on ROS 2."""
+        """Warn, once, that a nested spin takes a node from the executor of `main()`, as on ROS 2.
+
+        Do nothing for a node of the robot's own, or one that another executor spins.
+        """
         if node.executor is not self._executor or self._was_taken or self.file is None:
             return
         self._was_taken = True
@@ -272,12 +286,15 @@ class HostedNode:
         self._on_event("WARN", name, f"{where}: {what}: pass executor=self.executor{line}")
 
     def start(self) -> None:
-        """Let the thread spin the node, whose constructor has returned."""
+        """Let the thread spin the node, whose constructor has returned.
+
+        From now on the thread has the name of the node, by which its output is known.
+        """
         self._thread.name = self.name
         self._may_spin.set()
 
     def serves(self, service: str) -> bool:
-        """Return True if the node has a service, also while it is constructed.
+        """Return True if the node has a service (not an action), also while it is constructed.
 
         Args:
             service: The full name of the service.
@@ -290,10 +307,12 @@ class HostedNode:
         return next((found for found in services if found.service_name == name), None)
 
     def carry_out_stop(self, service: str, request: Mapping[str, Any]) -> str:
-        """Call the STOP callback of a node that does not spin yet, with a time limit.
+        """Call the STOP callback of a node that does not spin yet, for CONSTRUCTION_TIME at most.
+
+        A coroutine that waits for something does not confirm the STOP.
 
         Args:
-            service: The full name of the STOP service.
+            service: The full name of the STOP service, which the node `serves`.
             request: The values of the request; it must have exactly these fields.
 
         Returns:
@@ -340,7 +359,7 @@ class HostedNode:
         return "" if result.successful else result.reason or "refused"
 
     def make_again(self) -> HostedNode:
-        """Start to construct another node of the same class and name."""
+        """Start to construct another node of the same class and name; this node stays as it is."""
         callbacks = self._on_change, self._on_event, self._on_late, self._on_early
         return HostedNode(self.make, self._context, *callbacks, self._rename)
 
@@ -355,7 +374,7 @@ class HostedNode:
 
     def _crashed(self, error: BaseException) -> None:
         text = in_one_line(error)
-        report = own_frames(error, rclpy, archo_tui)
+        report = traceback_without(error, rclpy, archo_tui)
         if isinstance(error, NodeFileError):
             self.crash, report = str(error), error.report
         elif self.file is not None:
@@ -385,7 +404,7 @@ class HostedNode:
         """Ask the thread to end, without waiting for it.
 
         A constructor is interrupted, and so is a callback that spins; any other callback runs to
-        its end.
+        its end. A node that waits for `start` is not spun any more.
         """
         self._stopping = True
         self._may_spin.set()
@@ -398,13 +417,13 @@ class HostedNode:
                 self._executor.create_task(lambda: None)
 
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
-        """End the threads and destroy the node.
+        """End the threads and destroy the node; a node that has crashed keeps that state.
 
         Args:
             timeout: Seconds to wait for the running callbacks.
 
         Returns:
-            False if a callback takes longer; the node is marked as stuck then.
+            False if a callback takes longer: the node is marked as stuck and not destroyed then.
         """
         self.begin_to_stop()
         end = time.monotonic() + timeout
@@ -424,10 +443,10 @@ class HostedNode:
         return True
 
     def abandon(self) -> bool:
-        """Take a node off the graph whose callback does not return, and interrupt its threads.
+        """Interrupt the threads of a stuck node, and take the node off the graph.
 
         Returns:
-            True if all threads have ended.
+            True if all threads have ended, each within half a second.
         """
         ended = all([interrupt(thread) for thread in self.threads()])
         self._leave_graph()
@@ -435,12 +454,15 @@ class HostedNode:
 
 
 def _end_spinning() -> NoReturn:
-    """End the spin that runs this, and the callback around it if it is nested."""
+    """Raise Interrupted, which ends the spin that runs this task.
+
+    If that spin is nested, the callback around it ends, too.
+    """
     raise Interrupted
 
 
 def waits_for_others(thread: threading.Thread) -> bool:
-    """Return True if a thread is in a function of rclpy that waits for other nodes."""
+    """Return True if a thread is in a spin, or in a function of rclpy that waits for nodes."""
     frame = sys._current_frames().get(thread.ident or 0)
     while frame is not None:
         module = frame.f_globals.get("__name__", "")
@@ -451,7 +473,10 @@ def waits_for_others(thread: threading.Thread) -> bool:
 
 
 def without_file_name(file: UserFile, text: str) -> str:
-    """Shorten `FILE:31: NameError: ...` to `line 31: NameError: ...`, for places that name FILE."""
+    """Shorten `FILE:31: NameError: ...` to `line 31: NameError: ...`, for places that name FILE.
+
+    `FILE: ...` without a line becomes `...`; any other text is returned as it is.
+    """
     prefix = f"{file}:"
     if not text.startswith(prefix):
         return text
@@ -462,8 +487,8 @@ def without_file_name(file: UserFile, text: str) -> str:
 def destroy(node: Node) -> None:
     """Take a node off the graph, with its action servers and clients.
 
-    rclpy leaves these on the graph until they are garbage collected. Beside the node that is
-    started next they would be second servers of its actions.
+    rclpy leaves action servers and clients on the graph until they are garbage collected. Beside
+    the next node of the same name, they would be second servers of its actions.
     """
     for waitable in list(getattr(node, "waitables", ())):
         destroy = getattr(waitable, "destroy", None)
@@ -473,7 +498,10 @@ def destroy(node: Node) -> None:
 
 
 def served_names(node: Node) -> tuple[str, ...]:
-    """Return the full names of a node's services and actions, without those of its parameters."""
+    """Return the full names of a node's services and actions, sorted.
+
+    Services below the node's own name (`NODE/...`), such as those of its parameters, are left out.
+    """
     own = f"{node.get_fully_qualified_name()}/"
     names = {service.service_name for service in node.services}
     services = {name for name in names if not name.startswith(own) and "/_action/" not in name}

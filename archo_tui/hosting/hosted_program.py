@@ -21,15 +21,16 @@ LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no
 
 
 class Program(NamedTuple):
-    """A program to run.
+    """A program to run, and how.
 
     Attributes:
-        file: Its file.
+        file: The file of the program.
         ros_args: The words from `--ros-args` on that `rclpy.init` gets.
-        arguments: The words before them.
+        arguments: The words of the command line before `ros_args`.
         name: The full name of its node, if that is known before the program runs; else "".
         domain_id: The ROS domain; None for that of the environment.
-        respawn_delay: Seconds between its end and the next run; None to run it only once.
+        respawn_delay: Seconds between its end and the next run, at least LEAST_RESPAWN_DELAY;
+            None to run it only once.
         start_delay: Seconds before the first run.
     """
 
@@ -65,7 +66,7 @@ class HostedProgram(ABC):
         program: The program to run.
         file: The file of the program.
         state: The state of the program; `current_states` has one for each of its nodes.
-        crash: `FILE:LINE` and the error after a crash; "" otherwise.
+        crash: `FILE:LINE` and the error of the last crash; "" if the last run did not crash.
         has_name: True once it has made a node, in this run or before.
         was_refused: True if this run was ended at its first node because a STOP was not released.
         served: The full names of the services and actions that it was last known to serve.
@@ -84,7 +85,8 @@ class HostedProgram(ABC):
 
         Args:
             program: The program to run.
-            on_end: Called when the program has ended by itself, in a thread of the program.
+            on_end: Called each time that the program has ended without being stopped, in a thread
+                of the program.
             on_node: Called with the full name of each node that the program makes, in a thread of
                 the program.
             may_run: Returns False while a STOP is not released.
@@ -107,7 +109,7 @@ class HostedProgram(ABC):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The full names of the program's nodes; while it has none, the name in `state`."""
+        """The full names of the program's nodes, the oldest first; if it has none, `state.name`."""
         return self.node_names() or (self.state.name,)
 
     @property
@@ -116,30 +118,37 @@ class HostedProgram(ABC):
         return self._stopping.is_set()
 
     def current_states(self) -> tuple[Hosted, ...]:
-        """Return the state of each node of the program; one state if it has no node."""
+        """Update `served`, and return a state for each node of the program, one if it has none.
+
+        Each state has the services and actions of the whole program.
+        """
         state = self.state
         if state.life is Life.UP:
             self.served = self.serves_now()
         return tuple(state._replace(name=name, serves=self.served) for name in self.names)
 
     def begin(self) -> None:
-        """Start the thread that runs the compiled file."""
+        """Start the thread that runs the compiled file, once.
+
+        With a start delay, the first run also waits until no STOP holds. Without one, a STOP ends
+        the run at its first node, see `accept_node`.
+        """
         self.state = self.state._replace(saved=self.file.saved)
         self._thread.start()
 
     def wait(self) -> None:
-        """Wait until the program is at rest or has ended, at most CONSTRUCTION_TIME."""
+        """Wait until the program `is_at_rest` or has ended, at most CONSTRUCTION_TIME."""
         end = time.monotonic() + CONSTRUCTION_TIME
         while self._thread.is_alive() and time.monotonic() < end and not self.is_at_rest():
             time.sleep(CONSTRUCTOR_POLL)
 
     def report_not_restarted(self, error: NodeFileError) -> None:
-        """Put the error of the saved text into `state`, while the text before runs on."""
+        """Put the error of the saved text into `state`; the program runs on with the old text."""
         text = without_file_name(self.file, str(error))
         self.state = self.state._replace(error=text, traceback=error.report)
 
     def _run(self) -> None:
-        """Run the program until it has ended, and again if it is to be respawned."""
+        """Run the program until it has ended, and again if it respawns and no STOP holds."""
         with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
             self._run_and_respawn()
 
@@ -164,7 +173,11 @@ class HostedProgram(ABC):
         return True
 
     def _record_end(self, end: ProgramEnd) -> None:
-        """Set `state` from a run's result, and call `on_end` unless the program was stopped."""
+        """Set `state` and `crash` from a run's result; call `on_end` unless it was stopped.
+
+        A run that was stopped, or refused because of a STOP, counts as STOPPED; exit code 0 as
+        ENDED, any other as CRASHED.
+        """
         name = self.state.name
         if self._stopping.is_set():
             self.state = self.state._replace(name=name, life=Life.STOPPED, error="")
@@ -187,13 +200,14 @@ class HostedProgram(ABC):
         """Record a node that the program has made, and decide whether the program may go on.
 
         A STOP that was sent since the program was started has not reached its nodes. So the program
-        must end if a STOP holds when its first node is made; before that it moves nothing.
+        must end if a STOP holds when its first node is made; before that it moves nothing. The name
+        of its first node ever becomes that of the program and its thread. `on_node` is called.
 
         Args:
             name: The full name of the node.
 
         Returns:
-            False if the program must end.
+            False if the program must end; `was_refused` is True then.
         """
         if not self._has_node and not self._may_run():
             self.was_refused = True
@@ -210,7 +224,10 @@ class HostedProgram(ABC):
         return True
 
     def begin_to_stop(self) -> None:
-        """Interrupt the program once, as Ctrl-C does, without waiting for its end."""
+        """Interrupt the program, as Ctrl-C does, without waiting for its end; it is not respawned.
+
+        A second call does nothing.
+        """
         if self._stopping.is_set():
             return
         self._stopping.set()
@@ -218,13 +235,19 @@ class HostedProgram(ABC):
             self.interrupt()
 
     def join(self, timeout: float) -> bool:
-        """Wait for the end of the program, at most `timeout` seconds; return True if it ended."""
+        """Wait for the end of the program, at most `timeout` seconds.
+
+        Returns:
+            True if it has ended or was never begun.
+        """
         if self._thread.ident is not None:
             self._thread.join(max(timeout, 0.0))
         return not self._thread.is_alive()
 
     def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
-        """End the program, by force if it takes too long.
+        """Interrupt the program and wait for its end; end it by force if it takes too long.
+
+        A program that has crashed keeps that state.
 
         Args:
             timeout: Seconds to wait before it is ended by force.
@@ -258,7 +281,10 @@ class HostedProgram(ABC):
 
     @abstractmethod
     def is_at_rest(self) -> bool:
-        """Return True if the program waits for other nodes or for messages."""
+        """Return True if the program has made a node and waits for other nodes or messages.
+
+        A `ProgramChild`, into which the console cannot look, is at rest once it has made a node.
+        """
 
     @abstractmethod
     def interrupt(self) -> None:
@@ -269,11 +295,11 @@ class HostedProgram(ABC):
         """End the program by force if it runs, without waiting; may be called on any thread."""
 
     def release(self) -> None:  # noqa: B027
-        """Take the nodes that an ended program has left off the graph."""
+        """Take the nodes that an ended program has left off the graph; a child leaves none."""
 
 
 def exit_code(error: SystemExit) -> tuple[int, str]:
-    """Return the exit code that Python makes of a SystemExit, and the text that it prints."""
+    """Return the exit code that Python makes of a SystemExit, and the text that it prints or ""."""
     if error.code is None:
         return 0, ""
     if isinstance(error.code, int):

@@ -38,23 +38,23 @@ class NothingRunsError(ArchoError):
 
 
 class LaunchFile:
-    """A launch file, evaluated once, and a folder with what its packages install.
+    """A launch file, evaluated once, and a temporary folder with what its packages install.
 
     Attributes:
-        path: Its path.
+        path: The path of the launch file.
         workspace: The packages that it can use.
         notes: The messages of the file, and a note for each part that does not run here.
     """
 
     def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
-        """Evaluate the file, in a process of its own.
+        """Evaluate the file in a child process, and wait for it; `close` removes the folder.
 
         Args:
-            path: Its path.
-            arguments: The values of its arguments.
+            path: The path of the launch file.
+            arguments: The values of its launch arguments, by name.
 
         Raises:
-            ArchoError: The file is wrong, or nothing of it runs here.
+            ArchoError: The file is wrong, or nothing of it runs here (NothingRunsError).
         """
         self.path, self._arguments = path, arguments
         self.workspace = Workspace.around(path)
@@ -74,7 +74,7 @@ class LaunchFile:
         return evaluate(str(self.path), self.workspace, Path(prefix), self._arguments)
 
     def check(self) -> None:
-        """Evaluate the file as it is now, for its mistakes only.
+        """Evaluate the file as it is now, to find its mistakes; its programs are not changed.
 
         Raises:
             ArchoError: The file is wrong.
@@ -83,7 +83,11 @@ class LaunchFile:
             self._evaluated(prefix)
 
     def programs(self, ros_args: Sequence[str], domain_id: int | None) -> list[Program]:
-        """Return its programs, and set the variables that it sets in this process's environment.
+        """Return the programs of the file, and prepare this process to run them.
+
+        The environment variables that the file sets are set in this process, and the programs'
+        modules can be imported. A variable that is set for one program only is not set: `notes`
+        gets a warning.
 
         Args:
             ros_args: ROS arguments that each program gets before its own, from `--ros-args` on.
@@ -113,7 +117,10 @@ class LaunchFile:
         return programs
 
     def _note_environment(self, launched: LaunchedProgram) -> None:
-        """Add a note for variables of one program, since programs share one environment."""
+        """Warn in `notes` of variables that the file sets for one program only.
+
+        They are not set, because the programs share one environment.
+        """
         own = dict(launched.environment.items() - self._plan.environment.items()).keys() - {_DOMAIN}
         if own:
             where = f"{Path(launched.file).name}:{launched.line}"
@@ -156,7 +163,7 @@ class HostedLaunchFile:
         return self._file.current_stamps()
 
     def reload(self) -> None:
-        """Restart the console, unless the file has a mistake now."""
+        """Restart the console, unless the file has a mistake now, which becomes an error event."""
         self.loaded = self.current_stamps()
         try:
             self._file.check()

@@ -22,7 +22,7 @@ _NOT_MISSED = {
 
 
 class ComputedError(Exception):
-    """An argument of a node has a value that only running `main()` could tell.
+    """The error for an argument of a node whose value only running `main()` could tell.
 
     Attributes:
         line: The line of the call that makes the node.
@@ -70,12 +70,12 @@ class MainFunction(ast.NodeVisitor):
     """The calls of `main()`, and of the file's functions that it calls, in order of execution.
 
     Attributes:
-        made: The calls that make nodes.
-        not_run: The calls that concern a node and are not made here.
+        made: The calls that make nodes; of equal ones the first.
+        not_run: The calls that concern a node and are not made here, up to the first spin.
     """
 
     def __init__(self, tree: ast.Module, names: Mapping[str, Any]) -> None:
-        """Follow what stands below an `if` of the module, and `main()` if that makes no node.
+        """Collect the calls below the module's `if`s, and those of `main()` if these make no node.
 
         Args:
             tree: The file's syntax tree.
@@ -103,7 +103,7 @@ class MainFunction(ast.NodeVisitor):
             self._follow(self._functions["main"], ())
 
     def _follow(self, function: ast.FunctionDef, given: Sequence[ast.expr]) -> None:
-        """Follow a function of the file that is called with these arguments by position."""
+        """Collect the calls of a function of the file, called with these arguments by position."""
         values, nodes = self._values, self._nodes
         names = [argument.arg for argument in function.args.args]
         defaults = function.args.defaults
@@ -123,17 +123,17 @@ class MainFunction(ast.NodeVisitor):
         self._values, self._nodes = values, nodes
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
-        """Skip a definition: it is followed where it is called."""
+        """Skip a definition: the body of a function is read where it is called."""
 
     visit_AsyncFunctionDef = visit_ClassDef = visit_Lambda = visit_FunctionDef  # type: ignore
 
     def visit_Try(self, node: ast.Try) -> None:
-        """Skip `except` and `finally`, which run when something fails or at the end."""
+        """Read body and `else`; skip `except` and `finally`, run after a failure or at the end."""
         for statement in [*node.body, *node.orelse]:
             self.visit(statement)
 
     def visit_Assign(self, node: ast.Assign) -> None:
-        """Remember which names are nodes and which are values."""
+        """Read the calls of the assigned value; remember if its name is now a node or a value."""
         count = len(self.made)
         self.visit(node.value)
         for target in node.targets:
@@ -141,12 +141,12 @@ class MainFunction(ast.NodeVisitor):
                 self._bind(target.id, node.value, len(self.made) > count)
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
-        """Treat it as a plain assignment."""
+        """Treat an annotated assignment as a plain one; skip an annotation without a value."""
         if node.value is not None:
             self.visit_Assign(ast.Assign([node.target], node.value))
 
     def visit_With(self, node: ast.With) -> None:
-        """Treat `with Talker() as talker` as an assignment."""
+        """Treat `with Talker() as talker` as an assignment, then read the body."""
         for item in node.items:
             targets = [] if item.optional_vars is None else [item.optional_vars]
             self.visit_Assign(ast.Assign(targets, item.context_expr))
@@ -154,7 +154,13 @@ class MainFunction(ast.NodeVisitor):
             self.visit(statement)
 
     def visit_Call(self, node: ast.Call) -> None:
-        """Sort a call into nodes, followed functions and skipped calls, after its arguments."""
+        """Add a call to `made` or `not_run`, or read the function of the file that it calls.
+
+        Its arguments are read first. After a call of `spin`, nothing is added to `not_run`.
+
+        Raises:
+            ComputedError: The call makes a node, and only `main()` could tell a value of it.
+        """
         self.generic_visit(node)
         function = node.func
         own = self._functions.get(function.id) if isinstance(function, ast.Name) else None
@@ -214,7 +220,7 @@ class MainFunction(ast.NodeVisitor):
             return
 
     def _value(self, expression: ast.expr, values: Mapping[str, Any]) -> Any:
-        """Return the value of an expression.
+        """Return the value of a literal, or of a name of `values` or of the file's module.
 
         Args:
             expression: The expression.
@@ -230,7 +236,11 @@ class MainFunction(ast.NodeVisitor):
         return ast.literal_eval(expression)
 
     def _concerns_node(self, call: ast.Call) -> bool:
-        """Return True if a call is of a method of a node, or has a node as an argument."""
+        """Return True if a call is of a method of a node, or has a node as an argument.
+
+        Calls that the host replaces or that change nothing, as `spin` and `get_logger`, do not
+        count.
+        """
         words = {*_words(call.func)}
         if words & _NOT_MISSED:
             return False
@@ -239,7 +249,7 @@ class MainFunction(ast.NodeVisitor):
 
 
 def _root(expression: ast.expr) -> str:
-    """Return the name that an expression begins with: `sender` of `sender.client.send`."""
+    """Return the name that an expression begins with: `sender` of `sender.client.send`; else ""."""
     while isinstance(expression, (ast.Attribute, ast.Call, ast.Subscript)):
         expression = expression.func if isinstance(expression, ast.Call) else expression.value
     return expression.id if isinstance(expression, ast.Name) else ""
@@ -255,6 +265,6 @@ def _words(expression: ast.expr) -> Iterator[str]:
 
 
 def quoted(call: ast.Call) -> str:
-    """Return a call as text, without its arguments if they are long."""
+    """Return a call as text; as `name(...)` if that is longer than 60 characters."""
     text = ast.unparse(call)
     return text if len(text) <= _MAX_QUOTED else f"{ast.unparse(call.func)}(...)"

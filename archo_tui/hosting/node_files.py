@@ -36,7 +36,7 @@ class FileNode:
 
     Attributes:
         file: The file.
-        threads: The number of threads that spin the node; see `Source.threads`.
+        threads: The number of threads that spin the node, as `Source.threads` returns it.
         has_executor: True if `main()` makes an executor of its own.
     """
 
@@ -57,13 +57,16 @@ class FileNode:
         return self._node_class.__name__
 
     def __call__(self, context: Context, begun: Callable[[Node], None], **options: Any) -> Node:
-        """Make the node.
+        """Make the node in the calling thread.
+
+        If the constructor raises, what it has made so far is taken off the graph.
 
         Args:
             context: The rclpy context. A constructor that does not take it, as in textbooks, makes
                 the node in the default context.
             begun: Called with the node before its constructor runs.
-            **options: Further arguments for the constructor.
+            **options: Further arguments for the constructor, in the place of those of the same name
+                in `main()`.
 
         Raises:
             NodeFileError: The constructor raised, or does not take `options`; the text names file
@@ -101,7 +104,7 @@ class FileNode:
     def _constructor_fault(self, error: BaseException) -> NodeFileError | None:
         """Return an error that explains why a constructor failed before rclpy's `__init__` ran.
 
-        The class does not call that `__init__`, or its own needs other arguments.
+        Either the class does not call `Node.__init__`, or its own `__init__` needs other arguments.
 
         Args:
             error: The error of the constructor.
@@ -146,7 +149,7 @@ class NodeFile(UserFile):
 
     Attributes:
         path: The path of the file.
-        code: Its code, and that of its folder, as messages name it.
+        code: The code of the file and of its folder, as messages name it.
         loaded: Time and size of each file when it was last loaded, or could not be loaded.
         source: The text that was last loaded.
         not_run: One line about the calls of its `main()` that are not made here; "" if there are
@@ -154,7 +157,7 @@ class NodeFile(UserFile):
     """
 
     def __init__(self, given: str) -> None:
-        """Find the file, without reading it.
+        """Find the file, without reading it; see `UserFile` for the dotted name of a module.
 
         Args:
             given: Its path, or the dotted name of a module, as the user typed it.
@@ -169,19 +172,25 @@ class NodeFile(UserFile):
         self._failed = False
 
     def current_stamps(self) -> Stamps:
-        """Return the stamps of the file and its modules; after a failure of its whole folder."""
+        """Return the stamps now of the file and the modules of its folder that it imports.
+
+        After a failed load or `restore`, all Python files of the folder are among them.
+        """
         own = {Path(module.__file__) for module in self._modules.values() if module.__file__}
         beside = self.path.parent.glob("*.py") if self._failed else ()
         return stamps({self.path, *own, *beside})
 
     def load(self) -> list[FileNode]:
-        """Import the file as it is now.
+        """Import the file and its modules as they are now, within IMPORT_TIME, in a thread.
+
+        `loaded`, `source` and `not_run` are set. `main()` is not run.
 
         Returns:
-            A maker for each of its nodes.
+            A maker for each node that `main()` makes, or, if it makes none, for each node class.
 
         Raises:
-            NodeFileError: The file cannot be imported; the previous modules stay in place.
+            NodeFileError: The file cannot be imported in that time or defines no node; the previous
+                modules stay in place.
         """
         before = {name: sys.modules.pop(name) for name in self._modules if name in sys.modules}
         known = set(sys.modules)
@@ -204,7 +213,7 @@ class NodeFile(UserFile):
     def restore(self) -> None:
         """Put the modules of the previous text back, so that its nodes can be constructed again.
 
-        Like a failed load, this makes every file of the folder count as a change.
+        As after a failed load, a change of any Python file of the folder reloads the file.
         """
         for name in self._modules:
             sys.modules.pop(name, None)
@@ -241,7 +250,7 @@ class NodeFile(UserFile):
             text = regular_files.read(self.path)
             code = compile(text, str(self.path), "exec", dont_inherit=True)
             self.source = Source(text)
-            early = self.source.runs_at_import()
+            early = self.source.spin_at_import()
             if early is not None:
                 raise NodeFileError(
                     f"{self}:{early[1]}: {early[0]}() runs when the file is imported: "
@@ -257,7 +266,11 @@ class NodeFile(UserFile):
         return self._nodes_by_main(module) or self._node_of_each_class(module)
 
     def _node_of_each_class(self, module: ModuleType) -> list[FileNode]:
-        """Return a maker for each node class of the file that has no subclass in it."""
+        """Return a maker for each node class that the file defines and does not subclass itself.
+
+        Raises:
+            NodeFileError: There is no such class.
+        """
         kinds = [
             kind
             for kind in vars(module).values()
@@ -269,7 +282,11 @@ class NodeFile(UserFile):
         return [FileNode(self, NodeCall(kind, (), {}, 0, "")) for kind in dict.fromkeys(nodes)]
 
     def _nodes_by_main(self, module: ModuleType) -> list[FileNode]:
-        """Return a maker for each node that `main()` makes, and set `not_run`."""
+        """Return a maker for each node that `main()` makes, perhaps none, and set `not_run`.
+
+        Raises:
+            NodeFileError: An argument of a node has a value that only running `main()` could tell.
+        """
         try:
             main = MainFunction(self.source.tree, vars(module))
         except ComputedError as error:
@@ -281,7 +298,7 @@ class NodeFile(UserFile):
         return [FileNode(self, call) for call in main.made]
 
     def _run_limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
-        """Run work of the file with a time limit.
+        """Run work of the file in a thread, with a time limit, and wait for it.
 
         Args:
             work: The function to run.
@@ -301,10 +318,13 @@ class NodeFile(UserFile):
             raise NodeFileError(f"{where}: {what} {error}{line}") from None
 
     def run_explained(self, work: Callable[[], T]) -> T:
-        """Run work of the file and return its value.
+        """Run work of the file in the calling thread and return its value.
 
         Raises:
             NodeFileError: The work raised, SystemExit included; the text says what and where.
+            ArchoError: The work raised this error, which explains itself.
+            Interrupted: The work was interrupted.
+            TookTooLong: The work took longer than its time limit.
         """
         try:
             return work()

@@ -21,13 +21,23 @@ _OWNER = "owner of output"  # Of a thread's attributes.
 
 
 def share_output(thread: threading.Thread, owner: threading.Thread) -> None:
-    """Attribute the output of a thread to another one: its name, and its limit per period."""
+    """Let the lines that a thread prints count as those of another thread, its owner.
+
+    They get the owner's name, and count in its limit per period.
+    """
     vars(thread)[_OWNER] = owner
 
 
 @dataclass
 class _Printed:
-    """The output of a node within the current period."""
+    """The output of the threads of one name within the current period.
+
+    Attributes:
+        rest: The text after the last end of a line.
+        since: Monotonic time in seconds at which the period began.
+        lines: The number of lines that were shown.
+        left_out: The number of lines that were not.
+    """
 
     rest: str = ""  # The line without its end yet.
     since: float = field(default_factory=time.monotonic)
@@ -36,7 +46,7 @@ class _Printed:
 
 
 class _Output(io.TextIOBase):
-    """The base of a stream in front of another one, with a `write` of its own."""
+    """The base of a stream that stands in front of another one; a subclass defines `write`."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -58,7 +68,11 @@ class HarmlessOutput(_Output):
     """A standard error that makes control characters visible, for all threads."""
 
     def write(self, text: str) -> int:
-        """Write text with its control characters made visible."""
+        """Write text with control characters made visible and tabs expanded; line ends are kept.
+
+        Returns:
+            The number of characters of `text`.
+        """
         self._stream.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
         return len(text)
 
@@ -66,8 +80,8 @@ class HarmlessOutput(_Output):
 class NodeOutput(_Output):
     """A standard output that turns lines of other threads than the main one into events.
 
-    The console itself prints in the main thread only. The threads of a node have its name; others
-    were started by a node.
+    The console itself prints in the main thread only. The source of an event is the name of the
+    thread, which is that of its node, or of the owner that `share_output` has set.
     """
 
     def __init__(self, stream: TextIO, note: Callable[[str, str, str], None]) -> None:
@@ -84,7 +98,14 @@ class NodeOutput(_Output):
         self._printed: dict[str, _Printed] = {}  # By the name of the thread.
 
     def write(self, text: str) -> int:
-        """Write text of the main thread; make an event of each whole line of another one."""
+        """Write text of the main thread; make an event of each whole line of another thread.
+
+        Of other threads, 50 lines a second are shown, and 10,000 characters of a line; an event
+        tells how many lines were left out.
+
+        Returns:
+            The number of characters of `text`.
+        """
         thread = threading.current_thread()
         if thread is threading.main_thread():
             return self._stream.write(text)
@@ -96,9 +117,10 @@ class NodeOutput(_Output):
         return len(text)
 
     def _lines(self, name: str, text: str) -> list[str]:
-        """Add text of a thread, and return the complete lines to show.
+        """Add text of a thread, and return the complete lines to show, cut to _MAX_LENGTH.
 
-        Of a flood, _MAX_LINES in a period are shown, and later how many were left out.
+        Of a flood, _MAX_LINES in a period are shown; the first output after the period tells how
+        many were left out. Text without a line end is a line once it is longer than _MAX_LENGTH.
         """
         printed = self._printed.setdefault(name, _Printed())
         *lines, printed.rest = (printed.rest + text).split("\n")

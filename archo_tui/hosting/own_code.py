@@ -33,7 +33,10 @@ class OwnCode:
         return self._given
 
     def is_own(self, filename: str) -> bool:
-        """Return True if a path is the file itself, or in its folder and not a part of Python."""
+        """Return True for the file itself, and files in or below its folder, unless installed.
+
+        Python's own library and `site-packages` count as installed.
+        """
         if not filename:  # Built-in code has none.
             return False
         if filename not in self._known:

@@ -26,14 +26,14 @@ class Found(NamedTuple):
 
 
 def find_all(folders: Sequence[Path], engine_name: str) -> Found:
-    """Find the packages in several folders; a later folder's replaces one of the same name.
+    """Find the packages in several folders; a later folder's package replaces one of the same name.
 
     Args:
         folders: Interface packages, or the `src/` of workspaces.
         engine_name: The engine that is to read them.
 
     Raises:
-        ArchoError: See `find`.
+        ArchoError: A folder has no package without a mistake, or the engine is ROS 2; see `find`.
     """
     packages: dict[str, Path] = {}
     warnings: list[str] = []
@@ -47,7 +47,7 @@ def find_all(folders: Sequence[Path], engine_name: str) -> Found:
 def find(
     folder: Path, engine_name: str, others: Mapping[str, Path] = MappingProxyType({})
 ) -> Found:
-    """Find the packages in a folder.
+    """Find the packages in a folder, and read their interfaces.
 
     A package with a mistake in an interface is found, too: importing that interface raises.
 
@@ -57,8 +57,8 @@ def find(
         others: Packages that were found before, whose types these may use.
 
     Raises:
-        ArchoError: There is no package, or none without a mistake, of which the first is named; or
-            the engine is ROS 2, where packages have to be built.
+        ArchoError: There is no package; each package has a mistake, the first of which is the
+            text; or the engine is ROS 2, where packages have to be built.
     """
     packages: dict[str, Path] = {}
     nameless: list[str] = []
@@ -83,10 +83,10 @@ def find(
 
 
 def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
-    """Read every file of some packages.
+    """Read every interface file of some packages, and return the mistakes.
 
     Args:
-        packages: All packages, whose types the files may use.
+        packages: The folders of all packages, whose types the files may use, by name.
         of: The names of the packages to read.
 
     Returns:
@@ -102,7 +102,7 @@ def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
 
 
 class OwnInterfaces:
-    """The watched files of the user's interface packages: the console restarts with new ones."""
+    """The watched interface files of the user: the console restarts when one is saved."""
 
     def __init__(
         self,
@@ -128,7 +128,10 @@ class OwnInterfaces:
         return stamps(p for f in folders for kind in KINDS for p in f.glob(f"{kind}/*.{kind}"))
 
     def reload(self) -> None:
-        """Restart the console, unless the files have mistakes that the start did not name."""
+        """Restart the console, unless the files have mistakes that the start did not name.
+
+        Each such mistake becomes an error event.
+        """
         self.loaded = self.current_stamps()
         wrong = mistakes(self._packages, self._packages)
         new_mistakes = [text for name, text in wrong.items() if text != self._known.get(name)]

@@ -24,11 +24,14 @@ class PackageNotFoundError(KeyError):
 class PackageShares:
     """The share folders of the packages of workspaces, each made when a node first asks for it.
 
-    This runs the setup.py of the package, in the thread of the node that asks.
+    Making one runs the setup.py of the package, while the node that asks waits.
     """
 
     def __init__(self, workspaces: Iterable[Workspace]) -> None:
-        """Make `ament_index_python` importable until `close`, unless it is installed."""
+        """Make `ament_index_python` importable until `close`.
+
+        Do nothing if it is installed, or there is no workspace.
+        """
         self._workspaces = list(workspaces)
         self._prefix: tempfile.TemporaryDirectory[str] | None = None
         if self._workspaces and importlib.util.find_spec(_NAME) is None:
@@ -37,7 +40,7 @@ class PackageShares:
                 sys.modules[name] = self._module(name)
 
     def close(self) -> None:
-        """Remove the stand-in and the folders."""
+        """Remove the stand-in and the folders; packages are not found any more."""
         if self._prefix is not None:
             for name in (_NAME, f"{_NAME}.packages"):
                 sys.modules.pop(name, None)
@@ -60,7 +63,7 @@ class PackageShares:
         """Make the share folder of a workspace's package, and return the prefix that it is in.
 
         Raises:
-            PackageNotFoundError: No workspace has such a package.
+            PackageNotFoundError: No workspace has such a package, or `close` was called.
             ArchoError: Its setup.py has a mistake.
         """
         prefix = self._prefix
@@ -74,9 +77,16 @@ class PackageShares:
         raise PackageNotFoundError(f"package '{package_name}' not found{near}")
 
     def get_package_share_directory(self, package_name: str, print_warning: bool = True) -> str:
-        """Return the share folder of a package, as ament_index_python does."""
+        """Return the share folder of a package, as ament_index_python does.
+
+        The folder is made if necessary. `print_warning` is ignored.
+
+        Raises:
+            PackageNotFoundError: No workspace has such a package.
+            ArchoError: Its setup.py has a mistake.
+        """
         return os.path.join(self.get_package_prefix(package_name), "share", package_name)
 
     def get_package_share_path(self, package_name: str, print_warning: bool = True) -> Path:
-        """Return the share folder of a package as a path, as ament_index_python does."""
+        """Return the share folder of a package as a path; see `get_package_share_directory`."""
         return Path(self.get_package_share_directory(package_name))

@@ -128,7 +128,7 @@ class ProgramChild(HostedProgram):
 
 
 def _end_group(process: subprocess.Popen[str]) -> None:
-    """Wait for the end of a process, then end its group: children may hold its output open."""
+    """Wait for the end of a process, then kill its group: children may hold its output open."""
     process.wait()
     with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
         os.killpg(process.pid, signal.SIGKILL)

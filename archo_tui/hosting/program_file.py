@@ -24,14 +24,14 @@ class ProgramFile(UserFile):
 
     Attributes:
         path: The path of the file.
-        code: Its code, and that of its folder, as messages name it.
-        loaded: The stamps of the text that last ran, or could not be compiled.
+        code: The code of the file and of its folder, as messages name it.
+        loaded: The stamps of the text that was last compiled, or could not be compiled.
         imported: The files of its folder that it has imported, in this run or before.
-        source: The text that last ran.
+        source: The text that was last compiled.
     """
 
     def __init__(self, given: str, function: str = "") -> None:
-        """Find the file, without reading it.
+        """Find the file, without reading it; see `UserFile` for the dotted name of a module.
 
         Args:
             given: Its path, or the dotted name of a module, as the user typed it.
@@ -49,7 +49,11 @@ class ProgramFile(UserFile):
         self._began = 0  # Unix time in nanoseconds at which it was last run.
 
     def current_stamps(self) -> Stamps:
-        """Return the stamps of the file, and of the modules that are imported from its folder."""
+        """Return the stamps of the file, and of the modules that are imported from its folder.
+
+        Modules that were imported since the last call are added to `imported`, and, if they were
+        not saved since the file was compiled, to `loaded`: they count as unchanged.
+        """
         self.note_imports()
         now = stamps({self.path, *self.imported})
         # What was imported since the start, and was saved before, is as it was loaded.
@@ -58,10 +62,11 @@ class ProgramFile(UserFile):
         return now
 
     def compile(self) -> None:
-        """Read and compile the text as it is now, without running it.
+        """Read and compile the text as it is now, without running it; set `loaded` and `source`.
 
         Raises:
-            NodeFileError: It cannot be read, or is not Python.
+            NodeFileError: The file cannot be read, or is not Python. `loaded` is set then, too, so
+                that only a new text is tried again.
         """
         self._began = time.time_ns()
         self.loaded = self.current_stamps()
@@ -75,14 +80,17 @@ class ProgramFile(UserFile):
             raise NodeFileError(*explain(error, self.code, self.source)) from None
 
     def run(self, use_as_main: Callable[[ModuleType], None]) -> None:
-        """Run the compiled text in the calling thread, until its `main()` returns.
+        """Run the compiled text in the calling thread, and then the function, if one was given.
 
-        Modules of its folder are imported anew, but for the first run.
+        Modules of the file's folder are imported anew, but for the first run. The folder is first
+        in `sys.path`.
 
         Args:
             use_as_main: Lets `sys.modules` have a module as this program's `__main__`.
 
         Raises:
+            NodeFileError: The module does not have the function.
+            SystemExit: The function returned something else than None, which is the exit code.
             BaseException: The exception that the program raises.
         """
         if self._has_run:
@@ -114,7 +122,8 @@ class ProgramFile(UserFile):
     def _import_from_folder(self) -> None:
         """Let imports look in the file's folder first, as `python FILE` does.
 
-        A module that a program of another folder has imported may have the name of one here.
+        A module that a program of another folder has imported is forgotten if one of this folder
+        has the same name.
         """
         folder = self.path.parent
         sys.path[:] = [str(folder), *(path for path in sys.path if path != str(folder))]
@@ -128,7 +137,10 @@ class ProgramFile(UserFile):
         _run_files.add(self)
 
     def explain(self, error: BaseException) -> tuple[str, str]:
-        """Return an error of the program in one line, with its place, and the traceback."""
+        """Return an error of the program in one line, with its place, and the traceback.
+
+        For an ArchoError these are its text and "".
+        """
         if isinstance(error, ArchoError):
             return str(error), ""
         return explain(error, self.code, self.source)
@@ -138,7 +150,10 @@ class ProgramFile(UserFile):
         self.imported.update(self.own_modules().values())
 
     def own_modules(self) -> dict[str, Path]:
-        """Return the imported modules that are from the file's folder, and their files."""
+        """Return the imported modules of the file's folder: names and files, without `__main__`.
+
+        Modules of the console and of rclpy are left out, even if they are in that folder.
+        """
         return {
             name: Path(file)
             for name, module in list(sys.modules.items())

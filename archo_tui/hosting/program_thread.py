@@ -49,7 +49,7 @@ class _Process(_process.Process):
             raise KeyboardInterrupt
 
     def living_nodes(self) -> list[Node]:
-        """Return the program's nodes that are on the graph."""
+        """Return the program's nodes that are on the graph, the oldest first."""
         nodes = [node for reference in list(self.nodes) if (node := reference()) is not None]
         return [node for node in nodes if node in node._graph.nodes]
 
@@ -60,9 +60,10 @@ class _Process(_process.Process):
 
 
 class _MainModule(ModuleType):
-    """The stand-in for `__main__`, which in the threads of a program acts as its main module.
+    """The stand-in for `__main__`, which acts as the main module of the program of a thread.
 
-    Dataclasses with postponed annotations look for their module there, and so does pickle.
+    In other threads it acts as the console's own. Dataclasses with postponed annotations look for
+    their module there, and so does pickle.
     """
 
     def __init__(self, original: ModuleType) -> None:
@@ -78,7 +79,7 @@ class _MainModule(ModuleType):
 class _MainThread(threading.Thread):
     """The daemon thread of a program, which appears as no daemon to the program itself.
 
-    So the threads that the program starts are no daemons either, unless it says so.
+    So the threads that the program starts are no daemons either, unless the program says so.
     """
 
     @property
@@ -91,7 +92,7 @@ class _MainThread(threading.Thread):
 
 
 class ProgramThread(HostedProgram):
-    """A program in threads of this process."""
+    """A program in threads of this process, on the embedded engine."""
 
     thread_class = _MainThread
 
@@ -139,7 +140,11 @@ class ProgramThread(HostedProgram):
         return [t for t in threads if t is not self._thread and t.is_alive()]
 
     def _end_other_threads(self) -> None:
-        """End the threads that the program has started: interrupt them after `_OWN_END`."""
+        """Wait `_OWN_END` seconds for the threads that the program started; then interrupt them.
+
+        Work that waits in its thread pools is cancelled. Return without waiting for interrupted
+        threads.
+        """
         for pool in list(self._process.pools):
             pool.shutdown(wait=False, cancel_futures=True)
         end = time.monotonic() + _OWN_END
@@ -149,7 +154,10 @@ class ProgramThread(HostedProgram):
             raise_in(thread)
 
     def _leave_graph(self) -> None:
-        """Destroy the program's nodes and shut down its contexts, as the end of a process does."""
+        """Destroy the program's nodes and shut down its contexts, as the end of a process does.
+
+        `served` keeps what they have served.
+        """
         self.served = self._read_serves() or self.served
         for node in self._process.living_nodes():
             with contextlib.suppress(Exception):
@@ -206,6 +214,10 @@ def in_program() -> bool:
 
 def install() -> Callable[[], None]:
     """Patch Python's threading so that threads and pools belong to the program that makes them.
+
+    In the threads of a program, `__main__` is the program's module, and an exception that ends a
+    thread is printed as one line. The console's end waits for none of these threads. Other threads
+    are as before.
 
     Returns:
         A function that restores Python's own behaviour.

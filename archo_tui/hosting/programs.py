@@ -35,7 +35,8 @@ class Programs:
         Args:
             make: Makes a hosted program, which is not begun yet.
             on_event: Called with level, source and text of an event, on any thread.
-            on_gone: Called with the services and actions that an ended program has served.
+            on_gone: Called with the services and actions that an ended program has served; on any
+                thread.
             on_node: Called with the full name of each node that a program makes, and with a
                 function that returns True if the program is to end; on any thread.
             has_stop: Returns True while a STOP is not released.
@@ -48,10 +49,11 @@ class Programs:
         self._adding: HostedProgram | None = None  # Whose early crash `add` raises.
 
     def add(self, program: Program) -> None:
-        """Run a program, and wait until it is at rest or has ended, at most CONSTRUCTION_TIME.
+        """Add a program, run it, and wait until it is at rest or over, at most CONSTRUCTION_TIME.
 
         Raises:
-            NodeFileError: Its text is not Python, or it crashed by then without a node.
+            NodeFileError: Its text is not Python, or it crashed by then without a node. The program
+                stays in the collection.
         """
         hosted = self._new(program)
         self._adding = hosted
@@ -93,15 +95,17 @@ class Programs:
         return [name for hosted in list(self._hosted) for name in hosted.names]
 
     def find(self, name: str) -> HostedProgram | None:
-        """Return the program with a node of that full name, or None."""
+        """Return the program with that full name among its `names`, or None."""
         return next((h for h in list(self._hosted) if name in h.names), None)
 
     def start(self, hosted: HostedProgram) -> Outcome:
-        """Run a stopped, ended or crashed program again.
+        """Run a stopped, ended or crashed program again, with the text of its file as it is now.
+
+        A run that is stuck is ended by force once more, and left aside if it still runs.
 
         Returns:
-            The outcome; REFUSED if the program runs, a STOP is not released, or the text of its
-            file is not Python.
+            The outcome, as soon as the program has begun; REFUSED if the program runs, a STOP is
+            not released, or the text of its file is not Python.
         """
         with self._changing:
             if hosted.state.life.is_running:
@@ -118,7 +122,11 @@ class Programs:
         return Outcome(Code.DONE, text)
 
     def stop(self, hosted: HostedProgram) -> Outcome:
-        """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; TIMEOUT if that fails."""
+        """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; it is not respawned.
+
+        Returns:
+            DONE, after a call of `on_gone`; TIMEOUT if the program does not end: it is stuck then.
+        """
         with self._changing:
             name = hosted.name
             if not hosted.stop():
@@ -129,7 +137,9 @@ class Programs:
     def reload(self, file: ProgramFile) -> None:
         """Restart the running and crashed programs of a saved file with its new text.
 
-        If the text is not Python, or a STOP is not released, they are left as they are.
+        If the text is not Python, or a STOP is not released, they are left as they are. A program
+        that has ended or was stopped is not started. An event tells what was done, or why nothing
+        was.
         """
         with self._changing:
             ours = [h for h in self._hosted if h.file is file]
@@ -162,10 +172,12 @@ class Programs:
         self._on_event("YOU", "console", f"{file} was saved: {names} restarted")
 
     def _run_again(self, old: HostedProgram) -> None:
-        """Run a program again, as a new object in the place of the old one.
+        """Compile a program's file anew and run it, as a new object in the place of the old one.
+
+        After `begin_to_end` the program is not run.
 
         Raises:
-            NodeFileError: Its text is not Python.
+            NodeFileError: Its text is not Python; the old object stays.
         """
         new = self._new(old.program)
         new.file.compile()
@@ -180,10 +192,10 @@ class Programs:
             hosted.begin_to_stop()
 
     def end(self, seconds: Callable[[], float]) -> list[str]:
-        """Wait for the end of all programs, then end them by force.
+        """Wait for the end of all programs, then end the others by force, within KILL_TIMEOUT.
 
         Args:
-            seconds: Returns the number of seconds that are left for waiting.
+            seconds: Returns the number of seconds that are left for waiting before force.
 
         Returns:
             The names of the programs that did not end.

@@ -23,7 +23,10 @@ _GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
 
 
 def main() -> int:
-    """Run the file of the command line, and return its exit code."""
+    """Run the file of the command line, reporting to the console, and return its exit code.
+
+    The code is 1 after an exception, and 130 after Ctrl-C or if the console refuses a node.
+    """
     descriptor, answerer, given = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     os.set_inheritable(descriptor, False)
     os.set_inheritable(answerer, False)
@@ -90,7 +93,10 @@ def main() -> int:
 
 
 def _end_with_console(descriptor: int) -> None:
-    """Wait until the console no longer reads the reports, because it was killed; then exit."""
+    """Wait until the console no longer reads the reports, because it was killed; then end.
+
+    The process gets SIGINT, and `_GRACE` seconds later SIGKILL.
+    """
     poller = select.poll()
     poller.register(descriptor, 0)  # Only POLLERR, which is always told.
     poller.poll()

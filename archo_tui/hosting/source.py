@@ -34,7 +34,8 @@ class Source:
         the file that it calls.
 
         Returns:
-            The number; 0 if rclpy is to choose it, None for a single-threaded executor.
+            The number; 0 if rclpy is to choose it, None for one thread or without a
+            MultiThreadedExecutor.
         """
         roots = [*self._main()]
         for call in self._calls(*roots):
@@ -46,7 +47,7 @@ class Source:
         return 0 if self._is_named(roots, MULTI_THREADED) else None
 
     def has_executor(self) -> bool:
-        """Return True if `main()` or a function that it calls names an executor's class."""
+        """Return True if `main()` or a function that it calls names an executor class of rclpy."""
         roots = [*self._main()]
         return any(self._is_named(roots, name) for name in _EXECUTORS)
 
@@ -66,11 +67,11 @@ class Source:
             return node.attr == name
         return isinstance(node, ast.Name) and node.id in {name, *aliases}
 
-    def runs_at_import(self) -> tuple[str, int] | None:
-        """Find a function that spins and is called when the file is imported.
+    def spin_at_import(self) -> tuple[str, int] | None:
+        """Find a function of the file that inits or spins rclpy and is called when it is imported.
 
         Returns:
-            Its name, and the line of the call; None if there is none.
+            The name of the function, and the line of the call; None if there is none.
         """
         rclpys = {*self._of_rclpy()}
         spinning = {
@@ -86,11 +87,11 @@ class Source:
                 return call.func.id, call.lineno
         return None
 
-    def called_too_early(self) -> int | None:
+    def line_of_called_callback(self) -> int | None:
         """Find a callback that is called instead of given, as in `create_timer(1.0, self.tick())`.
 
         Returns:
-            Its line; None if there is none.
+            The line of the first such call; None if there is none.
         """
         for call in self._calls(self.tree):
             if _name(call).startswith("create_"):
@@ -130,7 +131,11 @@ class Source:
         return min(lines, default=None)
 
     def line_of_call(self, name: str) -> int | None:
-        """Return the line of the only call of a function; None if there are none or several."""
+        """Return the line of the only call of a function; None if there are none or several.
+
+        Args:
+            name: Its name without module or object: `spin` for `rclpy.spin(node)`.
+        """
         lines = [call.lineno for call in self._calls(self.tree) if _name(call) == name]
         return lines[0] if len(lines) == 1 else None
 
@@ -141,7 +146,7 @@ class Source:
             name: The name of the class.
 
         Returns:
-            The line to mend, and what is wrong there.
+            The line to mend, 1 if the file does not define the class, and what is wrong there.
         """
         classes = [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
         kind = next((node for node in classes if node.name == name), None)
@@ -173,7 +178,7 @@ class Source:
         return ""
 
     def _main(self) -> Iterator[ast.AST]:
-        """Yield `main()`, each `if` of the module, and the functions of the file they call."""
+        """Yield `main()`, each `if` of the module, and the functions they call, at any depth."""
         functions = {n.name: n for n in self.tree.body if isinstance(n, ast.FunctionDef)}
         roots: list[ast.AST] = [n for n in self.tree.body if isinstance(n, ast.If)]
         roots += [function for name, function in functions.items() if name == "main"]
@@ -202,7 +207,7 @@ class Source:
 
 
 def _name(call: ast.Call) -> str:
-    """Return the last name of a called function: `spin` of `rclpy.spin(node)`."""
+    """Return the last name of a called function: `spin` of `rclpy.spin(node)`; else ""."""
     function = call.func
     if isinstance(function, ast.Attribute):
         return function.attr

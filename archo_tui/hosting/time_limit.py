@@ -15,7 +15,7 @@ _GRACE = 0.5  # Seconds that interrupted work has to end.
 
 
 class Interrupted(BaseException):
-    """The exception that ends a thread whose work took too long.
+    """The exception that `interrupt` and `raise_in` raise in a thread, to end it.
 
     No `except Exception` of a user catches it.
     """
@@ -79,10 +79,11 @@ def stack_of(thread: threading.Thread) -> StackSummary:
 
 
 def interrupt(thread: threading.Thread) -> bool:
-    """Interrupt a thread and wait half a second for its end.
+    """Raise Interrupted in a thread and wait at most half a second for its end.
 
     Returns:
-        True if the thread has ended; False for one that runs no Python code, as in a long `sleep`.
+        True if the thread has ended; False if it catches the exception, or runs no Python code, as
+        in a long `sleep`.
     """
     if thread.ident is not None and thread.is_alive():
         raise_in(thread)
@@ -91,9 +92,9 @@ def interrupt(thread: threading.Thread) -> bool:
 
 
 def raise_in(thread: threading.Thread, error: type[BaseException] = Interrupted) -> None:
-    """Raise an error in a thread, as soon as it runs Python code.
+    """Raise an error in a thread, as soon as it runs Python code; return without waiting for that.
 
-    It uses CPython's PyThreadState_SetAsyncExc: https://docs.python.org/3/c-api/threads.html.
+    This uses CPython's PyThreadState_SetAsyncExc: https://docs.python.org/3/c-api/threads.html.
     """
     import ctypes  # Imported here, because it is rarely needed.
 

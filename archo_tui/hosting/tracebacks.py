@@ -7,11 +7,11 @@ from traceback import StackSummary, TracebackException
 from types import ModuleType
 
 
-def own_frames(error: BaseException, *engine: ModuleType) -> str:
+def traceback_without(error: BaseException, *engine: ModuleType) -> str:
     """Return a traceback as text, without the frames of some packages.
 
-    The last line counts the frames that are left out. An error keeps its frames if all of them are
-    within these packages.
+    If frames are left out, a last line counts them. An error of the chain keeps its frames if all
+    of them are within these packages.
 
     Args:
         error: The error.
@@ -30,7 +30,7 @@ def own_frames(error: BaseException, *engine: ModuleType) -> str:
 
 
 def _chain(report: TracebackException) -> list[TracebackException]:
-    """Return a report, and the reports of the errors that led to it."""
+    """Return a report, and the reports of the errors that led to it, by `from` or otherwise."""
     found: list[TracebackException] = []
     waiting: list[TracebackException | None] = [report]
     while waiting:

@@ -22,8 +22,8 @@ class UserFile:
     """A Python file, by its path or by the dotted name of its module.
 
     Attributes:
-        path: The path of the file.
-        code: Its code, and that of its folder, as messages name it.
+        path: The path of the file, resolved.
+        code: The code of the file and of its folder, as messages name it.
         loaded: The stamps of the text that was last loaded, or could not be loaded.
         source: The text that was last loaded.
     """
@@ -31,11 +31,14 @@ class UserFile:
     def __init__(self, given: str) -> None:
         """Find the file, without reading it.
 
+        For a dotted name, the current folder is added to `sys.path`, and the packages above the
+        module are imported.
+
         Args:
             given: Its path, or the dotted name of a module, as the user typed it.
 
         Raises:
-            NodeFileError: There is no such file or module.
+            NodeFileError: There is no such Python file or module.
         """
         self._given = given
         self.path, self._name = _find_file(given)
@@ -56,7 +59,10 @@ class UserFile:
 
 
 def _find_file(given: str) -> tuple[Path, str]:
-    """Return the path of a file or module, and the name that its module gets.
+    """Return the resolved path of a file or module, and the name that its module gets.
+
+    For a dotted name, the current folder is added to `sys.path`, and the packages above the module
+    are imported.
 
     Raises:
         NodeFileError: There is no such Python file or module.

@@ -16,9 +16,9 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(paths: Iterable[Path]) -> Stamps:
-    """Return the stamps of files, without those that are missing.
+    """Return the stamps of files, by path.
 
-    An editor may be replacing a file just now.
+    Files that are missing or cannot be read are left out: an editor may be replacing them.
     """
     found: Stamps = {}
     for path in paths:
@@ -31,7 +31,7 @@ def stamps(paths: Iterable[Path]) -> Stamps:
 
 
 class Stamped(Protocol):
-    """Files whose changes are seen by their stamps."""
+    """Files that have changed if `current_stamps` differs from `loaded`."""
 
     @property
     def loaded(self) -> Stamps:
@@ -45,11 +45,14 @@ class Watched(Stamped, Protocol):
     """Files that are reloaded together."""
 
     def reload(self) -> None:
-        """Load the files as they are now; report a mistake in them as an event."""
+        """Load the files as they are now; report a mistake in them as an event.
+
+        Afterwards `loaded` holds the current stamps, also if there was a mistake.
+        """
 
 
 class WatchedFile:
-    """A file of nodes or of a program, with what it imports from its folder."""
+    """A file of nodes or of a program, with what it imports, and how to reload it."""
 
     def __init__(self, file: Stamped, reload: Callable[[], None]) -> None:
         """Watch a file.
@@ -74,6 +77,9 @@ class FileWatcher:
     """A thread that reloads files that were saved.
 
     A file that is still being written is reloaded once it is the same in two comparisons.
+
+    Attributes:
+        watched: The files, each group of which is reloaded by itself.
     """
 
     def __init__(self, watched: Sequence[Watched]) -> None:
@@ -88,7 +94,7 @@ class FileWatcher:
             self._thread.start()
 
     def stop(self) -> None:
-        """End the thread; a reload that has begun goes on."""
+        """End the thread; a reload that has begun goes on, and is awaited for PERIOD at most."""
         self._ends.set()
         if self._thread.is_alive():
             self._thread.join(PERIOD)

@@ -15,10 +15,13 @@ _LEAST = 2  # Threads, so that callbacks may overlap also on a machine with one 
 
 
 class Workers:
-    """The threads of a node, in the place of a ThreadPoolExecutor's.
+    """The threads of a node's executor, in the place of those of a ThreadPoolExecutor.
 
     Unlike the threads of a pool, they have their node's name, by which its output is known, end
     when there is no work, and do not keep the process alive if a callback never returns.
+
+    Attributes:
+        threads: The threads that have work.
     """
 
     def __init__(
@@ -43,7 +46,7 @@ class Workers:
         self.threads: list[threading.Thread] = []  # The threads that have work.
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Run work as soon as a thread is free.
+        """Run work as soon as a thread is free; start a thread if there are fewer than `most`.
 
         Returns:
             A future of what the work returns or raises.
@@ -75,7 +78,7 @@ class Workers:
                 self._on_error()
 
     def shutdown(self, wait: bool = True) -> None:
-        """Start no further work.
+        """Discard the work that waits, whose futures never end; running work goes on.
 
         Args:
             wait: Ignored, because a callback may never return.
@@ -91,7 +94,8 @@ def multi_threaded(
 
     Args:
         context: The rclpy context of the node.
-        threads: The number of threads; 0 where the file does not say.
+        threads: The number of threads, raised to two if it is less; 0 where the file does not
+            say.
         name: The name of each thread.
         on_begin: Called first in each new thread.
     """

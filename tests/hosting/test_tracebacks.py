@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.hosting.own_code import OwnCode
-from archo_tui.hosting.tracebacks import own_frames
+from archo_tui.hosting.tracebacks import traceback_without
 
 
 def report(text: str) -> str:
@@ -17,7 +17,7 @@ def report(text: str) -> str:
     try:
         json.loads(text)
     except ValueError as error:
-        return own_frames(error, json)
+        return traceback_without(error, json)
     raise AssertionError
 
 
@@ -40,7 +40,7 @@ def chained() -> None:
 def test_what_led_to_an_error_is_cut_in_the_same_way() -> None:
     with pytest.raises(KeyError) as caught:
         chained()
-    said = own_frames(caught.value, json)
+    said = traceback_without(caught.value, json)
     assert said.count("Traceback (most recent call last):") == 2
     assert "in chained" in said
     assert "decoder.py" not in said
@@ -52,7 +52,7 @@ def test_an_error_that_never_left_the_engine_is_shown_whole() -> None:
     error = caught.value
     assert error.__traceback__ is not None
     error.__traceback__ = error.__traceback__.tb_next  # without the frame of this test
-    assert "decoder.py" in own_frames(error, json)
+    assert "decoder.py" in traceback_without(error, json)
 
 
 def test_python_itself_is_not_the_users_though_it_be_in_their_folder() -> None:
