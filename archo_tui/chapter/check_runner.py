@@ -35,10 +35,17 @@ class CrashedError(Exception):
 
 
 class CheckRunner:
-    """The tools of every check: they query the nodes of a session, and restart crashed ones."""
+    """The checker's own ROS node, and what checks need: queries, logs and restarts of nodes.
+
+    Attributes:
+        node: The checker's node, which `spin_until` spins.
+        logs: The messages on /rosout since the start, in the order in which they were received.
+        radius: The wheel_radius in m of the parameter file that all nodes were given.
+        printed: The lines that the nodes print, which grow while they run.
+    """
 
     def __init__(self, session: Session, radius: float, printed: Sequence[str]) -> None:
-        """Create the checker's node beside the nodes of a session.
+        """Create the checker's node beside the nodes of a session, and subscribe to their logs.
 
         Args:
             session: The session that hosts the nodes.
@@ -66,32 +73,35 @@ class CheckRunner:
         return self._clock.monotonic()
 
     def restart_crashed(self) -> list[HostedNode]:
-        """Start crashed nodes again, and return all that run."""
+        """Record the crashes of nodes, start these nodes again, and return `started_nodes`."""
         for hosted in [h for h in self._host.nodes if h.state.life == Life.CRASHED]:
             self._crashes[hosted.crash] = None
             self._host.start_node(hosted.name)
-        return self.running()
+        return self.started_nodes()
 
     def query(self, ask: Callable[[Node], T]) -> dict[HostedNode, T]:
-        """Return what `ask` returns for each node, trying again if a node crashes meanwhile."""
+        """Restart crashed nodes, and return what `ask` returns for each node that runs.
+
+        If a node crashes meanwhile, all are asked again; after five attempts the result is empty.
+        """
         for _ in range(_MAX_TRIES):
             with contextlib.suppress(InvalidHandle, NodeNameNonExistentError):
                 return {hosted: ask(hosted.node) for hosted in self.restart_crashed()}
         return {}
 
-    def running(self) -> list[HostedNode]:
-        """Return the nodes that were started: those that run, and those that have crashed since."""
+    def started_nodes(self) -> list[HostedNode]:
+        """Return the nodes that run, and those that have crashed since they were started."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
 
     def unrun_lines(self) -> list[str]:
-        """Return a line for each file whose `main()` does more than make nodes: it is not run."""
+        """Return a line for each file whose `main()` calls more for its nodes than is run here."""
         files = dict.fromkeys(hosted.file for hosted in self._host.nodes)
         return [file.not_run for file in files if file is not None and file.not_run]
 
     def wait_for_crashes(self) -> None:
-        """Restart crashed nodes, then spin until the check has lasted 1.5 s or a node crashes.
+        """Restart crashed nodes, then spin until the checker is 1.5 s old or a node crashes.
 
-        So a timer of 1 s has fired.
+        So a timer of 1 s has fired by then. The crash is not raised: see `collect_crashes`.
         """
         nodes = self.restart_crashed()
         with contextlib.suppress(CrashedError):
@@ -100,7 +110,8 @@ class CheckRunner:
     def collect_crashes(self) -> list[str]:
         """Restart crashed nodes, and return a line for each different crash so far.
 
-        Crashes of threads that nodes have started count, too.
+        Crashes of nodes come first, the oldest before the others, then those of threads that nodes
+        have started.
         """
         self.restart_crashed()
         for number, line in enumerate(self.printed):
@@ -109,7 +120,11 @@ class CheckRunner:
         return list(self._crashes)
 
     def busy_line(self, nodes: Sequence[HostedNode]) -> str:
-        """Return place and text of the line that a callback executes now; "" if none runs."""
+        """Return place and text of the line that a callback of some nodes executes now.
+
+        Returns:
+            `FILE:LINE, in: ...` of the first node that executes code of its file; "" if none does.
+        """
         for hosted in nodes:
             for thread in hosted.threads():
                 if hosted.file is not None:
@@ -119,7 +134,7 @@ class CheckRunner:
         return ""
 
     def find_line(self, nodes: Sequence[HostedNode], ask: Callable[[Source], int | None]) -> str:
-        """Return `FILE:LINE: ` for the first file in which `ask` finds a line, or ""."""
+        """Return `FILE:LINE: ` for the first node in whose file `ask` finds a line, or ""."""
         for hosted in nodes:
             line = ask(hosted.file.source) if hosted.file is not None else None
             if line is not None:
@@ -127,11 +142,14 @@ class CheckRunner:
         return ""
 
     def find_text(self, text: str) -> str:
-        """Return `FILE:LINE: ` of a name or text in the nodes' files, or ""."""
+        """Return `FILE:LINE: ` of the first string literal `text` in the nodes' files, or "".
+
+        Slashes at the ends of the text do not matter.
+        """
         return self.find_line(self._host.nodes, lambda source: source.line_of_text(text))
 
     def find_callback(self, callback: Any) -> str:
-        """Return `FILE:LINE: ` of a callback in the nodes' files, or ""."""
+        """Return `FILE:LINE: ` of the definition of a callback in the nodes' files, or ""."""
         code = code_of(callback)
         for hosted in self._host.nodes:
             if code and hosted.file is not None and hosted.file.code.is_own(code.co_filename):
@@ -139,9 +157,9 @@ class CheckRunner:
         return ""
 
     def last_exception(self, since: int) -> str:
-        """Return the last exception of an execute callback, with its line, or "".
+        """Return the last exception whose traceback was printed, in one line with its place, or "".
 
-        rclpy prints the traceback of such an exception and goes on.
+        rclpy prints the traceback of an exception of an execute callback and goes on.
 
         Args:
             since: The number of the printed line with which the search begins.
@@ -163,11 +181,11 @@ class CheckRunner:
                 where = ""
 
     def logs_of(self, nodes: Sequence[HostedNode], since: int) -> Iterator[Log]:
-        """Yield the log lines of some nodes.
+        """Yield the log lines of some nodes, in the order in which they were received.
 
         Args:
             nodes: The nodes.
-            since: The number of the log line with which the search begins.
+            since: The index in `logs` with which the search begins.
         """
         names = {hosted.name for hosted in nodes}
         return (log for log in self.logs[since:] if logger_node(log.name) in names)
@@ -183,10 +201,10 @@ class CheckRunner:
             nodes: Nodes that must not crash meanwhile.
 
         Returns:
-            False if the time was over before.
+            True if the condition holds; False if the time was over before.
 
         Raises:
-            CrashedError: One of the nodes crashed.
+            CrashedError: One of the nodes crashed before the condition held.
         """
         end = self.now() + seconds
         while not holds():
@@ -199,7 +217,7 @@ class CheckRunner:
         return True
 
     def wait_for_result(self, future: Any, nodes: Sequence[HostedNode]) -> Any:
-        """Return the result of a future, or None if it does not come within ANSWER seconds.
+        """Spin until a future is done, and return its result; None if ANSWER seconds pass before.
 
         Args:
             future: A future of the checker's node.
@@ -207,5 +225,6 @@ class CheckRunner:
 
         Raises:
             CrashedError: One of the nodes crashed.
+            Exception: The exception that the future has.
         """
         return future.result() if self.spin_until(future.done, ANSWER, nodes) else None

@@ -22,13 +22,19 @@ _NOTHING_CHECKED = "nothing was checked: these nodes offer nothing that the chap
 
 
 def run_checks(session: Session, radius: float, printed: Sequence[str], report: TapReport) -> None:
-    """Run every check of nodes, and report the outcomes.
+    """Run every check of nodes, and report the outcomes; `TapReport.end` is left to the caller.
+
+    Crashed nodes are restarted. Whether a node crashed is the last check. If nodes offer nothing to
+    check, the report has failed, too.
 
     Args:
         session: The session that hosts the nodes.
         radius: The wheel_radius in m of the parameter file that all nodes were given.
         printed: The lines that the nodes print, which grow while they run.
         report: Gets the outcome of each check.
+
+    Raises:
+        KeyboardInterrupt: The person interrupted the checks, which the report says.
     """
     runner = CheckRunner(session, radius, printed)
     for line in runner.unrun_lines():

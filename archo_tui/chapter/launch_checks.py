@@ -27,12 +27,15 @@ _ENDINGS = (".launch.py", "_launch.py")  # As the names of launch files end.
 
 
 def is_launch_file(given: str) -> bool:
-    """Return True if a name is that of a launch file in Python."""
+    """Return True if a name ends as that of a launch file in Python; the file is not looked at."""
     return given.endswith(_ENDINGS)
 
 
 def launch_checks(given: str) -> Iterator[Result]:
-    """Yield the outcome of each check of a launch file.
+    """Yield the outcome of each of the five checks of a launch file.
+
+    The file is evaluated in a child process, without and with `use_sim:=true`; nothing is started.
+    If it cannot be evaluated, the first check fails and the others are skipped.
 
     Args:
         given: The path of the launch file as the user typed it.

@@ -44,7 +44,11 @@ _NOT_ACCEPTED = "the cancel_callback did not accept it: return CancelResponse.AC
 
 
 def move_checks(runner: CheckRunner) -> Iterator[Result]:
-    """Yield the outcome of the two checks of the action."""
+    """Yield the outcome of the two checks of the action: a goal arrives, and a cancel ends one.
+
+    Goals are sent, and nodes that crash are restarted. If no node serves the action, both checks
+    are skipped; they fail if a node serves one with a similar name, or with other fields.
+    """
     found = runner.query(
         lambda node: dict(
             get_action_server_names_and_types_by_node(
@@ -97,18 +101,23 @@ class _MoveProbe:
 
     @property
     def _nodes(self) -> list[HostedNode]:
-        """Return the started nodes that serve the action, also those that have crashed since."""
-        return [hosted for hosted in self._runner.running() if hosted.name in self._node_names]
+        """The started nodes that serve the action, also those that have crashed since."""
+        return [
+            hosted for hosted in self._runner.started_nodes() if hosted.name in self._node_names
+        ]
 
     def _until(self, holds: Any, seconds: float) -> bool:
         return self._runner.spin_until(holds, seconds, self._nodes)
 
     def _send(self, shelf: int) -> tuple[Any, list[float], str]:
-        """Send a goal.
+        """Send a goal, and wait for the answer, for ANSWER seconds at most.
 
         Returns:
             The handle of the accepted goal, or None; a list to which the distance of each feedback
-            is added, in m; and why there is no handle, or "".
+            is added as it is received, in m; and why there is no handle, or "".
+
+        Raises:
+            CrashedError: A node that serves the action crashed.
         """
         way: list[float] = []
 
@@ -129,7 +138,11 @@ class _MoveProbe:
         return handle, way, ""
 
     def check_arrival(self) -> str:
-        """Send a goal, wait for its end, and return what is wrong, or ""."""
+        """Send a goal, wait for its end, and return what is wrong, or "".
+
+        Raises:
+            CrashedError: A node that serves the action crashed.
+        """
         shelf = _SHELVES[0]
         began = self._runner.now()
         handle, way, why = self._send(shelf)
@@ -157,7 +170,11 @@ class _MoveProbe:
         return "" if answer.result.success else "the result says success False: set it to True"
 
     def check_cancel(self) -> str:
-        """Cancel a goal at 9 m, and return what is wrong, or ""."""
+        """Send a goal, cancel it at 9 m, wait for its end, and return what is wrong, or "".
+
+        Raises:
+            CrashedError: A node that serves the action crashed.
+        """
         began = self._runner.now()
         handle, way, why = self._send(_SHELVES[1])
         if handle is None:

@@ -24,7 +24,9 @@ def missing_result(
 ) -> Result:
     """Return the outcome of a check of something that no node offers.
 
-    The check fails if another name was meant to be the wanted one, and is skipped otherwise.
+    The check fails if another name was probably meant to be the wanted one, and is skipped
+    otherwise; the hint or reason lists such names, else all other names. ARCHO's own names are left
+    out.
 
     Args:
         runner: Finds the line of the name in the nodes' files.
@@ -46,7 +48,7 @@ def missing_result(
 def _is_meant_as(name: str, wanted: str) -> bool:
     """Return True if a name was probably meant to be the wanted one; any namespace is ignored.
 
-    A name counts if it is spelled alike, has all words of the wanted one, or has no other words.
+    A name counts if it is spelled alike, or has all words of the wanted name, or only such words.
     """
     last = base_name(name)
     if SequenceMatcher(None, last.lower(), wanted).ratio() >= _MIN_SIMILARITY:
@@ -56,7 +58,7 @@ def _is_meant_as(name: str, wanted: str) -> bool:
 
 
 def _words(name: str) -> set[str]:
-    """Return the words of a name in snake_case or camelCase."""
+    """Return the words of a name in snake_case or camelCase, in lower case; digits are left out."""
     return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)}
 
 

@@ -18,7 +18,10 @@ _EVERY_NODES = ("use_sim_time", "start_type_description_service")
 
 
 def _declared_values(node: Node) -> dict[str, Any]:
-    """Return the values of the parameters that a node declares itself, by name."""
+    """Return the values of the parameters that a node declares itself, by name.
+
+    Those that rclpy declares, as use_sim_time, are left out.
+    """
     return {
         name: node.get_parameter_or(name).value
         for name in node.list_parameters([], 0).names
@@ -27,7 +30,12 @@ def _declared_values(node: Node) -> dict[str, Any]:
 
 
 def parameter_checks(runner: CheckRunner) -> Iterator[Result]:
-    """Yield the outcome of the two checks of parameters."""
+    """Yield the outcome of the two checks: parameters are declared, and loaded from the file.
+
+    The second compares wheel_radius with the `radius` of the runner; it is skipped if no node
+    declares wheel_radius. The first is skipped if no node declares either parameter; it fails if
+    one is missing, or a similar name is declared in its place.
+    """
     known: dict[str, Any] = {}
     for found in runner.query(_declared_values).values():
         known |= found

@@ -30,7 +30,7 @@ def run(
     interfaces: Sequence[Path],
     print_line: Callable[[str], None],
 ) -> int:
-    """Host files and print the outcome of every check.
+    """Check launch files, then host the other files and check their nodes; print each outcome.
 
     Args:
         files: The node files, launch files and workspaces.
@@ -39,10 +39,11 @@ def run(
         print_line: Prints a line.
 
     Returns:
-        The exit code: 0 if a check passed and none failed.
+        The exit code: 0 if a check passed and none failed, else 1.
 
     Raises:
-        ArchoError: A file cannot be hosted.
+        ArchoError: A file cannot be hosted, or a constructor does not return in time.
+        KeyboardInterrupt: The person interrupted the checks.
     """
     report = TapReport(print_line)
     launch_files = [file for file in files if is_launch_file(file)]
@@ -88,7 +89,10 @@ def _check_nodes(
 
 @contextlib.contextmanager
 def _captured_output() -> Iterator[list[str]]:
-    """Capture the lines that nodes print, and give them no input."""
+    """Capture the lines that other threads print, which nodes do, and give `input()` no text.
+
+    The list grows while the context lasts; standard streams are restored at its end.
+    """
     printed: list[str] = []
 
     def note(_level: str, _source: str, line: str) -> None:

@@ -28,13 +28,19 @@ _EVERY_NODES = ("rcl_interfaces", "type_description_interfaces")
 
 
 def service_checks(runner: CheckRunner) -> Iterator[Result]:
-    """Yield the outcome of the two checks of services."""
+    """Yield the outcome of the two checks of services; the second one stops the robot.
+
+    A check is skipped if no node has its service; it fails if a node has one with a similar name.
+    """
     yield _check_service(runner, _RESET, "reset_encoder", _check_reset)
     yield _check_service(runner, _STOP, "emergency_stop", _check_stop_answer)
 
 
 def _services_of(node: Node) -> dict[str, Any]:
-    """Return a node's services by name, except those of actions and those that every node has."""
+    """Return a node's services by name without leading slash.
+
+    Those of actions and those that every node has are left out.
+    """
     return {
         service.service_name.lstrip("/"): service
         for service in node.services
@@ -47,14 +53,17 @@ _ServiceCheck = Callable[[CheckRunner, list[HostedNode], Any, str], Result]
 
 
 def _check_service(runner: CheckRunner, title: str, name: str, check: _ServiceCheck) -> Result:
-    """Return the outcome of a check of a service.
+    """Find the nodes that have a service, and return the outcome of a check of it.
+
+    If no node has it, `check` is not called: the outcome is skipped, or failed if a node has a
+    service with a similar name. A node that crashes fails the check.
 
     Args:
         runner: The checker.
-        title: The title of the check if it cannot begin.
+        title: The title of the check if it cannot begin or a node crashes.
         name: The service's name, without its leading slash.
-        check: Called with the runner, the nodes that serve it, a client, and the `FILE:LINE: `
-            of its callback, or "".
+        check: Called with the runner, the nodes that serve it, a client, and the `FILE:LINE: ` of
+            its callback, or "".
     """
     found = runner.query(_services_of)
     nodes = [hosted for hosted, services in found.items() if name in services]
@@ -74,7 +83,14 @@ def _check_service(runner: CheckRunner, title: str, name: str, check: _ServiceCh
 
 
 def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tuple[Any, str]:
-    """Call a service, and return its response or None, and why there is none."""
+    """Call a service with an empty request, and wait ANSWER seconds for the response.
+
+    Returns:
+        The response and "", or None and why there is none.
+
+    Raises:
+        CrashedError: One of the nodes crashed.
+    """
     answer = runner.wait_for_result(client.call_async(client.srv_type.Request()), nodes)
     if answer is not None:
         return answer, ""
@@ -84,7 +100,15 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 
 
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
-    """Call reset_encoder, and check that it succeeds and that a counter of the node is zero."""
+    """Call reset_encoder, and check that it succeeds and that a counter of the node is zero.
+
+    Attributes of the first node that look like tick counters are set to a large number before, and
+    get their old value again if the service leaves that number. If there are none, only the answer
+    is checked, and the title says so.
+
+    Raises:
+        CrashedError: One of the nodes crashed.
+    """
     type_name = message_classes.name_of(client.srv_type)
     if base_name(type_name) != "ResetEncoder":
         called = runner.find_text("reset_encoder")
@@ -128,7 +152,13 @@ def _number_attributes(node: Any) -> dict[str, Any]:
 def _check_stop_answer(
     runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str
 ) -> Result:
-    """Call emergency_stop, and check that it answers True; what it stops is not checked."""
+    """Call emergency_stop, and check that it answers True; what it stops is not checked.
+
+    The check passes under another title if the type of the service tells no success.
+
+    Raises:
+        CrashedError: One of the nodes crashed.
+    """
     answer, why = _call(runner, nodes, client)
     if answer is None:
         return Result(_STOP, why)

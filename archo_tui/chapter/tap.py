@@ -32,11 +32,11 @@ class Result(NamedTuple):
 
 
 class TapReport:
-    """The printer of the outcomes of a run of checks as TAP.
+    """The printer of the outcomes of a run of checks as TAP; TAP's header comes before all else.
 
     Attributes:
         has_failed: True if a check failed.
-        has_checked: True if there was something to check.
+        has_checked: True if a check was not skipped.
     """
 
     def __init__(self, print_line: Callable[[str], None]) -> None:
@@ -51,7 +51,7 @@ class TapReport:
         self.has_failed = self.has_checked = False
 
     def show(self, result: Result) -> None:
-        """Print the outcome of a check."""
+        """Print the outcome of a check under the next number, and count it in the exit code."""
         self._count += 1
         self.has_failed |= bool(result.hint)
         self.has_checked |= not result.skipped
@@ -73,6 +73,9 @@ class TapReport:
         self._print("Bail out! interrupted")
 
     def end(self) -> int:
-        """Print the last line, and return the exit code: 0 if a check passed and none failed."""
+        """Print the last line, and return the exit code: 0 if a check passed and none failed.
+
+        Otherwise, also if all were skipped, the code is 1.
+        """
         self._print(f"1..{self._count}")
         return 1 if self.has_failed or not self.has_checked else 0

@@ -37,14 +37,17 @@ _LOW_LEVELS = 19.0, 5.0  # A node must warn of each of these.
 
 
 def topic_checks(runner: CheckRunner) -> Iterator[Result]:
-    """Yield the outcome of the four checks of the topic."""
+    """Yield the outcome of the four checks of the topic: type, rate, values, and the warning."""
     levels: list[float] = []
     yield from _publisher_checks(runner, levels)
     yield _warning_check(runner, levels)
 
 
 def _by_topic(ends: Iterable[Any]) -> dict[str, Any]:
-    """Return endpoints by topic, except those of actions and those that every node has."""
+    """Return endpoints by topic, without its leading slash; of several for a topic the last one.
+
+    Those of actions and those that every node has are left out.
+    """
     return {
         end.topic_name.lstrip("/"): end
         for end in ends
@@ -53,7 +56,15 @@ def _by_topic(ends: Iterable[Any]) -> dict[str, Any]:
 
 
 def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Result]:
-    """Yield the outcome of the checks of type, rate and values; `levels` gets what is received."""
+    """Yield the outcome of the checks of type, rate and values of the published levels.
+
+    If no node publishes the topic, all are skipped; they fail if a node publishes one with a
+    similar name.
+
+    Args:
+        runner: The checker.
+        levels: A list to which each level that is received is added, in %.
+    """
     ends = runner.query(lambda node: _by_topic(node.publishers))
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
@@ -96,7 +107,7 @@ def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Resu
 def _silence_hint(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, count: int, seconds: float
 ) -> str:
-    """Return that too few messages came, with the likely cause."""
+    """Return the hint for a topic with too few messages, with their likely cause and its place."""
     hint = f"{count} messages in {seconds:g} s"
     busy = runner.busy_line(nodes)
     if busy:
@@ -109,7 +120,10 @@ def _silence_hint(
 
 
 def _level_range_hint(levels: Sequence[float]) -> str:
-    """Return what is wrong with the levels of a draining battery, or ""."""
+    """Return what is wrong with the levels of a draining battery, or "".
+
+    They must be in percent, not all 0, and never rise.
+    """
     hint = f"heard {', '.join(f'{level:g}' for level in levels)}"
     if all(level == 0.0 for level in levels):
         return f"{hint}: the message's data is never set: message.data = self.level"
@@ -130,7 +144,7 @@ def _level_range_title(levels: Sequence[float]) -> str:
 
 
 def level_of(message: Any) -> float:
-    """Return the charge in a message, or nan if it has none."""
+    """Return the charge in a message, of its field `percentage` or else `data`; nan without one."""
     value = getattr(message, "percentage", getattr(message, "data", None))
     return float(value) if isinstance(value, (int, float)) else float("nan")
 
@@ -143,6 +157,11 @@ def _type_hint(message_class: Any) -> str:
 
 def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     """Publish good and low levels, and return whether a node warns of the low ones alone.
+
+    Nodes named motor_controller do not count, because they may subscribe for another purpose. If no
+    other node subscribes, the check is skipped; it fails if a node subscribes to a similar name. If
+    the learner's own battery publishes low levels, only the warnings of low levels are checked,
+    under another title.
 
     Args:
         runner: The checker.
@@ -193,7 +212,10 @@ def _first_warning(
 ) -> str:
     """Publish a battery level until a node warns; return the warning, or "" if none comes in time.
 
-    It is published repeatedly, because subscriptions may not be matched yet.
+    The level is published every 0.1 s, because subscriptions may not be matched yet.
+
+    Raises:
+        CrashedError: One of the nodes crashed.
     """
     message = publisher.msg_type()
     setattr(message, "percentage" if hasattr(message, "percentage") else "data", level)
@@ -216,7 +238,7 @@ def _first_warning(
 def _try_good_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level of 20 % or more, and return the hint if a node warns of it, or ""."""
+    """Publish a level of 20 % or more for 0.5 s; return the hint if a node warns of it, or ""."""
     hint = _first_warning(runner, nodes, publisher, level, _NO_WARNING_TIME)
     if not hint:
         return ""
@@ -226,7 +248,7 @@ def _try_good_level(
 def _try_low_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level below 20 %, and return the hint if no node warns of it, or ""."""
+    """Publish a level below 20 % until a node warns; return the hint if none does, or ""."""
     logs, lines = len(runner.logs), len(runner.printed)
     if _first_warning(runner, nodes, publisher, level, ANSWER):
         return ""
