@@ -18,7 +18,10 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def default_files() -> list[Path]:
-    """Return ARCHO's own parameter files, in a checkout or in an installed wheel."""
+    """Return ARCHO's own parameter files, sorted, in a checkout or in an installed wheel.
+
+    The list is empty if neither is there.
+    """
     for folder in (_PACKAGE.parent / "config", _PACKAGE / "config"):
         found = sorted(folder.glob("*.yaml"))
         if found:
@@ -27,7 +30,7 @@ def default_files() -> list[Path]:
 
 
 def load_files(files: Sequence[Path]) -> list[Override]:
-    """Return the overrides of all files, in their order.
+    """Return the overrides of all files, in the order of files and lines.
 
     Raises:
         ArchoError: A file cannot be read or is not valid; the message names file and line.
@@ -44,7 +47,10 @@ def load_files(files: Sequence[Path]) -> list[Override]:
 
 
 def parse_typed(ros_args: Sequence[str]) -> list[Override]:
-    """Return the overrides of `-p name:=value` and `-p node:name:=value` options."""
+    """Return the overrides of `-p name:=value` and `-p node:name:=value` options, in their order.
+
+    Without a node, an override is for every node. Other arguments are ignored.
+    """
     found = []
     for option, given in pairwise(ros_args):
         target, is_one, value = given.partition(":=")
@@ -57,9 +63,10 @@ def parse_typed(ros_args: Sequence[str]) -> list[Override]:
 def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
     """Return a line for each node and parameter that is named and does not exist.
 
-    The line says the nearest name. A file that names more than a few such nodes, as one for a whole
-    stack does, gets one line for them. Wildcards in files are never wrong, since nodes share files;
-    a parameter typed for every node must exist in one at least.
+    Each line ends with the nearest name that exists, if there is one. Lines about nodes come first.
+    A file that names more than three such nodes, as one for a whole stack does, gets one line for
+    them. Wildcards in files are never wrong, since nodes share files; a parameter typed for every
+    node must exist in one at least.
 
     Args:
         overrides: The overrides.

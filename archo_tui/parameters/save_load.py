@@ -23,10 +23,10 @@ _UNWRITABLE_TYPES = ("byte[]", "not set")
 
 
 class LoadPlan(NamedTuple):
-    """The changes that loading a file would make.
+    """The changes that loading a file would make; nothing is changed yet.
 
     Attributes:
-        changes: The parameters to change, each with its new value.
+        changes: The parameters whose value would differ, each with its new value.
         problems: Why the file cannot be loaded, a line each with file and line; if there are any,
             nothing may be changed.
         left_out: A line for each node and parameter of the file that does not exist.
@@ -47,7 +47,11 @@ _Dumper.add_representer(
 
 
 def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
-    """Return the text of a ROS parameter file, and a line for each parameter it cannot hold."""
+    """Return the text of a ROS parameter file, and a line for each parameter it cannot hold.
+
+    These are byte arrays, parameters without a value, and empty lists. Nodes and parameters keep
+    the order in which they are given.
+    """
     text, left_out = "", []
     nodes: dict[str, dict[str, Any]] = {}
     for parameter in parameters:
@@ -77,12 +81,13 @@ def _yaml_key(name: str) -> str:
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a file so that a reader finds the old text or the new one.
+    """Write a file so that a reader finds the old text or the new one; wait for the disk.
 
-    A file behind a link is replaced in its own place, and keeps its mode and owner.
+    A file that exists keeps its mode and owner, and, if `path` is a link to it, its own place.
 
     Raises:
-        ArchoError: The file cannot be written; the message is one line.
+        ArchoError: The file cannot be written, is not a regular one, or `path` is a link to a file
+            that does not exist; the message is one line.
     """
     try:
         _replace_file(path, text)
@@ -114,14 +119,16 @@ def _replace_file(path: Path, text: str) -> None:
 
 
 def plan_load(path: Path, parameters: Sequence[Parameter]) -> LoadPlan:
-    """Return what loading a file now would change.
+    """Read a parameter file, and return what loading it now would change.
+
+    If several entries of the file fit a parameter, the last one counts.
 
     Args:
         path: The file.
         parameters: The parameters of all running nodes.
 
     Raises:
-        ArchoError: It is not a parameter file; the message names the line.
+        ArchoError: It cannot be read or is not a parameter file; the message names the line.
     """
     overrides = files.load_files([path])
     changes, problems = [], []
