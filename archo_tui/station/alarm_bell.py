@@ -10,7 +10,7 @@ from archo_tui.station.alarms import Alarm, AlarmState, Priority
 class AlarmBell:
     """The record of which alarms the operator was called for, by bell and notification.
 
-    An alarm of high priority calls once each time that it is raised.
+    An alarm of high priority calls once each time that it is raised. The caller rings.
     """
 
     def __init__(self) -> None:
@@ -19,6 +19,9 @@ class AlarmBell:
 
     def take_new(self, alarms: Iterable[Alarm]) -> list[Alarm]:
         """Return the alarms to ring for now, and remember that they have rung.
+
+        These are unacknowledged, of high priority, and have not rung since they were raised. An
+        alarm that has left the board is forgotten.
 
         Args:
             alarms: All alarms on the board.

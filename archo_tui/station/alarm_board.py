@@ -93,7 +93,7 @@ SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
 
 
 def _graver_name(name: str) -> str:
-    """Return the name of the alarm that is graver and has the same cause; "" if there is none."""
+    """Return the name of the graver alarm that may have the same cause; "" if there is none."""
     if name == LOW_BATTERY:
         return BATTERY_EMPTY
     if kind_of(name) == DIAGNOSTIC_WARNING:
@@ -125,14 +125,18 @@ class AlarmBoard:
     def update(
         self, found: dict[str, str], monotonic: float, now: float, known_over: Iterable[str] = ()
     ) -> list[Alarm]:
-        """Raise, clear and unshelve alarms by the conditions that hold now.
+        """Raise, clear, replace and unshelve alarms by the conditions that hold now.
+
+        A condition must have held for its ON_DELAY before its alarm is raised. The texts of alarms
+        that stay are brought up to date, too. Alarms about silence are not raised just after this
+        process was suspended.
 
         Args:
             found: The texts of the conditions that hold, by alarm name (see `conditions`).
             monotonic: The time now, in monotonic seconds.
             now: The same as a Unix time.
             known_over: Alarms that are cleared although contact is lost. All others that follow
-                from the robot's reports stay until there is contact again.
+                from the robot's reports stay, as last known, until there is contact again.
 
         Returns:
             The alarms whose state has changed.
@@ -190,8 +194,12 @@ class AlarmBoard:
     def _flapping(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
         """Return the diagnostics alarms that were found within their delay, and are not now.
 
-        A part that is bad again and again is not well, though never for the whole delay; so are
-        two publishers that contradict each other.
+        A part that is bad again and again is not well, though never for the whole delay; so are two
+        publishers that contradict each other. The diagnostics in `found` are remembered for the
+        next calls.
+
+        Returns:
+            The last text of each alarm, by its name.
         """
         for name, text in found.items():
             if kind_of(name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING):
@@ -210,8 +218,10 @@ class AlarmBoard:
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
         """Acknowledge an alarm: the operator has seen it.
 
+        An alarm whose condition is over leaves the board.
+
         Args:
-            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            alarm: The alarm as the operator saw it; its state on the board decides what changes.
             now: The time now, as a Unix time.
 
         Returns:
@@ -222,8 +232,11 @@ class AlarmBoard:
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
         """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
 
+        An alarm that is taken off is gone, and raised again by the next `update` if its condition
+        holds.
+
         Args:
-            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            alarm: The alarm as the operator saw it; its state on the board decides what changes.
             monotonic: The time now, in monotonic seconds.
             now: The same as a Unix time.
             reason: The reason for shelving it, for the list and the journal.
@@ -239,14 +252,22 @@ class AlarmBoard:
         return self._change(shelved, Change.SHELVE, now)
 
     def all(self) -> tuple[Alarm, ...]:
-        """Return all alarms: unacknowledged first, then active, then by priority; shelved last."""
+        """Return all alarms in the order of `Alarm.rank`.
+
+        Unacknowledged alarms come first, then acknowledged, then shelved ones; among them active
+        ones before those that are over, then the more important kinds.
+        """
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
     def _is_active(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
-        """Carry out a change and keep its times; return the alarm if its state differs now."""
+        """Carry out a change and keep its times; the state stays if TRANSITIONS has no other.
+
+        Returns:
+            The alarm as it is now, if its state differs; else an empty list.
+        """
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
         if change in (Change.CLEARED, Change.REPLACED):

@@ -57,8 +57,9 @@ def conditions(
 ) -> dict[str, str]:
     """Return the alarms whose conditions hold, each with its text.
 
-    While contact with the robot is lost, nothing is concluded from its last messages: only
-    CONTACT_LOST stands for them. Diagnostics that are still heard have their alarms.
+    While contact with the robot is lost, nothing is concluded from its last messages about battery,
+    motion, goal and gauges: only CONTACT_LOST stands for them. Diagnostics that are still received
+    have their alarms.
 
     Args:
         snapshot: The state of the robot.
@@ -67,8 +68,8 @@ def conditions(
         journal_failure: The reason why the journal cannot be written; "" if it can.
         recorder_trouble: The failure of recordings that the operator has to know; "" for none.
         unseen: The rest of the alarm's text, behind `NO NODES`; "" to raise no such alarm.
-        earlier_stop: Unix time of a STOP from before the start of this console that the journal
-            has no release of; None if there is none.
+        earlier_stop: Unix time of a STOP from before the start of this console that the journal has
+            no release of; None if there is none.
 
     Returns:
         The texts by alarm name, see `Alarm.name`.
@@ -132,9 +133,10 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
 
 
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
-    """Return True if the robot moves in spite of a STOP, by a motion that is not old.
+    """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
 
-    That is 1 s or more after an open STOP was asked for, or against a confirmed STOP.
+    For an open STOP that was sent, the message must have come 1 s or more after the STOP was asked
+    for; otherwise the robot must not have obeyed a confirmed STOP.
     """
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
@@ -198,7 +200,10 @@ def _has_reported(snapshot: Snapshot) -> bool:
 
 
 def _is_contact_lost(snapshot: Snapshot, now: float) -> bool:
-    """Return True if everything that the robot reported before is silent now."""
+    """Return True if battery and motion are silent, as far as the robot has reported them before.
+
+    Without any report since the start there is no contact to lose.
+    """
     battery, motion = snapshot.battery, snapshot.motion
     return (
         _has_reported(snapshot)
@@ -266,7 +271,10 @@ _MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all 
 
 
 def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
-    """Return the last status of each part with its level now, the worst first."""
+    """Return the last status of each part with its level now, the worst first, then by name.
+
+    The order is ERROR, WARN, STALE, OK.
+    """
     found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
     return sorted(found, key=lambda status: (_GRAVITY.index(status.level), status.name))
 
@@ -278,7 +286,10 @@ _GRAVITY = (
 
 
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
-    """Yield an alarm for each part that is not OK; only one if all diagnostics are silent."""
+    """Yield an alarm for each part that is not OK, the worst first.
+
+    All diagnostics that are silent get one alarm together, and so do the parts beyond the worst 20.
+    """
     bad = [s for s in diagnostics_worst_first(snapshot, now) if s.level is not DiagnosticLevel.OK]
     is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)
     if len(bad) > 1 and is_silent:
@@ -337,7 +348,8 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
 def is_battery_low(snapshot: Snapshot) -> bool:
     """Return True if the battery is low by the health it reports, or by its percentage.
 
-    A percentage below the threshold counts even if the robot calls the battery good.
+    A percentage below the threshold counts even if the robot calls the battery good. Old values
+    count as well.
     """
     charge, threshold = snapshot.battery.percentage, snapshot.low_charge
     is_below = charge is not None and threshold is not None and charge < threshold

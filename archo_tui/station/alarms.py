@@ -95,10 +95,11 @@ class Alarm(NamedTuple):
     """An alarm that is not normal.
 
     Attributes:
-        name: Its kind, followed by the node, topic or gauge where there may be several.
+        name: The kind of the alarm, followed by the node, topic, gauge or part where there may be
+            several.
         text: The situation, and what to do.
         since: Unix time at which it was raised.
-        state: Its state by ISA-18.2.
+        state: The state of the alarm by ISA-18.2.
         until: Unix time at which its condition was over; None while the condition holds.
         shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
         shelf_ends: The same in monotonic seconds, so that setting the clock of the computer does
@@ -122,28 +123,28 @@ class Alarm(NamedTuple):
 
     @property
     def short_text(self) -> str:
-        """The first part of the text: what is the case, without what to do."""
+        """The text up to its first colon: what is the case, without what to do."""
         return self.text.partition(": ")[0]
 
     @property
     def is_over(self) -> bool:
-        """True if its condition no longer holds."""
+        """True if the condition of the alarm no longer holds."""
         return self.until is not None
 
     @property
     def acknowledged(self) -> bool:
-        """True if nothing is left to acknowledge."""
+        """True if nothing is left to acknowledge; a shelved alarm counts as acknowledged."""
         return self.state not in (AlarmState.UNACKNOWLEDGED, AlarmState.RETURNED)
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
-        """The key to sort alarms by: what needs attention first comes first."""
+        """The key to sort alarms by: what needs attention first comes first, shelved ones last."""
         shelved = self.state == AlarmState.SHELVED
         return shelved, self.acknowledged, self.is_over, _ORDER.index(kind_of(self.name))
 
 
 def any_urgent(alarms: Iterable[Alarm]) -> bool:
-    """Return True if an active alarm of high priority is not acknowledged."""
+    """Return True if an alarm of high priority is unacknowledged and its condition holds."""
     return any(
         alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED
         for alarm in alarms

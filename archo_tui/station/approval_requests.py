@@ -25,9 +25,9 @@ _KEPT = 100  # Requests that are kept, so that their end can be asked for.
 
 
 def quoted(value: Any) -> str:
-    """Format a value of a goal for the person who decides.
+    """Return a value of a goal as text for the person who decides.
 
-    Text is quoted as in YAML, so that nothing in it looks like the next value.
+    A string is quoted as in YAML where necessary, so that nothing in it looks like the next value.
     """
     return flow(value) if isinstance(value, str) else text_of(value)
 
@@ -46,14 +46,14 @@ class ApprovalRequest(NamedTuple):
     """A goal that an assistant wants: allowed at most once, and for exactly these values.
 
     Attributes:
-        number: Counts from 1; persons and assistants name the request by it.
+        number: The number by which persons and assistants name the request, counted from 1.
         requester: The assistant.
         goal: The goal to send if a person allows it.
         text: The goal in words, as `go to shelf 12`.
-        requested: The monotonic time in seconds at which it was made.
-        stop_count: STOPs read by then, at this and other consoles; a further one voids it.
-        status: Its state.
-        reason: The reason why it is void or expired.
+        requested: The monotonic time in seconds at which the request was made.
+        stop_count: STOPs read by then, at this and other consoles; a further one voids the request.
+        status: The state of the request.
+        reason: The reason why the request is void or expired; "" otherwise.
         goal_end: Set to the outcome of the goal when that has ended; None until it is allowed.
         ended_goal: The goal as it ended; None until then.
     """
@@ -79,7 +79,7 @@ class ApprovalRequest(NamedTuple):
 
 
 class ApprovalRequests:
-    """The requests that wait for a person, and the last ones that are closed."""
+    """The requests that wait for a person, and the last ones that are closed, 100 in all."""
 
     def __init__(self) -> None:
         """Create the collection without requests."""
@@ -95,13 +95,15 @@ class ApprovalRequests:
         )
 
     def get(self, number: int) -> ApprovalRequest | None:
-        """Return the request of that number; None if there is none, or none any more."""
+        """Return the request of that number, waiting or closed; None if there is none any more."""
         return self._all.get(number)
 
     def add(
         self, requester: Requester, goal: QueuedGoal, text: str, now: float, stop_count: int
     ) -> ApprovalRequest:
         """Make a request that waits for a person.
+
+        Beyond 100 requests, the oldest closed one is forgotten.
 
         Args:
             requester: The assistant.
@@ -112,7 +114,7 @@ class ApprovalRequests:
 
         Raises:
             ValueError: MAX_WAITING requests wait already, or a person denied one less than PAUSE
-                seconds ago.
+                seconds ago; the text says which.
         """
         pause_left = self._last_denial + PAUSE - now
         if pause_left > 0:
@@ -146,7 +148,7 @@ class ApprovalRequests:
         return closed
 
     def deny(self, number: int, now: float) -> None:
-        """Close a request that a person denied; no other can be made for PAUSE seconds.
+        """Close a request that a person denied; no new one can be made for PAUSE seconds.
 
         Args:
             number: The number of the request.
@@ -180,6 +182,9 @@ class ApprovalRequests:
         self, now: float, stop_count: int, busy_reason: str
     ) -> list[ApprovalRequest]:
         """Close the requests that a person can no longer allow.
+
+        A STOP, an assistant that has left, and a `busy_reason` make a request VOID; LIFETIME
+        seconds make it EXPIRED.
 
         Args:
             now: Monotonic time in seconds.

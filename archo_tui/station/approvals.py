@@ -60,9 +60,14 @@ class Approvals:
     def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
         """Ask a person at this console to allow a goal of the assistant that asks now.
 
+        An event tells the person. The call returns without waiting for the answer.
+
         Args:
             goal: The goal to send if the person allows it.
             text: The goal in words, as `go to shelf 12`.
+
+        Returns:
+            The request, which waits.
 
         Raises:
             ValueError: The goal cannot be asked for now; the text says why.
@@ -87,10 +92,10 @@ class Approvals:
         return request
 
     def withdraw(self, requester: Requester) -> str:
-        """Close the requests of an assistant that wait for a person.
+        """Close the requests of an assistant that wait for a person, as VOID.
 
         Returns:
-            Their goals in words; "" if there was none.
+            The goals of these requests in words; "" if there was none.
         """
         withdrawn = [
             request for request in self._requests.waiting if request.requester is requester
@@ -104,12 +109,16 @@ class Approvals:
     def answer(self, number: int, *, allowed: bool) -> Outcome:
         """Carry out what a person has decided: an allowed goal is sent at once, and only once.
 
+        The decision becomes an event. The call does not wait until the goal is sent. A request
+        whose goal cannot be sent now waits on.
+
         Args:
             number: The number of the request.
             allowed: False if the person denied it.
 
         Returns:
-            DONE with the decision in words; else why the request can no longer be answered so.
+            DONE with the decision in words; REFUSED or CANCELLED with the reason if the request is
+            closed or its goal cannot be sent now.
         """
         self._refresh()
         request = self._requests.get(number)
@@ -141,7 +150,7 @@ class Approvals:
         return Outcome(Code.DONE, text)
 
     def _range_error(self, goal: QueuedGoal) -> str:
-        """Return which value of a goal is beyond a limit of the robot; "" if none is."""
+        """Return which value of a goal is beyond a limit that the robot sets; "" if none is."""
         fields = self._robot.snapshot.forms.get(goal.kind.id) or ()
         try:
             forms.check_ranges(fields, self._robot.snapshot.form(goal.kind), goal.values)

@@ -20,10 +20,10 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class EventJournal:
-    """The part that writes the important events of a console to the journal."""
+    """The part that chooses the important events of a console and writes them to the journal."""
 
     def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
-        """Create the recorder of a console's events.
+        """Create the part for one console.
 
         Args:
             journal: Gets a line for each chosen event.
@@ -33,10 +33,11 @@ class EventJournal:
         self._repeat_filter = RepeatFilter()
 
     def record(self, event: Event) -> None:
-        """Write an event to the journal if it is a command, a warning or worse.
+        """Write an event to the journal, unless its level is DEBUG or INFO.
 
-        Of an event that repeats, the journal gets some of the counts; of a flood, few. Called on
-        the robot's thread.
+        Of an event that repeats, only counts of 1, 10, 100 and so on are written; of a node's lines
+        that differ in numbers only, those that a `RepeatFilter` passes. A STOP or a release has
+        `place`. Called on the robot's thread, without waiting for the disk.
         """
         if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
             return

@@ -30,7 +30,8 @@ def load(form: str) -> list[list[str]]:
         form: The id of the goal, or of the dialog.
 
     Returns:
-        The entries, the oldest first; an empty list if there are none or the file is broken.
+        MAX_ENTRIES entries at most, the oldest first; an empty list if there are none or the file
+        is broken.
     """
     return _entries(_read(), form)
 
@@ -38,7 +39,7 @@ def load(form: str) -> list[list[str]]:
 def add(form: str, typed: list[str]) -> None:
     """Add an entry as the newest of its form, and remove an equal older one.
 
-    Errors of the disk are ignored.
+    Beyond MAX_ENTRIES, the oldest entry is dropped. Errors of the disk are ignored.
 
     Args:
         form: The id of the goal, or of the dialog.

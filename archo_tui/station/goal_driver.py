@@ -65,7 +65,9 @@ class GoalDriver:
         self._underway: list[tuple[QueuedGoal, int]] = []
 
     def update(self, snapshot: Snapshot, alarms: Iterable[Alarm]) -> None:
-        """Settle the goals that have ended, and send the goal that is due.
+        """Settle the goals that have ended, and send the goal that is due, if there is one.
+
+        An event is written when the queue becomes held.
 
         Args:
             snapshot: The state of the robot from now on.
@@ -77,7 +79,10 @@ class GoalDriver:
 
     @property
     def busy_reason(self) -> str:
-        """The reason why an assistant cannot ask for a goal now; "" if it can."""
+        """The reason why an assistant cannot ask for a goal now; "" if it can.
+
+        It cannot while the robot is stopped, or a goal runs, is being sent or waits in the queue.
+        """
         snapshot = self._snapshot
         if snapshot.is_stopped:
             return "the robot is stopped"
@@ -88,22 +93,28 @@ class GoalDriver:
         return "another goal is being sent" if self.queue.is_going else ""
 
     def goal_of(self, requester: Requester) -> Goal | None:
-        """Return the present state of the goal underway of a requester; None if it has none."""
+        """Return the present state of a requester's goal that the robot has accepted and not ended.
+
+        Returns:
+            The oldest such goal; None if there is none, or no snapshot shows it yet.
+        """
         befores = [before for goal, before in self._underway if goal.requester is requester]
         return self._goal_after(befores[0]) if befores else None
 
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
         """Send goals one after the other, behind a goal that runs or is being sent.
 
-        Their requester is the current one (see robot/requester.py). Unless it is YOU, a future of
-        the outcome of each goal is added to its `ends`. Called on the event loop.
+        If none runs, the first is sent at once, even before goals of a held queue; the others wait
+        behind these. Their requester is the current one (see robot/requester.py). Unless it is YOU,
+        a future of the outcome of each goal is added to its `ends`. Called on the event loop.
 
         Args:
             goals: At least one.
 
         Returns:
-            A future of the robot's answer to the first goal; ACCEPTED at once if that waits in
-            the queue, CANCELLED or REFUSED if nothing is sent.
+            A future of the robot's answer to the first goal; ACCEPTED at once if that waits in the
+            queue. CANCELLED if the requester has left, and REFUSED if more than MAX_QUEUED_GOALS
+            would wait: nothing is sent then.
         """
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Outcome] = loop.create_future()
@@ -129,10 +140,13 @@ class GoalDriver:
         return answer
 
     def resume(self) -> Outcome:
-        """Resume a held queue, unless a STOP came in between.
+        """Resume a held queue, unless a STOP came in between; send the goal that is due.
+
+        The attempt becomes an event.
 
         Returns:
-            DONE; REFUSED if the queue is held again at once, because the cause is not over.
+            DONE; CANCELLED if a STOP came in between; REFUSED if the queue is held again at once,
+            because the cause is not over.
         """
         gate = self._robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
@@ -148,7 +162,11 @@ class GoalDriver:
         return outcome
 
     def skip(self) -> Outcome:
-        """Remove the next goal of the queue, which must not be empty."""
+        """Remove the next goal of the queue, which must not be empty, and write an event.
+
+        Returns:
+            DONE with the goal in words; the outcome of the goal itself is CANCELLED.
+        """
         goal = self.queue.skip_next()
         text = f"left out of the queue: {goal.text}"
         _set_outcome(goal, Outcome(Code.CANCELLED, text))
@@ -157,10 +175,13 @@ class GoalDriver:
         return Outcome(Code.DONE, f"left out: {goal.text}")
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Cancel the goal of this console, on its way or running.
+        """Cancel the goal of this console, on its way or running, and return the robot's answer.
+
+        A goal that has not left the console is never sent: ACCEPTED without a request.
 
         Args:
-            another: True to cancel the running goal of another client, not one of this console.
+            another: True to cancel the running goal of another client. A goal of this console that
+                has not left is cancelled instead.
         """
         if self.ledger.goal is None or self.ledger.is_handed_over:
             return await self._robot.cancel(another=another)
@@ -173,7 +194,7 @@ class GoalDriver:
     async def call_off(self, requester: Requester) -> None:
         """Remove the goals of a requester that has left from the queue, and cancel its running one.
 
-        If the goal cannot be cancelled, an event says that it may still run.
+        If three attempts do not cancel the goal, an event says that it may still run.
         """
         for goal in self.queue.remove_requested_by(requester):
             _set_outcome(goal, Outcome(Code.CANCELLED, f"taken out of the queue: {goal.text}"))
@@ -193,7 +214,7 @@ class GoalDriver:
         return any(goal.requester is requester for goal, _ in self._underway)
 
     def _goal_after(self, before: int) -> Goal | None:
-        """Return the first goal of this console whose number is over `before`."""
+        """Return the first goal of this console with a number over `before`, or None."""
         snapshot = self._snapshot
         ours = [goal for goal in (snapshot.goal, *snapshot.history) if goal and goal.mine]
         since = [goal for goal in ours if goal.number > before]
@@ -211,7 +232,10 @@ class GoalDriver:
                 _set_outcome(queued, outcome)
 
     def _send_due_goal(self, alarms: Iterable[Alarm]) -> None:
-        """Send the goal of the queue that is due, and write an event when the queue is held."""
+        """Send the goal of the queue that is due, and write an event when the queue becomes held.
+
+        While it is held, the goals that wait have the outcome HELD.
+        """
         due = self.queue.take_due(self._snapshot, alarms, self._robot.stops.count)
         before, self._last_hold_reason = self._last_hold_reason, self.queue.hold_reason
         reason = self.queue.hold_reason
@@ -243,7 +267,10 @@ class GoalDriver:
         before: int,
         answer: asyncio.Future[Outcome] | None,
     ) -> None:
-        """Send a goal and take in the robot's answer; a STOP puts it back into the queue.
+        """Send a goal and take in the robot's answer; a STOP puts the goal back into the queue.
+
+        A refused goal holds the queue. A goal that is cancelled in time is not sent. If no answer
+        comes in time, the goal is cancelled for a requester that waits or has left.
 
         Args:
             frontend: Shows the answer to a goal of the queue.
@@ -299,6 +326,6 @@ def _with_pending_end(goal: QueuedGoal) -> QueuedGoal:
 
 
 def _set_outcome(goal: QueuedGoal, outcome: Outcome) -> None:
-    """Set the outcome of a goal, for those that wait for it."""
+    """Set the outcome of a goal, for those that wait for it; a second outcome is ignored."""
     if goal.end is not None and not goal.end.done():
         goal.end.set_result(outcome)

@@ -43,7 +43,7 @@ def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | Non
 
 
 class History:
-    """The samples of the last hour and the last goals that ended.
+    """The samples of the last hour and the last 3600 goals that ended.
 
     It belongs to the station, so that it is complete also after a crash of the screen. Times are
     monotonic seconds in a console, and Unix time in a replay.
@@ -71,7 +71,11 @@ class History:
             del self._ends[next(iter(self._ends))]
 
     def add_sample(self, snapshot: Snapshot, now: float) -> None:
-        """Add a sample: the values now, and their range since the last sample."""
+        """Add a sample: the values now, and their range since the last sample.
+
+        Goals that have ended are kept, as `observe` does. Beyond 3600 samples the oldest is
+        dropped.
+        """
         self.observe(snapshot, now)
         self._times.append(now)
         for name, value in current_values(snapshot, now).items():
@@ -86,7 +90,7 @@ class History:
         del self._times[:-_KEPT]
 
     def until(self, now: float) -> History:
-        """Return the history of a replay as it was at a time.
+        """Return a copy of the history of a replay as it was at a time.
 
         Args:
             now: Unix time in seconds.

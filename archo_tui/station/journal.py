@@ -39,15 +39,17 @@ _LOCK_POLL = 0.005  # Seconds between two attempts to lock.
 
 
 def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> float | None:
-    """Return when the last confirmed STOP was that no confirmed release followed.
+    """Return the time of the last confirmed STOP, if no confirmed release followed it.
+
+    This reads the disk.
 
     Args:
         file: The journal; the older one beside it is read, too.
         place: The value that a line's `place` must have, see `Session`.
-        since: Unix time; older lines do not count.
+        since: Unix time in seconds; older lines do not count.
 
     Returns:
-        The Unix time; None if there is no such STOP, or the journal cannot be read.
+        The Unix time in seconds; None if there is no such STOP, or the journal cannot be read.
     """
     found = None
     for path in (file.with_name(f"{file.name}.1"), file):
@@ -98,7 +100,8 @@ class RepeatFilter:
     def passes(self, source: str, text: str) -> bool:
         """Count a line, and return True if it is to be written.
 
-        Of lines that differ in numbers only, the first 100 are written, then one in 1000.
+        Of lines that differ in numbers only, the first 100 are written, then one in 1000. Beyond
+        1000 kinds of lines, the one that was not counted for longest is forgotten.
 
         Args:
             source: The node that wrote it.
@@ -209,10 +212,10 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Hold the lock that all consoles write the journal under.
+    """Hold the lock that all consoles write the journal under, while the context lasts.
 
     Raises:
-        OSError: Another process holds it for longer than a second.
+        OSError: Another process holds the lock for longer than a second.
     """
     path = folder / "journal.lock"
     descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)

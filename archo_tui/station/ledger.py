@@ -24,7 +24,7 @@ class Ledger:
             there was none.
         is_handed_over: True if the goal was handed to the robot's thread, so that only a cancel
             request can stop it.
-        is_cancelled: True if the operator cancelled the goal before that.
+        is_cancelled: True if the operator cancelled the goal before it was handed over.
     """
 
     def __init__(self) -> None:
@@ -36,11 +36,11 @@ class Ledger:
         self._pending: Counter[str] = Counter()
 
     def enter_goal(self, kind: GoalKind, values: Mapping[str, Any], snapshot: Snapshot) -> None:
-        """Enter a goal that is to be sent now.
+        """Enter a goal that is to be sent now, in the place of an earlier one.
 
         Args:
-            kind: The robot file's entry for it.
-            values: Its values, by dotted path in the goal message.
+            kind: The robot file's entry for the goal.
+            values: The values of the goal, by dotted path in the goal message.
             snapshot: The state of the robot before the goal is sent.
         """
         self.goal = Goal(kind, values, Phase.SENT, 0.0, 0.0)
@@ -52,7 +52,10 @@ class Ledger:
         self.goal = None
 
     def remove_goal_if_shown(self, snapshot: Snapshot) -> None:
-        """Remove the goal if the snapshot shows it: from then on the snapshot tells its state."""
+        """Remove the goal if the snapshot shows it or a later one of ours.
+
+        From then on the snapshot tells its state.
+        """
         if any(goal.mine and goal.number > self.newest_before for goal in _goals_shown(snapshot)):
             self.goal = None
 
@@ -65,7 +68,7 @@ class Ledger:
         """Count a request as unanswered while the context lasts.
 
         Args:
-            request: Its name, as RELEASE.
+            request: The name of the request, as RELEASE.
         """
         self._pending[request] += 1
         try:
@@ -79,5 +82,5 @@ class Ledger:
 
 
 def _goals_shown(snapshot: Snapshot) -> list[Goal]:
-    """Return the goal of a snapshot, and those that have ended."""
+    """Return the goal of a snapshot, if there is one, and those that have ended."""
     return [goal for goal in (snapshot.goal, *snapshot.history) if goal is not None]

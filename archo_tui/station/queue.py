@@ -61,11 +61,14 @@ class GoalQueue:
 
     @property
     def is_going(self) -> bool:
-        """True if a goal is being sent, or goals wait and the queue is not held."""
+        """True if a goal is on its way to the robot, or goals wait and the queue is not held."""
         return self._ledger.goal is not None or (bool(self.waiting) and not self.hold_reason)
 
     def submit(self, goals: Sequence[QueuedGoal], snapshot: Snapshot) -> QueuedGoal | None:
-        """Add goals that the operator wants.
+        """Add goals that the operator wants, behind those that wait.
+
+        If no goal runs, the first one is entered in the ledger and sent before all others, also if
+        the queue is held.
 
         Args:
             goals: At least one.
@@ -81,7 +84,7 @@ class GoalQueue:
         return self._send(goals[0], snapshot)
 
     def resume(self, stop_count: int = 0) -> None:
-        """End the hold of the queue, whatever its reason.
+        """End the hold of the queue, whatever its reason; the next `take_due` may hold it again.
 
         Args:
             stop_count: STOPs that had been read when the operator resumed. The goals count as
@@ -91,13 +94,16 @@ class GoalQueue:
         self.waiting = [goal._replace(stop_count=stop_count) for goal in self.waiting]
 
     def put_back(self, goal: QueuedGoal) -> None:
-        """Put a goal that was not sent because of a STOP back in front, and hold the queue."""
+        """Put a goal that was not sent because of a STOP back in front, and hold the queue.
+
+        The goal is removed from the ledger.
+        """
         self._ledger.remove_goal()
         self.waiting.insert(0, goal)
         self.hold("STOP")
 
     def skip_next(self) -> QueuedGoal:
-        """Remove the next goal and return it."""
+        """Remove the next goal and return it; the queue must not be empty."""
         return self.waiting.pop(0)
 
     def remove_requested_by(self, requester: Requester) -> list[QueuedGoal]:
@@ -107,7 +113,13 @@ class GoalQueue:
         return removed
 
     def hold(self, reason: str) -> None:
-        """Send no further goal. An empty queue, or one that is held already, stays as it is."""
+        """Hold the queue: no further goal is sent until it is resumed.
+
+        An empty queue, or one that is held already, stays as it is.
+
+        Args:
+            reason: The reason in words; "" changes nothing.
+        """
         if self.waiting and not self.hold_reason:
             self.hold_reason = reason
 
@@ -115,7 +127,7 @@ class GoalQueue:
         """Record the robot's answer to the goal that was sent last, and hold the queue if refused.
 
         Args:
-            ok: True if the robot accepted it; if not, the rest is held.
+            ok: True if the robot accepted it; if not, the goals that wait are held.
             reason: The reason of that hold.
         """
         if not ok:
@@ -125,10 +137,11 @@ class GoalQueue:
     def take_due(
         self, snapshot: Snapshot, alarms: Iterable[Alarm], stop_count: int = 0
     ) -> QueuedGoal | None:
-        """Remove and return the goal that is to be sent now.
+        """Remove and return the goal that is to be sent now, and enter it in the ledger.
 
         The queue is held here if the last goal did not arrive, the robot is stopped, a STOP was
-        read since a goal was typed, or an alarm holds every queue.
+        read since a goal was typed, or an alarm holds every queue. An empty queue is not held any
+        more. The ledger's goal is removed if the snapshot shows it.
 
         Args:
             snapshot: The state of the robot.
@@ -158,9 +171,9 @@ class GoalQueue:
         return self._send(self.waiting.pop(0), snapshot)
 
     def _mark_past_alarm(self, alarms: Iterable[Alarm]) -> None:
-        """Update the reason of the hold: `was: NAME` once the alarm that holds the queue is over.
+        """Update the reason of the hold: `was: NAME` while the alarm that held the queue is over.
 
-        The queue stays held: only the operator resumes it.
+        The queue stays held: only the operator resumes it. Other reasons stay as they are.
         """
         name = self.hold_reason.removeprefix(_WAS)
         if name in _HOLDING_ALARMS:
@@ -173,7 +186,10 @@ class GoalQueue:
 
 
 def _holding_alarm(alarms: Iterable[Alarm]) -> str:
-    """Return the name of an alarm that holds every queue; empty if there is none."""
+    """Return the name of the first alarm that holds every queue; "" if there is none.
+
+    These are a lost contact, and a low or empty battery that nobody has acknowledged.
+    """
     for alarm in alarms:
         if alarm.name == CONTACT_LOST and not alarm.is_over:
             return CONTACT_LOST

@@ -62,7 +62,10 @@ def obstacles(snapshot: Snapshot) -> Facts:
 
 
 def limits(snapshot: Snapshot) -> Facts:
-    """Return the least and greatest values that the robot allows in goals now."""
+    """Return the least and greatest values that the robot allows in goals now.
+
+    There is a fact for each field of a goal that has limits.
+    """
     return frozenset(
         (kind.id, path, given.low, given.high)
         for kind in snapshot.file.goals

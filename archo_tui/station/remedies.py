@@ -34,10 +34,12 @@ def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str
 
     Args:
         snapshot: The state of the robot: a command that no node offers is left out.
-        hints_by_id: How to give each command by its id, as `press R` or `type release`.
+        hints_by_id: How to give each command by its id, as `press R` or `type release`; a command
+            without an entry is left out.
 
     Returns:
-        The hints that `advice` takes.
+        The hints that `advice` takes: those for `release`, and for `charge`, whatever the robot
+        file calls the command that charges.
     """
     robot, hints = snapshot.file, {}
     if robot.stop is not None and not snapshot.unavailable(robot.stop.release):

@@ -150,20 +150,28 @@ class Station:
         return self.ledger.running_goal(self.robot.snapshot)
 
     def attach(self, frontend: Frontend) -> None:
-        """Let a frontend send goals and run posted work from now on; call it on its event loop."""
+        """Let a frontend send goals and run posted work from now on; call it on its event loop.
+
+        Work that was posted before is started. A goal that an earlier frontend did not begin to
+        send is dropped.
+        """
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
         self.goals.frontend = frontend
         self.ledger.remove_goal()  # A goal that an earlier frontend did not begin to send.
         self._begin_posted()
 
     def detach(self) -> None:
-        """Let posted work wait for the next frontend from now on, since this one ends."""
+        """Let posted work wait for the next frontend from now on, since this one ends.
+
+        `close_questions` and `restart` still reach the frontend that ends.
+        """
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         """Let the frontend start work in the background, or the next frontend if none is attached.
 
-        May be called on any thread.
+        Work is started on the frontend's event loop, in the order of the calls. May be called on
+        any thread.
         """
         self._posted.append(work)
         loop = self._loop
@@ -176,7 +184,10 @@ class Station:
             self._frontend.run_in_background(self._posted.popleft())
 
     def close_questions(self) -> None:
-        """Close the questions to the operator, because another console sent a STOP."""
+        """Close the questions to the operator, because another console sent a STOP.
+
+        Do nothing without a frontend.
+        """
         if self._frontend is not None:
             self._frontend.close_questions()
 
@@ -192,7 +203,7 @@ class Station:
             self._frontend.restart(why)
 
     def operate(self, namespace: str) -> None:
-        """Start the console again for the robot of another namespace."""
+        """Start the console again for the robot of another namespace, if there is a frontend."""
         self.next_namespace = namespace
         self.restart(f"operate the robot in {namespace}")
 
@@ -214,6 +225,8 @@ class Station:
     def tick(self) -> list[Alarm]:
         """Add a sample to the history, and refresh; called once a second.
 
+        If the robot is not ARCHO and has no robot file, an event offers, once, how to make one.
+
         Returns:
             The alarms whose state has changed.
         """
@@ -223,7 +236,11 @@ class Station:
         return self.refresh()
 
     def _offer_description(self) -> None:
-        """Write an event, once, on how to make a robot file, if that of ARCHO does not fit."""
+        """Write an event, once, on how to make a robot file, if that of ARCHO does not fit.
+
+        That is so if no file was given, and five seconds after the start nodes run that offer none
+        of what ARCHO's offer.
+        """
         snapshot = self._snapshot
         is_other = snapshot.nodes and not snapshot.offered
         if is_other and self._may_offer and self.age >= _OFFER_AFTER:
@@ -232,6 +249,8 @@ class Station:
 
     def refresh(self) -> list[Alarm]:
         """Bring alarms, queue, requests and view up to date, and send the goal that is due.
+
+        Changed alarms are written to the journal; the recorder gets the view.
 
         Returns:
             The alarms whose state has changed.
@@ -250,18 +269,20 @@ class Station:
         return changed
 
     async def release(self) -> Outcome:
-        """Release the robot after a STOP, so that it accepts moves again."""
+        """Release the robot after a STOP, so that it accepts moves again; return its answer."""
         with self.ledger.pending(RELEASE):
             return await self.robot.release_emergency_stop()
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
-        """Acknowledge alarms: the operator has seen them."""
+        """Acknowledge alarms: the operator has seen them. Update the view and the journal."""
         for alarm in alarms:
             self._record(self._board.acknowledge(alarm, self.clock.now()))
         self.view = self._view()
 
     def shelve(self, alarm: Alarm, reason: str = "") -> None:
         """Shelve an alarm for SHELF_TIME, or take it off the shelf if it is there.
+
+        The view and the journal are updated.
 
         Args:
             alarm: The alarm.
@@ -277,6 +298,9 @@ class Station:
         Args:
             node: The fully qualified name of the node.
             values: The new values, by name.
+
+        Returns:
+            The outcome; NOT_OFFERED if the node does not report one of the parameters.
         """
         return await self.edits.set_parameters(self.robot, node, values)
 
@@ -285,6 +309,9 @@ class Station:
 
         Args:
             asked: The change that the operator agreed to undo; None for whichever is the last.
+
+        Returns:
+            The outcome; REFUSED if there is no change, or `asked` is not the last one any more.
         """
         return await self.edits.undo(self.robot, asked)
 

@@ -16,12 +16,12 @@ LIMIT = 100  # Changes that are kept.
 
 
 class Edit(NamedTuple):
-    """A change of parameters.
+    """A change of parameters of one node.
 
     Attributes:
-        node: The fully qualified name of their node.
-        before: Their values before, by name.
-        after: Their values afterwards, by name.
+        node: The fully qualified name of the node.
+        before: The values before the change, by name.
+        after: The values afterwards, by name.
     """
 
     node: str
@@ -30,7 +30,7 @@ class Edit(NamedTuple):
 
 
 class UndoList:
-    """The changes that can be undone, the last one first. Used on the event loop only."""
+    """The last 100 changes that can be undone. Used on the event loop only."""
 
     def __init__(self) -> None:
         """Create an empty list."""
@@ -39,7 +39,7 @@ class UndoList:
 
     @property
     def is_changing(self) -> bool:
-        """True while a change has no answer, although its event may have arrived."""
+        """True while a change or an undo has no answer, although its event may have arrived."""
         return self._unanswered > 0
 
     @property
@@ -57,7 +57,10 @@ class UndoList:
         }
 
     def disabled_reason(self, snapshot: Snapshot) -> str:
-        """Return why nothing can be undone now; "" if the last change can be."""
+        """Return why nothing can be undone now; "" if the last change can be.
+
+        It cannot while a change has no answer, if there is none, or if its node has left the graph.
+        """
         if self.is_changing:
             return "a change has no answer yet: undo it when it has"
         if self.last is None:
@@ -70,7 +73,7 @@ class UndoList:
 
         Returns:
             The values now of those parameters of the last change, by name; None for a parameter
-            that is no longer reported.
+            that is no longer reported. Empty if there is no change.
         """
         if self.last is None:
             return {}
@@ -79,7 +82,7 @@ class UndoList:
         return {name: now.get(name) for name, value in after if not same(now.get(name), value)}
 
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none, and keep their values of before.
+        """Set parameters of a node, all or none; if that succeeds, add the change to the list.
 
         Args:
             robot: The robot.
@@ -102,9 +105,14 @@ class UndoList:
         return outcome
 
     def _set_since(self, last: Edit | None, node: str, names: Iterable[str]) -> dict[str, Any]:
-        """Return the values that changes after `last` have set, by name.
+        """Return the values that changes after `last` have set on a node, by name.
 
         They were answered while this change waited, so they are its values of before.
+
+        Args:
+            last: The newest change that does not count; None if all count.
+            node: The fully qualified name of the node.
+            names: The names of the parameters.
         """
         found: dict[str, Any] = {}
         for edit in reversed(self._done):
@@ -116,6 +124,8 @@ class UndoList:
 
     async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
         """Set the parameters of the last change to their values of before.
+
+        The change is removed from the list if that succeeds.
 
         Args:
             robot: The robot.

@@ -21,7 +21,7 @@ class View:
         second: The same at the last tick of the clock, for ages that need not be livelier.
         time: Unix time in seconds.
         engine: The engine in words; see `engine.describe`.
-        namespace: Of the robot.
+        namespace: The namespace of the robot.
         history: The curves of the last hour.
         alarms: All alarms that are not normal, in the order in which they are shown.
         hosted: The nodes of this process.
@@ -31,7 +31,7 @@ class View:
         changing: True while a change of parameters from here has no answer.
         clients: The programs that are connected, by their names for people.
         requests: The requests of assistants that wait for a person, the oldest first.
-        replay: In a replay the words that say so; "" if this is the robot.
+        replay: In a replay, words that say so; "" if the robot itself is shown.
     """
 
     snapshot: Snapshot
