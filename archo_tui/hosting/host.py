@@ -233,7 +233,7 @@ class Host:
         Args:
             file: The file.
             operator_values: Returns the parameters that the operator has set on a node, by its
-                name. The new nodes get them.
+                name. The new nodes get them, and the old ones if they are constructed again.
         """
         with self._changing:
             olds = [hosted for hosted in self.nodes if hosted.file is file]
@@ -258,7 +258,7 @@ class Host:
                 for new in news:
                     new.stop()
                 file.restore()
-                news = self._make_all_again(olds)
+                news = self._make_all_again(olds, operator_values)
             names = {new.name for new in news}
             for other in [h for h in self.nodes if h not in olds and h.name in names]:
                 other.stop()  # A node of the robot's own, whose place the new one takes.
@@ -374,12 +374,15 @@ class Host:
             self.nodes.remove(own)
             self._report_ended(own)
 
-    def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
+    def _make_all_again(
+        self, olds: list[HostedNode], operator_values: Callable[[str], Mapping[str, Any]]
+    ) -> list[HostedNode]:
         """Construct nodes again, and return them, not spinning; an event names each that fails."""
         made = []
         for old in olds:
             try:
                 new = old.make_again()
+                new.operator_values = operator_values
                 self._wait(new)
                 made.append(new)
             except Exception as error:
