@@ -227,7 +227,8 @@ class AlarmBoard:
         Returns:
             The alarm if its state has changed, else an empty list.
         """
-        return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
+        known = self._alarms.get(alarm.name)
+        return [] if known is None else self._change(known, Change.ACKNOWLEDGE, now)
 
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
         """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
@@ -244,7 +245,9 @@ class AlarmBoard:
         Returns:
             The alarm if its state has changed, else an empty list.
         """
-        known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
+        if alarm.name not in self._alarms:
+            return []
+        known = self._alarms[alarm.name]._replace(reason=reason)
         if known.state == AlarmState.SHELVED:
             return self._change(known, Change.UNSHELVE, now)
         ends, until = monotonic + SHELF_TIME, now + SHELF_TIME

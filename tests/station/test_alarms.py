@@ -348,6 +348,18 @@ def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> No
     assert [alarm.state for alarm in board.all()] == [AlarmState.UNACKNOWLEDGED]
 
 
+def test_an_alarm_that_is_gone_is_neither_acknowledged_nor_shelved() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "stop"}, 0, 0)
+    seen = board.all()[0]
+    board.acknowledge(seen, 1)
+    board.update({}, 2, 2)
+    assert board.all() == ()
+    assert board.acknowledge(seen, 3) == []
+    assert board.shelve(seen, 3, 3) == []
+    assert board.all() == ()
+
+
 def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
     board = reach(AlarmState.SHELVED)
     board.update({}, 5, 105)
