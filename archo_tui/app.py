@@ -154,8 +154,10 @@ class ArchoApp(KeyedApp):
                 break  # The dialogs over it show the replay.
 
     def _view(self) -> ScreenState:
-        first = not self.has_sent
-        return ScreenState(**vars(self.station.view), keys=self.shown_keys, is_first=first)
+        never = not self.has_sent
+        return ScreenState(
+            **vars(self.station.view), keys=self.shown_keys, has_never_sent_goal=never
+        )
 
     def notify(
         self,
@@ -183,7 +185,7 @@ class ArchoApp(KeyedApp):
         self._show_notice()
 
     def _show_notice(self) -> None:
-        notice = self._notices.shown(self.station.clock.monotonic())
+        notice = self._notices.update(self.station.clock.monotonic())
         before, self._notice = self._notice, None if notice is None else notice._replace(waiting=0)
         if before not in (None, self._notice):
             for line in self.screen.query(NoticeLine):

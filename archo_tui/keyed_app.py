@@ -177,9 +177,9 @@ class KeyedApp(TerminalApp):
     def closed_by_stop(self, why: str) -> None:
         """Drop the keys that may still be for a dialog that a STOP closed, or kept from opening."""
         self._answers_void = self.stops.count
-        self.dialog_gone(why)
+        self.drop_following_keys(why)
 
-    def dialog_gone(self, why: str) -> None:
+    def drop_following_keys(self, why: str) -> None:
         """Drop the keys that follow at once, typed for a dialog that closed by itself."""
         self._shut_by, self._shut_said = why, False
         self._shut_since = self.station.clock.monotonic()
@@ -236,7 +236,8 @@ class KeyedApp(TerminalApp):
         if not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
-        stands = front is not self.main and not (isinstance(front, Dismissable) and front.has_left)
+        is_leaving = isinstance(front, Dismissable) and front.is_dismissed
+        stands = front is not self.main and not is_leaving
         pressed = (widget for widget, _ in front.get_widgets_at(event.x, event.y))
         if stands and next(w for w in pressed if not isinstance(w, NoticeLine)) is not front:
             return False  # On the dialog.
@@ -348,7 +349,7 @@ class KeyedApp(TerminalApp):
         """Return True while the screen in front is being built, or is about to go."""
         if not self.screen_stack or not self.screen.is_mounted:
             return True
-        return isinstance(self.screen, Dismissable) and self.screen.has_left
+        return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
 
     def _takes(self, event: events.Event) -> bool:
         """Return True if everything before an event is done, and its target is there.

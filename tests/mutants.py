@@ -282,7 +282,7 @@ FAULTS = [
     Fault("recording/triggers.py", "alarm.priority == Priority.HIGH and ", "", "tests/black_box/test_box.py"),
     Fault("recording/triggers.py", " and not called_off", "", "tests/black_box/test_box.py"),
     Fault("app.py", " and screen.is_mounted:", ":", CONSOLE + "/test_unlucky_moments.py"),
-    Fault("commands/palette.py", "any(isinstance(screen, Commands) for screen in console.screens)", "isinstance(console.screen, Commands)", CONSOLE + "/test_unlucky_moments.py"),
+    Fault("commands/palette.py", "any(isinstance(screen, CommandPalette) for screen in console.screens)", "isinstance(console.screen, CommandPalette)", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/ask_path.py", 'self.set_text(".recent", Content', 'self.query_one(".recent", Static).update(Content', "tests/widgets/test_parameters.py"),
     Fault("widgets/parameters_panel.py", "            if not view.changing:\n                self._flash(before)", "            self._flash(before)", "tests/widgets/test_parameters.py"),
     Fault("chapter/move_checks.py", "        if not self._until(asked.done, _MAX_CANCEL):", "        if False:", LEARNERS),

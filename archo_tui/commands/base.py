@@ -107,7 +107,7 @@ class Console(Protocol):
     def report_failure(self, outcome: Outcome) -> None:
         """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
 
-    def dialog_gone(self, why: str) -> None:
+    def drop_following_keys(self, why: str) -> None:
         """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
 
     def show_message(self, text: str, title: str = "") -> None:

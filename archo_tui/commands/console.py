@@ -45,7 +45,7 @@ class ShowAlarms(Command):
 
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not any_urgent(console.view.alarms):  # Alarms of high priority come first.
-            told = partial(_answer, console), console.dialog_gone
+            told = partial(_answer, console), console.drop_following_keys
             seen = (lambda: console.is_stuck), (lambda: console.input)
             console.open(AnswerRequest(waiting[0], console.view, *seen, *told))
             return

@@ -13,8 +13,8 @@ class OpenPalette(Command):
     where = EVERYWHERE
 
     def run(self, console: Console) -> None:
-        from archo_tui.commands.palette_choices import Commands, goal_choices, palette_choices
+        from archo_tui.commands.palette_choices import CommandPalette, goal_choices, palette_choices
 
-        if not any(isinstance(screen, Commands) for screen in console.screens):
+        if not any(isinstance(screen, CommandPalette) for screen in console.screens):
             rows, goals = partial(palette_choices, console), partial(goal_choices, console)
-            console.open(Commands("Commands", rows, goals))
+            console.open(CommandPalette("Commands", rows, goals))

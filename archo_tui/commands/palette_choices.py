@@ -68,7 +68,7 @@ _SEARCH_WORDS = {
 }
 
 
-class Commands(Choose):
+class CommandPalette(Choose):
     """The command palette: commands, nodes, parameters and themes in one list.
 
     Rows that a typed text gives, such as `Go to shelf 12`, come before the others.

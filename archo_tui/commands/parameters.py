@@ -160,7 +160,7 @@ class LoadKey(VerbCommand):
                 values = await self.verb.prepare(console.station, {"file": str(path)})
             except ArchoError as error:
                 return str(error)
-            if dialog.has_left:  # The operator has closed it meanwhile.
+            if dialog.is_dismissed:  # The operator has closed it meanwhile.
                 return ""
             dialog.dismiss()  # Before the question, which would be beneath it.
             console.run_verb(self.verb, values)  # It asks a question: there is nothing to wait for.

@@ -58,7 +58,7 @@ class ShowRecordings(Command):
         else:
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
         found = await _list_recordings(console)
-        if found is not None and not dialog.has_left:
+        if found is not None and not dialog.is_dismissed:
             dialog.show_recordings(found)
 
 
@@ -71,12 +71,12 @@ async def _open_replay(console: Console, recording: Recording, dialog: Recording
     except Exception as error:  # A damaged file may raise anything; the live console goes on.
         said = f"{recording.name}: {in_one_line(error)}"
     else:
-        if dialog.is_active and not dialog.has_left:
+        if dialog.is_active and not dialog.is_dismissed:
             dialog.dismiss()
             console.begin_replay(player)
             return
         player.close()
-        if dialog.has_left:  # The operator has closed it meanwhile.
+        if dialog.is_dismissed:  # The operator has closed it meanwhile.
             return
         said = "another dialog was opened meanwhile"
     console.report_failure(Outcome(Code.REFUSED, f"not played: {said}"))

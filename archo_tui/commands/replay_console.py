@@ -158,9 +158,9 @@ class ReplayConsole:
         if not outcome.ok:  # As the live console reports it, it would be about the robot.
             self._live.show_message(outcome.text, "Replay")
 
-    def dialog_gone(self, why: str) -> None:
+    def drop_following_keys(self, why: str) -> None:
         """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
-        self._live.dialog_gone(why)
+        self._live.drop_following_keys(why)
 
     def show_message(self, text: str, title: str = "") -> None:
         """Show a notification."""

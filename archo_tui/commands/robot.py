@@ -171,7 +171,7 @@ class GiveKey(VerbCommand):
         if self._off is None:
             return console.run_verb(self._on, {})
         (name,) = self._on.given.toggle.values()
-        is_on = _reading(console, name)
+        is_on = _reported_state(console, name)
         if is_on is None:
             self._ask_which_way(console, name, self._off)
             return None
@@ -185,7 +185,7 @@ class GiveKey(VerbCommand):
         console.confirm(title, question, "Leave it", answers)
 
 
-def _reading(console: Console, name: str) -> bool | None:
+def _reported_state(console: Console, name: str) -> bool | None:
     """Return the state that a toggle inverts, or None if it is not reported.
 
     Args:

@@ -78,6 +78,6 @@ class Confirm(Dialog[None]):
         Args:
             number: Its place among the answers; 0 is the safe one.
         """
-        if not self.has_left:
+        if not self.is_dismissed:
             self.dismiss()
             self._on_answer(self._answers[number])

@@ -14,7 +14,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.reason import Reason, obstacles
+from archo_tui.station.reason import CauseWatch, obstacles
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
@@ -92,7 +92,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     """
 
     head: DialogHead
-    _reason: Reason | None = None  # Of the refusal that is shown.
+    _causes: CauseWatch | None = None  # Of the refusal that is shown.
     _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
 
     def compose(self) -> ComposeResult:
@@ -121,7 +121,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
 
     def show_message(self, text: str = "") -> None:
         """Show what is wrong or what is going on, in place of the message before."""
-        self._reason = None
+        self._causes = None
         self.set_text(".error", Content(text))
 
     def refuse(self, text: str) -> None:
@@ -131,14 +131,14 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             text: The reason, as it was told.
         """
         self.show_message(text)
-        self._reason = Reason(obstacles)
+        self._causes = CauseWatch(obstacles)
         if self._snapshot is not None:
-            self._reason.is_over(self._snapshot)  # The first call records the present obstacles.
+            self._causes.observe(self._snapshot)  # The first call records the present obstacles.
 
     def show_view(self, view: ScreenState) -> None:
         """Remove a refusal once an obstacle that it may be about is gone."""
         self._snapshot = view.snapshot
-        if self._reason is not None and self._reason.is_over(view.snapshot):
+        if self._causes is not None and self._causes.observe(view.snapshot):
             self.show_message()
 
     def finish(self, outcome: Outcome) -> None:
@@ -148,7 +148,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
         """
         if outcome.ok:
             self.dismiss()
-        elif self.has_left:
+        elif self.is_dismissed:
             self.notify(outcome.text, severity="error", markup=False)
         else:
             self.refuse(outcome.text)

@@ -32,7 +32,7 @@ class Dismissable(Base[ScreenResultType]):
     _result: tuple[ScreenResultType | None] | None = None  # Set by the first `dismiss`.
 
     @property
-    def has_left(self) -> bool:
+    def is_dismissed(self) -> bool:
         """True once it was dismissed, though it may still be shown."""
         return self._result is not None
 

@@ -446,7 +446,7 @@ class MainScreen(Base[None]):
         if self._view is not None and self._is_filled:
             self._show_footer(self._view, self._commands)
 
-    def on_panel_resized(self, message: Panel.Resized) -> None:
+    def on_panel_outdated(self, message: Panel.Outdated) -> None:
         """Draw a panel again for its new size."""
         if self._view is not None and self._is_filled:
             self._show_panel(message.panel, self._view)

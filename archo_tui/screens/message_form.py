@@ -146,7 +146,7 @@ class MessageForm(Dialog[None]):
 
     def action_close(self) -> None:
         """Close the dialog; if its answer is due, warn that what was sent is not taken back."""
-        if self.is_asking and not self.has_left:
+        if self.is_asking and not self.is_dismissed:
             self.notify(f"{self.title}: {NOT_TAKEN_BACK}.", severity="warning", markup=False)
         super().action_close()
 

@@ -125,7 +125,7 @@ class AnswerRequest(Dialog[None]):
         """Show the present state of the robot; close the dialog if the request is over."""
         self._view = view
         is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
-        if not is_waiting and not self.has_left:
+        if not is_waiting and not self.is_dismissed:
             self._on_over("The request is over")
             self.dismiss()
         elif is_waiting:

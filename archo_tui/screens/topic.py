@@ -194,7 +194,7 @@ class TopicDialog(Dialog[None]):
         )
 
     def _receive(self, topic: WatchedTopic, view: TopicView) -> None:
-        if topic is not self._topic or self.has_left:
+        if topic is not self._topic or self.is_dismissed:
             return
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
@@ -212,7 +212,7 @@ class TopicDialog(Dialog[None]):
             self._show_plots()
 
     def _show_again(self) -> None:
-        if not self.has_left:
+        if not self.is_dismissed:
             self._show(self._view)
 
     def _show(self, view: TopicView) -> None:
@@ -244,7 +244,7 @@ class TopicDialog(Dialog[None]):
     def _show_fields(self) -> None:
         shown = [field for field in self._view.fields if not self._is_folded(field.path)]
         found = [field for field in shown if self._search.matches(field.path)]
-        self._search.summary(len(found), len(shown))
+        self._search.show_count(len(found), len(shown))
         self._rows.empty = f"no field has {self._search.search_text}" if shown else ""
         self._rows.show(found)
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
@@ -320,7 +320,7 @@ class TopicDialog(Dialog[None]):
         if field.kind is FieldKind.GROUP:
             self._folded ^= {field.path}
             self._show_fields()
-            self._rows.redraw()
+            self._rows.redraw_changed()
             return
         if field.kind is FieldKind.ARRAY and field.path in open_arrays:
             del open_arrays[field.path]
@@ -368,7 +368,7 @@ class TopicDialog(Dialog[None]):
                 shown = await in_daemon(view.with_elements, view, self._open_arrays)
         finally:
             self.is_asking = False
-        if topic is not self._topic or self.has_left:
+        if topic is not self._topic or self.is_dismissed:
             return
         if self._view is view:  # Otherwise a newer message is shown, with the elements.
             self._show(shown)
@@ -387,7 +387,7 @@ class TopicDialog(Dialog[None]):
             self._plotted.append(field.path)
         else:
             self.notify(f"{field.path} is no number", severity="warning", markup=False)
-        self._rows.redraw()
+        self._rows.redraw_changed()
         self._show_plots()
 
     def action_step(self, by: int) -> None:
@@ -429,5 +429,5 @@ class TopicDialog(Dialog[None]):
             text = await topic.read_type()
         finally:
             self.is_asking = False
-        if topic is self._topic and not self.has_left:
+        if topic is self._topic and not self.is_dismissed:
             self.app.push_screen(ShowText(topic.name, text))

@@ -14,11 +14,14 @@ from archo_tui.station.alarm_conditions import battery_health, is_battery_low
 Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it from others.
 
 
-class Reason:
-    """A watch on the causes of a refusal, which tells when its text on the screen is outdated."""
+class CauseWatch:
+    """A watch on the facts that may be why something was refused.
+
+    The text about a refusal is shown until one of these facts is over.
+    """
 
     def __init__(self, facts: Callable[[Snapshot], Facts]) -> None:
-        """Create a reason that holds until one of its facts is over.
+        """Create a watch, which has not recorded any facts yet.
 
         Args:
             facts: Returns the possible causes in a snapshot: `obstacles` or `limits`.
@@ -26,11 +29,11 @@ class Reason:
         self._facts = facts
         self._before: Facts = frozenset()
 
-    def is_over(self, snapshot: Snapshot) -> bool:
-        """Return True if a fact that held at the last call has ended.
+    def observe(self, snapshot: Snapshot) -> bool:
+        """Record the facts in a snapshot; return True if one of those recorded before has ended.
 
-        The first call only remembers the facts and returns False. A fact that is new ends
-        nothing: a topic may report the cause after the refusal.
+        The first call returns False. A fact that is new ends nothing: a topic may report the cause
+        after the refusal.
         """
         before, self._before = self._before, self._facts(snapshot)
         return not before <= self._before

@@ -178,7 +178,7 @@ def _shorten_cause(text: str, room: int) -> str:
 def _first_keys(view: ScreenState, width: int) -> Content:
     """Return `g go to shelf   ? keys   c charge the battery`, with the robot's first commands."""
     robot = view.snapshot.file
-    if not view.is_first or view.watching or not robot.goals:
+    if not view.has_never_sent_goal or view.watching or not robot.goals:
         return Content("")
     words = {"go": robot.goals[0].title.lower(), "help": "keys"}
     given = next((command for command in robot.commands if view.key(command.id)), None)

@@ -150,5 +150,5 @@ class EventsPanel(Panel):
             if matches(row.text, *(text for e in row.events for text in (e.source, e.text)))
         ]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
-        self.show_narrowed(level, self.search.summary(len(shown), len(at_level)))
+        self.show_narrowed(level, self.search.show_count(len(shown), len(at_level)))
         self._rows.show(shown)

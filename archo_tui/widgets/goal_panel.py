@@ -15,7 +15,7 @@ from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state import Snapshot, TypedField
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.reason import Reason, limits, obstacles
+from archo_tui.station.reason import CauseWatch, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
@@ -54,7 +54,7 @@ class GoalPanel(Panel):
     number, title_text = 3, "Goal"
     other_keys = {"go": "enter"}
     _watching = _is_read_only = False
-    _reason: Reason | None = None  # Why the hint is shown; None: the typed text is wrong.
+    _causes: CauseWatch | None = None  # Why the hint is shown; None: the typed text is wrong.
 
     # Called with the values of each goal by dotted path, in the order of sending, and with the
     # typed texts.
@@ -157,7 +157,7 @@ class GoalPanel(Panel):
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
-        if self._reason is not None and self._reason.is_over(snapshot):
+        if self._causes is not None and self._causes.observe(snapshot):
             self.show_hint("")
 
     def _show_board(self, view: ScreenState, width: int) -> None:
@@ -224,7 +224,7 @@ class GoalPanel(Panel):
     def _on_board_focus(self) -> None:
         """Resize the board, because its focus came or went."""
         self._size_board()
-        self.post_message(self.Resized(self))
+        self.post_message(self.Outdated(self))
         if self.board.has_focus:  # In a tiny terminal the board may be out of sight.
             self.call_after_refresh(self.scroll_visible, animate=False)
 
@@ -285,23 +285,23 @@ class GoalPanel(Panel):
         if any(field.value for field in self.fields):
             self.scroll_visible(animate=False)
 
-    def show_hint(self, text: str = "", reason: Reason | None = None) -> None:
+    def show_hint(self, text: str = "", causes: CauseWatch | None = None) -> None:
         """Show why a goal is not sent or driven, until the typed text changes.
 
         Args:
             text: The reason; "" removes it.
-            reason: Removes the text as soon as it no longer holds.
+            causes: Removes the text as soon as it no longer holds.
         """
-        self._reason = reason
-        if reason is not None:
-            reason.is_over(self._snapshot)  # Remembers what holds now.
+        self._causes = causes
+        if causes is not None:
+            causes.observe(self._snapshot)  # Remembers what holds now.
         if self._has_several_fields:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.show_spans(((text, BAD),))
 
     def show_refusal(self, text: str) -> None:
         """Show why the robot refuses a goal, as long as that may be so."""
-        self.show_hint(text, Reason(obstacles))
+        self.show_hint(text, CauseWatch(obstacles))
 
     def submit(self) -> None:
         """Send the typed goals, or show what is wrong with them; an empty form does nothing."""
@@ -317,7 +317,7 @@ class GoalPanel(Panel):
         try:
             goals = self._parse(self._kind, typed)
         except _InvalidTextError as error:
-            self.show_hint(str(error), Reason(limits))
+            self.show_hint(str(error), CauseWatch(limits))
             self.screen.set_focus(self.fields[error.number])
             return
         self.show_hint("")
@@ -346,7 +346,7 @@ class GoalPanel(Panel):
         Whatever is wrong with them is shown beside the form.
         """
         why = WATCHING if self._watching else self.refusal(typed)
-        self.show_hint(why, Reason(limits) if why else None)
+        self.show_hint(why, CauseWatch(limits) if why else None)
         if not why and self._kind is not None:
             self.send(self._parse(self._kind, [typed]), [typed])
 

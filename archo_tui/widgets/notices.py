@@ -66,7 +66,7 @@ class Notices:
         self._entries = [entry for entry in self._entries if entry.notice != notice]
         self._entries.append(_Entry(notice, duration))
 
-    def shown(self, now: float) -> Notice | None:
+    def update(self, now: float) -> Notice | None:
         """Return the notice to show; None if there is none.
 
         Args:

@@ -32,7 +32,7 @@ class Panel(Container, QuietFocus):
     keys: Sequence[tuple[str, str]] = ()  # Pairs of command and word for the lower border.
     other_keys: Mapping[str, str] = {}  # Keys of commands that differ within this panel.
 
-    class Resized(Message):
+    class Outdated(Message):
         """A message: the panel has another width, and must be shown again."""
 
         def __init__(self, panel: Panel) -> None:
@@ -48,7 +48,7 @@ class Panel(Container, QuietFocus):
         self._focus_colour = ""  # The border's colour while focused.
 
     def on_resize(self) -> None:
-        self.post_message(self.Resized(self))
+        self.post_message(self.Outdated(self))
 
     def show(self, view: ScreenState) -> None:
         """Update the panel; only what has changed is redrawn."""

@@ -116,7 +116,7 @@ class ParametersPanel(Panel):
 
     def _end_flash(self) -> None:
         self._flashing = frozenset()
-        self._rows.draw_again()
+        self._rows.redraw_all()
 
     def _measure(self, parameters: Sequence[Parameter], width: int) -> Columns:
         rows, both = self._rows.size.height, self._only_changed
@@ -132,7 +132,7 @@ class ParametersPanel(Panel):
         """Show only what differs from the start, or everything."""
         self._only_changed = not self._only_changed
         self._refill()
-        self._rows.draw_again()
+        self._rows.redraw_all()
 
     def toggle_standard(self) -> None:
         """Show or hide the parameters that every ROS node has."""
@@ -160,7 +160,7 @@ class ParametersPanel(Panel):
         self._rows.empty = empty
         self._rows.show(shown)
         changed = "what differs from the start" if self._only_changed else ""
-        self.show_narrowed(changed, self.search.summary(len(shown), total))
+        self.show_narrowed(changed, self.search.show_count(len(shown), total))
         self._show_titles()
 
     def on_resize(self) -> None:

@@ -140,7 +140,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         if text != self._empty:
             self._empty = text
             if not self._items:  # Otherwise the text is not visible.
-                self.redraw()
+                self.redraw_changed()
 
     @property
     def item(self) -> T | None:
@@ -164,7 +164,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             self.cursor = next(found, min(self.cursor, max(len(items) - 1, 0)))
         self._lay_out()
 
-    def redraw(self) -> None:
+    def redraw_changed(self) -> None:
         """Redraw the visible lines that have changed."""
         (left, top), (width, height) = self.scroll_offset, self.size
         changed: list[Region] = []
@@ -184,7 +184,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         if changed:  # Without regions, all would be drawn.
             self.refresh(*changed)
 
-    def draw_again(self) -> None:
+    def redraw_all(self) -> None:
         """Draw all items again, since equal ones look different now."""
         self._laid_out, self._lines = (), []
         self._lay_out()
@@ -196,11 +196,11 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         """Show the cursor from now on, because the operator has come to the list."""
         if not self.shows_cursor:
             self.shows_cursor = True
-            self.redraw()
+            self.redraw_changed()
 
     def watch_has_focus(self, focused: bool) -> None:
         """Show or hide the cursor, without Textual's search for `:focus` styles."""
-        self.redraw()
+        self.redraw_changed()
 
     def _lay_out(self) -> None:
         before, had_bar = (self._width, self.columns), self.show_vertical_scrollbar
@@ -227,7 +227,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         if is_changed:  # Equal lines may be cut elsewhere.
             self.refresh()
         else:
-            self.redraw()
+            self.redraw_changed()
 
     def _fits(self, size: Size) -> bool:
         """Return True if a list of this size needs no scrolling."""
@@ -306,7 +306,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         self.shows_cursor = True
         self.cursor = min(max(self.cursor + by, 0), last)
         self._scroll_to_cursor()
-        self.redraw()
+        self.redraw_changed()
 
     async def on_click(self, event: events.Click) -> None:
         row = self.scroll_offset.y + event.y

@@ -19,12 +19,12 @@ class ScreenState(View):
     Attributes:
         keys: The key of each command by its id, as a person reads it.
         blocked: The ids of commands that cannot run now.
-        is_first: True if this user has never sent a goal.
+        has_never_sent_goal: True if this user has never sent a goal.
     """
 
     keys: Mapping[str, str] = field(default_factory=dict)
     blocked: frozenset[str] = frozenset()
-    is_first: bool = False
+    has_never_sent_goal: bool = False
 
     def advice(self, alarm: Alarm) -> str:
         """Return the text of an alarm, with the key of the command that helps, if there is one."""

@@ -62,7 +62,7 @@ class Search(Field):
         """Return the text that rows must contain, harmless to print; "" for all rows."""
         return harmless(self.value.strip())
 
-    def summary(self, shown: int, total: int) -> str:
+    def show_count(self, shown: int, total: int) -> str:
         """Return `/ brake: 2 of 14` for the panel's title, or "" without a search."""
         self.line.show_count(shown, total)
         return f"/ {self.search_text}: {shown} of {total}" if self.search_text else ""

@@ -64,7 +64,7 @@ class TimeLine(Panel, can_focus=True):
         if event.y == 0 and 0 <= place < self._cells:
             whole = self._player.end - self._player.start
             self._player.go_to(self._player.start + whole * place / max(self._cells - 1, 1))
-            self.post_message(self.Resized(self))
+            self.post_message(self.Outdated(self))
 
 
 def _last_marks(marks: list[TimelineMark], here: float) -> str:

@@ -10,7 +10,7 @@ from textual import events
 from textual.geometry import Size
 from textual.widgets import Input
 
-from archo_tui.commands.palette_choices import Commands
+from archo_tui.commands.palette_choices import CommandPalette
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.choose import ChoiceRows
 from archo_tui.screens.help import Help
@@ -40,7 +40,7 @@ async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
             while op.app.screen is not op.app.main:
                 await asyncio.sleep(0)
         op.app.action_command_palette()
-        await op.until(lambda: isinstance(op.app.screen, Commands))
+        await op.until(lambda: isinstance(op.app.screen, CommandPalette))
         await op.press("escape")
         assert op.app.screen is op.app.main
         await stop_works(op)
@@ -63,7 +63,7 @@ async def test_under_help_the_palette_is_not_opened_a_second_time() -> None:
         await op.press("ctrl+p", "f1", "ctrl+p")
         assert "Keys" in op.text
         await op.press("escape")
-        await op.until(lambda: isinstance(op.app.screen, Commands))
+        await op.until(lambda: isinstance(op.app.screen, CommandPalette))
         await op.press("escape")
         assert op.app.screen is op.app.main
         await stop_works(op)
@@ -116,7 +116,7 @@ async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() ->
         for at in (y, y + 2, 999):  # 999: beyond the terminal
             rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
         await op.settle()
-        assert isinstance(op.app.screen, Commands)
+        assert isinstance(op.app.screen, CommandPalette)
         await stop_works(op)
 
 

@@ -157,7 +157,9 @@ class Desk:
     def state(self) -> list[object]:
         """What a person sees and can go on with, and what the robot was asked for."""
         app = self.app
-        standing = [s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.has_left)]
+        standing = [
+            s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.is_dismissed)
+        ]
         found: list[object] = [self.robot.asked[:], app.theme, app.main.goal.board._index]
         found += [sorted(name for name in app.main.classes if name.startswith("-full"))]
         for screen in standing:

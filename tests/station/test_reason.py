@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.robot.state import Battery, GaugeReading, Latch, Motion, Parameter, Phase, Snapshot
 from archo_tui.robot_file.model import Gauge, MessageField
-from archo_tui.station.reason import Reason, limits, obstacles
+from archo_tui.station.reason import CauseWatch, limits, obstacles
 from tests.support.archo import ARCHO
 from tests.support.states import BATTERY, MOVING, STATES
 
@@ -47,28 +47,28 @@ def shelves(count: int) -> tuple[Parameter, ...]:
 def test_a_refusal_is_over_when_a_cause_that_it_may_have_is(
     then: dict[str, Any], now: dict[str, Any]
 ) -> None:
-    refusal = Reason(obstacles)
-    assert not refusal.is_over(THERE._replace(**then))
-    assert not refusal.is_over(THERE._replace(**then))
-    assert refusal.is_over(THERE._replace(**now))
+    refusal = CauseWatch(obstacles)
+    assert not refusal.observe(THERE._replace(**then))
+    assert not refusal.observe(THERE._replace(**then))
+    assert refusal.observe(THERE._replace(**now))
 
 
 def test_a_cause_that_is_reported_behind_its_refusal_ends_nothing_until_it_is_over() -> None:
-    refusal = Reason(obstacles)
-    assert not refusal.is_over(THERE)
-    assert not refusal.is_over(THERE._replace(motion=Motion(stopped=True)))
-    assert refusal.is_over(THERE)
+    refusal = CauseWatch(obstacles)
+    assert not refusal.observe(THERE)
+    assert not refusal.observe(THERE._replace(motion=Motion(stopped=True)))
+    assert refusal.observe(THERE)
 
 
 def test_readings_that_go_on_as_they_were_end_no_refusal() -> None:
-    refusal = Reason(obstacles)
+    refusal = CauseWatch(obstacles)
     for charge in (87.5, 87.4, 87.3):
-        assert not refusal.is_over(THERE._replace(battery=BATTERY._replace(percentage=charge)))
+        assert not refusal.observe(THERE._replace(battery=BATTERY._replace(percentage=charge)))
 
 
 def test_a_number_out_of_range_is_judged_anew_only_when_the_range_changes() -> None:
-    typed = Reason(limits)
-    assert not typed.is_over(THERE._replace(parameters=shelves(40)))
+    typed = CauseWatch(limits)
+    assert not typed.observe(THERE._replace(parameters=shelves(40)))
     empty = STATES["battery empty"].battery
-    assert not typed.is_over(THERE._replace(parameters=shelves(40), battery=empty))
-    assert typed.is_over(THERE._replace(parameters=shelves(50)))
+    assert not typed.observe(THERE._replace(parameters=shelves(40), battery=empty))
+    assert typed.observe(THERE._replace(parameters=shelves(50)))

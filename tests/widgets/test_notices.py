@@ -9,7 +9,7 @@ from archo_tui.widgets.notices import Notice, Notices
 
 
 def texts(notices: Notices, *times: float) -> list[str | None]:
-    shown = [notices.shown(time) for time in times]
+    shown = [notices.update(time) for time in times]
     return [None if notice is None else notice.text for notice in shown]
 
 
@@ -17,7 +17,7 @@ def test_the_newest_of_the_gravest_notices_is_shown() -> None:
     notices = Notices()
     for text, severity in (("saved", 0), ("failed", 2), ("lost", 2), ("refused", 1)):
         notices.add(text, ("information", "warning", "error")[severity], 5)
-    assert notices.shown(0) == Notice("lost", "error", waiting=3)
+    assert notices.update(0) == Notice("lost", "error", waiting=3)
 
 
 def test_a_notice_goes_after_its_time() -> None:
@@ -48,7 +48,7 @@ def test_an_equal_notice_is_shown_once_with_its_whole_time() -> None:
     notices.add("refused", "warning", 5)
     assert texts(notices, 0) == ["refused"]
     notices.add("refused", "warning", 5)
-    assert notices.shown(4) == Notice("refused", "warning")
+    assert notices.update(4) == Notice("refused", "warning")
     assert texts(notices, 8.9, 9) == ["refused", None]
 
 

@@ -40,8 +40,8 @@ __all__ = [
     "UnsupportedEventTypeError",
 ]
 
-Told = Callable[[Any], Any] | None
-Kind = tuple[IntEnum, type[EventHandler], Told]
+EventCallback = Callable[[Any], Any] | None
+Kind = tuple[IntEnum, type[EventHandler], EventCallback]
 
 
 class SubscriptionEventCallbacks:
@@ -50,12 +50,12 @@ class SubscriptionEventCallbacks:
     def __init__(
         self,
         *,
-        deadline: Told = None,
-        incompatible_qos: Told = None,
-        liveliness: Told = None,
-        message_lost: Told = None,
-        incompatible_type: Told = None,
-        matched: Told = None,
+        deadline: EventCallback = None,
+        incompatible_qos: EventCallback = None,
+        liveliness: EventCallback = None,
+        message_lost: EventCallback = None,
+        incompatible_type: EventCallback = None,
+        matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
         """Set the callbacks; a publisher that does not match is logged by default."""
@@ -97,11 +97,11 @@ class PublisherEventCallbacks:
     def __init__(
         self,
         *,
-        deadline: Told = None,
-        liveliness: Told = None,
-        incompatible_qos: Told = None,
-        incompatible_type: Told = None,
-        matched: Told = None,
+        deadline: EventCallback = None,
+        liveliness: EventCallback = None,
+        incompatible_qos: EventCallback = None,
+        incompatible_type: EventCallback = None,
+        matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
         """Set the callbacks; a subscription that does not match is logged by default."""
