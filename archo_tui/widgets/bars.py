@@ -27,9 +27,16 @@ _NARROW = 71  # Below so many cells without the clock, panels may be scrolled aw
 
 
 def header(view: View, width: int) -> Content:
-    """Return which robot this is, its contact and activity; at the right end who else is here.
+    """Return the robot's name, contact and activity; at the right end, who else is connected.
 
-    If space is short, the names of other consoles are left out first, then the remaining way.
+    In front of the name stand the words of a replay. At the right end stand other consoles,
+    assistants, shells, engine and namespace. If space is short, the names of other consoles are
+    left out first, then the remaining way, then the right end except for the engine, and at last
+    the robot's name. A narrow header has the charge of the battery as well.
+
+    Args:
+        view: The state to show.
+        width: The cells available.
     """
     doing, left = activity(view)
     watching = "watching" if view.watching and not view.replay else ""
@@ -66,7 +73,13 @@ def header(view: View, width: int) -> Content:
 
 
 def _in_colour(line: Content, doing: str, view: View) -> Content:
-    """Return the header with STOPPED in the colour of its alarm, and REPLAY reversed."""
+    """Return the header with STOPPED in the colour of its alarm, and a replay's words reversed.
+
+    Args:
+        line: The header.
+        doing: What the robot does, as it stands in the header.
+        view: The state that the header shows.
+    """
     snapshot = view.snapshot
     if view.replay:
         line = line.stylize("reverse", 0, len(view.replay) + 1)
@@ -78,7 +91,7 @@ def _in_colour(line: Content, doing: str, view: View) -> Content:
 
 
 def clock(view: View) -> Content:
-    """Return the time of day; a screen on which it stands still is frozen."""
+    """Return the local time of day, `12:04:31 `, so that a frozen screen is noticed."""
     return _clock_text(int(view.time))
 
 
@@ -88,9 +101,16 @@ def _clock_text(time: int) -> Content:
 
 
 def banner(view: ScreenState, width: int) -> Content:
-    """Return the most important alarm, the number of others, and the shelved ones.
+    """Return the most important alarm with its advice, the number of others, and the shelved ones.
 
-    Without an alarm, an operator who has never sent a goal sees the keys to begin with.
+    A request of an assistant takes the place of the alarms, unless one of high priority is active
+    and unacknowledged. Without an alarm, an operator who has never sent a goal sees the first keys;
+    for everybody else the banner is empty. An active unacknowledged alarm is reversed over the
+    whole width.
+
+    Args:
+        view: The state to show.
+        width: The cells available.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
     if view.requests and not any_urgent(view.alarms):  # Alarms of high priority come first.
@@ -135,23 +155,35 @@ def banner(view: ScreenState, width: int) -> Content:
 
 
 def is_banner_needed(view: View) -> bool:
-    """Return True while the banner shows an alarm, or the question of an assistant."""
+    """Return True if an assistant's request waits, or an alarm is in the list and not shelved.
+
+    The banner then shows more than keys for a beginner, so nothing may cover it.
+    """
     return bool(view.requests) or any(a.state != AlarmState.SHELVED for a in view.alarms)
 
 
 def past_alarm(alarm: Alarm) -> str:
-    """Return `was: STOPPED, since 12:04:31, over at 12:05:02`."""
+    """Return `was: STOPPED, since 12:04:31, over at 12:05:02`; an active alarm has no end."""
     text = f"was: {alarm.short_text}, since {time_of_day(alarm.since)}"
     return text if alarm.until is None else f"{text}, over at {time_of_day(alarm.until)}"
 
 
 def _clickable(text: str, command: str) -> Content:
-    """Return a text that runs a command when it is clicked."""
+    """Return an underlined text that runs a command when it is clicked.
+
+    Args:
+        text: The text.
+        command: The id of the command.
+    """
     return Content.styled(text, "u").stylize(click(f"command('{command}')"))
 
 
 def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Content:
-    """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
+    """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`.
+
+    Shown are the oldest request, the number of further ones, and the name of the first alarm. If
+    space is short, the question is cut at its end.
+    """
     request, key = view.requests[0], view.key("alarms")
     more = f"   +{len(view.requests) - 1} more" if len(view.requests) > 1 else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
@@ -163,20 +195,33 @@ def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Conte
 
 
 def _without_brackets(text: str) -> str:
-    """Return an alarm's text without the brackets before its advice."""
+    """Return an alarm's text without what stands in brackets before the first colon."""
     what, colon, to_do = text.partition(": ")
     return f"{re.sub(r' [(][^()]*[)]', '', what)}{colon}{to_do}"
 
 
 def _shorten_cause(text: str, room: int) -> str:
-    """Return an alarm's text cut in the middle of its cause, so that the advice stays whole."""
+    """Return an alarm's text cut in the middle of its cause, so that the advice stays whole.
+
+    The advice is what follows the first colon. If fewer than 24 cells are left for the cause, the
+    text is cut at its end instead.
+
+    Args:
+        text: The text.
+        room: The cells available.
+    """
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
 
 
 def _first_keys(view: ScreenState, width: int) -> Content:
-    """Return `g go to shelf   ? keys   c charge the battery`, with the robot's first commands."""
+    """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator.
+
+    The third key is that of the robot file's first command. The keys that have no room are left
+    out. The text is empty for an operator who has sent a goal before, for a console that only
+    watches, and for a robot without goals.
+    """
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
         return Content("")
@@ -198,11 +243,11 @@ class FooterKey(NamedTuple):
     """A command in the footer.
 
     Attributes:
-        command: Its id.
+        command: The id of the command.
         key: The key that runs it, as a person reads it.
-        word: Its word.
-        blocked: True if it cannot run now: it is darker.
-        everywhere: True if it works in dialogs as well.
+        word: The word beside the key.
+        blocked: True if the command cannot run now; it is darker then.
+        everywhere: True if the key works in dialogs and while typing as well.
     """
 
     command: str
@@ -213,7 +258,7 @@ class FooterKey(NamedTuple):
 
 
 def footer_keys(commands: Iterable[FooterKey]) -> Content:
-    """Return the keys with their words; each can be clicked."""
+    """Return all keys with their words, in their order; a click on one runs its command."""
     return Content("").join(
         Content.assemble(" ", key_content(c.command, c.key, c.word, blocked=c.blocked), " ")
         for c in commands
@@ -226,13 +271,16 @@ def footer(
     palette_key: str,
     field_keys: Iterable[tuple[str, str]] = (),
 ) -> Content:
-    """Return the keys, and at the right end the palette's if there is room for it.
+    """Return the keys of the footer, and at its right end the palette's key if there is room.
+
+    Keys of the field are left out until the commands fit; its first and last key go last.
 
     Args:
         commands: The commands of the footer.
-        width: Its width in cells.
+        width: The width of the footer in cells.
         palette_key: The key of the palette.
-        field_keys: The keys of the field that has the focus, with their words. They stand first.
+        field_keys: The keys of the field that has the focus, each with its word. They come first,
+            and cannot be clicked.
     """
     own = [Content.assemble(" ", (key, "bold"), f" {word} ") for key, word in field_keys]
     rest = footer_keys(commands)
@@ -246,7 +294,12 @@ def footer(
 
 
 def contact(view: View) -> str:
-    """Return the contact to the robot: `● online`, or what is not received, and since when."""
+    """Return the contact to the robot: `● online`, or what is silent, and for how many seconds.
+
+    `✗ no contact, 12 s` stands for silence of battery and motion, `▲ /odom silent, 12 s` for one of
+    them, or for the action of a lost goal. Before the first reading it is `? waiting for data`, or
+    says in which namespaces robots were seen.
+    """
     snapshot, robot = view.snapshot, view.snapshot.file
     readings: dict[str, Battery | Motion] = {}
     if robot.battery is not None:
@@ -273,7 +326,12 @@ def contact(view: View) -> str:
 
 
 def activity(view: View) -> tuple[str, str]:
-    """Return what the robot does, and how far it has to go."""
+    """Return what the robot does, and how far it has to go, as `("MOVING to 12", "9.0 m left")`.
+
+    A robot that is stopped is `✗ STOPPED` or `✗ STOP NOT CERTAIN`, whatever its goal. Without a
+    goal both texts are "". For a robot that has no STOP service, the first text ends with `no
+    STOP`.
+    """
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"
     if snapshot.latch is Latch.UNCERTAIN:

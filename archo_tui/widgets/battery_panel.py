@@ -26,7 +26,7 @@ from archo_tui.words.state import (
 
 
 class BatteryPanel(Panel, can_focus=True):
-    """The panel with voltage, charge, a bar with the threshold, and when the battery is empty."""
+    """The panel with voltage, charge, a bar, a sparkline, and the time until empty or full."""
 
     number, title_text = 1, "Battery"
 
@@ -64,7 +64,11 @@ class BatteryPanel(Panel, can_focus=True):
 
 
 def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """Return what the charge does, and when the battery will be empty or full."""
+    """Return one line: what the charge does, and when the battery will be empty or full.
+
+    Without a current reading, the line says why there is none, or how long ago the last one was
+    received.
+    """
     battery = snapshot.battery
     if battery.received is None:
         described = snapshot.file.battery

@@ -21,7 +21,10 @@ _NO_MARK = Mark()
 
 
 class Board(LineWidget, can_focus=True):
-    """The grid, which redraws only lines that changed. Arrows move the cursor, over pages too."""
+    """The grid of numbers, in which only the lines that changed are redrawn.
+
+    The arrows move the cursor, also from page to page. Enter or a click chooses a number.
+    """
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
 
@@ -34,11 +37,11 @@ class Board(LineWidget, can_focus=True):
     def __init__(
         self, on_choose: Callable[[int], None], on_focus_change: Callable[[], None]
     ) -> None:
-        """Create an empty board.
+        """Create a hidden board.
 
         Args:
             on_choose: Called with the number that was chosen.
-            on_focus_change: Called when the focus comes or goes.
+            on_focus_change: Called after the board has got or lost the focus.
         """
         super().__init__(id="board")
         self._on_choose, self._on_focus_change = on_choose, on_focus_change
@@ -48,11 +51,22 @@ class Board(LineWidget, can_focus=True):
 
     @property
     def rows(self) -> int:
-        """Return its height: the grid, and a line for the page if there are several."""
+        """Return the number of rows that the board takes: the grid's, and one to name the page.
+
+        The last one is there only if the numbers take several pages.
+        """
         return self._grid.rows + (self._grid.pages > 1)
 
     def show(self, grid: Grid, marks: Mapping[int, Mark]) -> None:
-        """Show a grid and its marks; the cursor stays on its number."""
+        """Show a grid and its marks.
+
+        The cursor stays on its number. If the grid no longer has that number, the cursor keeps its
+        place, or goes to the last number.
+
+        Args:
+            grid: The numbers, and how they are laid out.
+            marks: The mark of each number that has one.
+        """
         before, self._marks = self._marks, marks
         if grid != self._grid:
             number = self._grid.numbers[self._index]  # The cursor stays on it.
@@ -68,7 +82,10 @@ class Board(LineWidget, can_focus=True):
             self._draw(*(grid.numbers.index(n) for n in changed if n in grid.numbers))
 
     def action_press(self, key: str) -> None:
-        """Move the cursor by one of KEYS; it stays within the numbers."""
+        """Move the cursor as one of KEYS says, at most to the first or last number.
+
+        Up and down do nothing where the column ends.
+        """
         grid, last = self._grid, len(self._grid.numbers) - 1
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
         by |= {"pageup": -grid.page, "pagedown": grid.page, "home": -self._index, "end": last}
@@ -78,7 +95,7 @@ class Board(LineWidget, can_focus=True):
             self._move(min(max(target, 0), last))
 
     def action_take(self) -> None:
-        """Choose the number under the cursor."""
+        """Pass the number under the cursor to `on_choose`."""
         self._on_choose(self._grid.numbers[self._index])
 
     def on_click(self, event: events.Click) -> None:
@@ -94,7 +111,10 @@ class Board(LineWidget, can_focus=True):
         self.action_press("pageup")
 
     def watch_has_focus(self, focused: bool) -> None:
-        """Show or hide the cursor, without Textual's search for `:focus` styles."""
+        """Show or hide the cursor, and call `on_focus_change`.
+
+        Textual's own method would look for `:focus` styles.
+        """
         self._draw(self._index)
         self._on_focus_change()
 
@@ -112,7 +132,7 @@ class Board(LineWidget, can_focus=True):
             self._draw(before, index)
 
     def _draw(self, *indices: int) -> None:
-        """Redraw the lines of these numbers, as far as they are on the page."""
+        """Redraw the lines of the numbers at these indices; those on other pages are left out."""
         grid, first = self._grid, self._first
         rows = {(index - first) // grid.columns for index in indices}
         for row in rows & {*range(grid.rows)}:
@@ -140,7 +160,7 @@ class Board(LineWidget, can_focus=True):
         return Segment(head, before), Segment(f"{number}{mark.behind}", style)
 
     def _page_line(self) -> str:
-        """Return the line below the grid, which says which page this is."""
+        """Return the line below the grid: ` 1 .. 40 of 120   page 1 of 3   pgup, pgdn`."""
         grid, first = self._grid, self._first
         last = min(first + grid.page, len(grid.numbers)) - 1
         shown = f" {grid.numbers[first]} .. {grid.numbers[last]} of {grid.numbers[-1]}"

@@ -12,16 +12,17 @@ _LINE_PAD = 2  # Cells around the label, as `line-pad: 1` below has it on either
 
 
 class RunsCommands(Protocol):
-    """The app, as far as a button uses it."""
+    """The part of the app that a button uses."""
 
     def action_command(self, name: str) -> None:
-        """Run a command by its id."""
+        """Run a command by its id, or say why it cannot run."""
 
 
 class Button(widgets.Button, inherit_css=False):
-    """A button that acts by a call instead of a message.
+    """A button that calls a function or runs a command at once, where Textual's posts a message.
 
-    It has none of the fifty-seven CSS rules of Textual's own, which every style lookup evaluates.
+    It is one line high, and has none of the fifty-seven CSS rules of Textual's own button, each of
+    which every style lookup evaluates.
     """
 
     DEFAULT_CSS = """
@@ -49,13 +50,16 @@ class Button(widgets.Button, inherit_css=False):
         self._does = does
 
     def render_line(self, y: int) -> Strip:
-        """Leave out the label where it has no cell: Textual fails to wrap it there."""
+        """Render the button, blank if it is too narrow for a label: there Textual fails."""
         if self.size.width <= _LINE_PAD:
             return Strip.blank(self.size.width, self.rich_style)
         return super().render_line(y)
 
     def press(self) -> Button:
-        """Act at once; Textual would post a message, or call later."""
+        """Run the command or call the function at once, and return the button itself.
+
+        A disabled or hidden button does nothing.
+        """
         if not self.disabled and self.display:
             self._start_active_affect()
             if isinstance(self._does, str):

@@ -15,10 +15,14 @@ _HINT_AT = 21  # Cells of the line before its text: the word, and the field.
 
 
 class ElementLine(Horizontal):
-    """The line `element 137  of ranges: 0 .. 359`, hidden until it is opened.
+    """The line `element 137  of ranges: 0 .. 359`, in which enter goes to an element of an array.
+
+    The line is hidden until it is opened. If the index is not valid, an error takes the place of
+    the range, and nothing else happens.
 
     Attributes:
         array: The path of the array; "" while the line is hidden.
+        field: The field for the index.
     """
 
     DEFAULT_CSS = """
@@ -27,10 +31,10 @@ class ElementLine(Horizontal):
     """
 
     def __init__(self, go: Callable[[str, int], object]) -> None:
-        """Create the line.
+        """Create the line, hidden.
 
         Args:
-            go: Called by enter with the path of the array and the index of one of its elements.
+            go: Called by enter with the path of the array and a valid index.
         """
         super().__init__()
         self.array = ""
@@ -43,11 +47,16 @@ class ElementLine(Horizontal):
         yield self.field
 
     def render(self) -> Content:
-        """Return the text around the field."""
+        """Return `element` and the range or the error, with a gap over which the field is drawn."""
         return Content.assemble(f"{'element':<{_HINT_AT}}", self._hint)
 
     def open(self, array: str, length: int) -> None:
-        """Show the field for an array, and focus it."""
+        """Show the line for an array, with an empty field that gets the focus.
+
+        Args:
+            array: The path of the array.
+            length: The number of its elements.
+        """
         self.array, self._length = array, length
         self.field.clear()
         self._show_range()
@@ -55,12 +64,15 @@ class ElementLine(Horizontal):
         self.screen.set_focus(self.field)
 
     def close(self) -> None:
-        """Hide the field."""
+        """Hide the line; the focus is left where it is."""
         self.array = ""
         self.display = False
 
     def set_length(self, length: int) -> None:
-        """Show the length of the array if it has changed; until then an error stays."""
+        """Show the range of indices for a new length, in place of an error too.
+
+        An unchanged length changes nothing, so that an error stays.
+        """
         if length != self._length:
             self._length = length
             self._show_range()

@@ -25,12 +25,12 @@ _STYLES = {"WARN": "bold $warn", "ERROR": "bold $bad", "FATAL": "bold $bad", "DE
 
 
 def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
-    """Return True for events of consoles, and for log lines from a level up.
+    """Return True for what people, assistants and goals did, and for log lines from a level up.
 
     Args:
         event: The event.
-        level: A severity; at WARN, lines from INFO of the user's own nodes are shown, too.
-        hosted: The nodes of this process.
+        level: One of LEVELS. At WARN, lines at INFO of the user's own nodes are shown, too.
+        hosted: The nodes of this process, which tell whose nodes are the user's own.
     """
     if event.level in OWN_LEVELS or LEVELS.index(event.level) >= LEVELS.index(level):
         return True
@@ -38,10 +38,10 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
 
 
 def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
-    """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
+    """Return one line: `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
 
-    The source is left out where it is the console, or the action of a goal. A narrow panel leaves
-    it out, and the time of the first of equal events.
+    The source is left out where it is the console, or the action of a goal. Below 70 cells it is
+    left out always, as is the time of the first of equal events.
     """
     event, at, text = row.events[0], time_of_day(row.time), row.text
     is_wide = width >= _WIDE
@@ -54,19 +54,22 @@ def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
 
 
 def repeat_text(event: Event) -> str:
-    """Return `x 12 since 12:03:20`."""
+    """Return how often an event was repeated: `x 12 since 12:03:20`."""
     return f"x {event.count} since {time_of_day(event.first)}"
 
 
 def event_details(event: Event) -> str:
-    """Return everything about an event, in lines."""
+    """Return an event in lines: time, level, source and repeats; its text; its ros2 command."""
     count = f"  {repeat_text(event)}" if event.count > 1 else ""
     lines = [f"{time_of_day(event.time)}  {event.level}  {event.source}{count}", "", event.text]
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
 
 
 def events_as_text(events: Iterable[Event]) -> str:
-    """Return events for a file, a line each, with their dates."""
+    """Return events in their order for a file, a line each, with local date, level and source.
+
+    A line ends with the repeats and the ros2 command, if there are any.
+    """
     lines = []
     for event in events:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
@@ -77,7 +80,7 @@ def events_as_text(events: Iterable[Event]) -> str:
 
 
 class EventsPanel(Panel):
-    """The list of events, from a level up, with a search."""
+    """The list of events, newest first, from a level up, with a search."""
 
     number, title_text = 6, "Events"
     keys = (
@@ -114,7 +117,7 @@ class EventsPanel(Panel):
 
     @property
     def selected(self) -> Sequence[Event]:
-        """Return the events that the row under the cursor stands for; none without a row."""
+        """Return the events that the row under the cursor stands for; empty if there is no row."""
         return () if self._rows.item is None else self._rows.item.events
 
     @property
@@ -130,7 +133,10 @@ class EventsPanel(Panel):
             self._refill()
 
     def next_level(self) -> None:
-        """Show the events of the next level: INFO, then DEBUG, then ERROR, then WARN again."""
+        """Show the events of the next level: INFO, then DEBUG, then ERROR, then WARN again.
+
+        WARN is the level at the start.
+        """
         self._level = _CYCLE[(_CYCLE.index(self._level) + 1) % len(_CYCLE)]
         self._refill()
 

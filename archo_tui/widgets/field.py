@@ -16,10 +16,10 @@ NUMBER = f"{INTEGER}.+"
 
 
 class Field(Input, inherit_css=False):
-    """An input of one line that takes keys and pastes by calls, and reports them by calls.
+    """An input of one line that handles keys and pastes at once, and reports changes by calls.
 
-    Textual's own gets each key as a message and answers with another one: of keys typed fast, those
-    after an enter would arrive before anybody knew that something was entered.
+    Textual's own gets each key as a message and answers with another message. Of keys typed fast,
+    those behind an enter would arrive before anybody knew that something was entered.
     """
 
     DEFAULT_CSS = """
@@ -56,12 +56,12 @@ class Field(Input, inherit_css=False):
         """Create a field.
 
         Args:
-            value: Its text.
-            takes: The characters that it accepts; "" means all.
-            placeholder: Shown while it is empty.
-            id: Its id, for CSS.
-            changed: Called when its text has changed.
-            submitted: Called by enter.
+            value: The text at first.
+            takes: The characters that pastes, and the first one typed, may have; "" means all.
+            placeholder: Shown while the field is empty.
+            id: The widget's id, for CSS.
+            changed: Called when the text has changed, by a program too, once the field is mounted.
+            submitted: Called by enter, unless `next_field` is set.
             stepped: Called by the arrows up (-1) and down (1).
             refused: Called with the reason why a paste was refused; None shows a notification.
         """
@@ -72,14 +72,19 @@ class Field(Input, inherit_css=False):
         self._refused = refused
 
     def is_text(self, character: str) -> bool:
-        """Return True if a character typed now is text here, and not a command.
+        """Return True if a character that is typed now goes into the text, and is no command.
 
-        After other text every character is: one that were dropped would make a 15 of `1ox5`.
+        An empty field takes the characters of `takes` only. Behind other text it takes every
+        character: leaving one out would make a 15 of `1ox5`.
         """
         return self.value != "" or self._is_for(character)
 
     def is_typed(self, key: str) -> bool:
-        """Return True if a key, as a person reads it, is text here, and not a command."""
+        """Return True if a key goes into the text now, and is no command.
+
+        Args:
+            key: The key as a person reads it: `x`, `^x`, `enter`.
+        """
         return len(key) == 1 and self.is_text(key)
 
     def _is_for(self, character: str) -> bool:
@@ -89,7 +94,11 @@ class Field(Input, inherit_css=False):
         return super().check_consume_key(key, character) and self.is_text(character or "")
 
     def _forward_event(self, event: events.Event) -> None:
-        """Handle a key or a paste at once; Textual would put it into this field's queue."""
+        """Insert a character or a paste at once, in place of the selection.
+
+        A paste of several lines, or with a character that the field does not take, is refused.
+        Other events go to Textual, which would put these into the queue of this field, too.
+        """
         if isinstance(event, events.Key) and event.is_printable:
             self.replace(event.character or "", *self.selection)
         elif isinstance(event, events.Paste):
@@ -103,14 +112,14 @@ class Field(Input, inherit_css=False):
             self._changed()
 
     async def action_submit(self) -> None:
-        """Focus the next field of the form, or report enter from the last one."""
+        """Focus the next field of the form, or call `submitted` if this is the last one."""
         if self.next_field is not None:
             self.screen.set_focus(self.next_field)
         else:
             self._submitted()
 
     def action_step(self, step: int) -> None:
-        """Report an arrow key."""
+        """Call `stepped` for the arrow up (-1) or down (1)."""
         self._stepped(step)
 
     def fill(self, text: str) -> None:
@@ -119,7 +128,7 @@ class Field(Input, inherit_css=False):
         self.cursor_position = len(text)
 
     def choose(self, word: str) -> None:
-        """Append a word to the text, with blanks around it."""
+        """Append a word and a blank to the text, with a blank before the word if needed."""
         apart = " " if self.value[-1:].strip() else ""
         self.fill(f"{self.value}{apart}{word} ")
 

@@ -24,7 +24,12 @@ _INDENT = "  "
 
 
 def field_columns(fields: Sequence[FieldView], width: int) -> Columns:
-    """Return the cells of names, values, ranges and curves; 0 for one that has no room."""
+    """Return the cells of names, values, ranges and curves; 0 for ranges or curves without room.
+
+    Args:
+        fields: The fields, of which the first 200 decide how wide the names are.
+        width: The cells available.
+    """
     least, most = _NAME
     most = min(most, max(width // 2 - _GAP, least))
     # With room for the mark, which has no other place where there are no curves.
@@ -40,25 +45,27 @@ def field_columns(fields: Sequence[FieldView], width: int) -> Columns:
 
 
 def curve_columns(columns: Columns) -> int:
-    """Return the number of columns of the curves beside the fields."""
+    """Return how many cells the curve beside a field takes, one for each value; 0 for no curves."""
     return max(columns[3] - len(_MARK), 0) if columns else 0
 
 
 def field_titles(columns: Columns) -> str:
-    """Return the line above the fields."""
+    """Return the titles of the columns: `field   value   least .. greatest   last minute`."""
     return _line("field", "value", "least .. greatest", "last minute", columns)
 
 
 def field_line(
     field: FieldView, columns: Columns, closed: Collection[str], plotted: Collection[str]
 ) -> Text:
-    """Return `  speed   0.8 m/s   0 .. 0.8   ▁▁█████▁ ●`.
+    """Return a field as a line and its style: `  speed   0.8 m/s   0 .. 0.8   ▁▁█████▁ ●`.
+
+    Rows of groups, and the row that stands for more elements, are quiet.
 
     Args:
         field: The field.
         columns: The cells of the columns.
         closed: The paths of the groups that are folded.
-        plotted: The paths of the fields that are plotted.
+        plotted: The paths of the fields that are plotted, which get a `●`.
     """
     mark = _MARK if field.path in plotted else ""
     name = _name(field, closed)
@@ -74,7 +81,11 @@ def field_line(
 
 
 def _name(field: FieldView, closed: Collection[str]) -> str:
-    """Return the last part of a field's path, indented, with a mark if enter opens or closes it."""
+    """Return the last part of a field's path, indented by its depth.
+
+    A `▸` before the name says that enter opens the field, a `▾` that enter closes it. The row that
+    stands for more elements is named `next`.
+    """
     depth = field.path.count(".") + field.path.count("[")
     _, _, name = field.path.rpartition(".")
     if field.path.endswith("]"):
@@ -97,10 +108,10 @@ def _line(name: str, value: str, least_greatest: str, curve: str, columns: Colum
 
 
 def plot_columns(width: int) -> int:
-    """Return the number of dots across a plot: two in each cell that its axis leaves.
+    """Return the number of values across a plot: two in each cell that the axis leaves; at least 0.
 
     Args:
-        width: The cells of its lines, axis included.
+        width: The cells of the plot's lines, axis included.
     """
     return max(2 * (width - _AXIS - 2), 0)
 
@@ -111,11 +122,14 @@ def topic_plots(
     paths: Sequence[str],
     size: tuple[int, int],
 ) -> list[Spans]:
-    """Return the plots of fields below each other, with a common axis of time.
+    """Return the lines of several plots, one below the other, above a common axis of the last 60 s.
+
+    The last plots are left out where they have no room; their number stands on the axis. If no plot
+    has room, one line says so.
 
     Args:
-        fields: The fields by path.
-        plots: Their values by path.
+        fields: The fields by path; a plotted path that it lacks has `--` for its value.
+        plots: The values of the last minute by path.
         paths: The fields to plot, the first at the top.
         size: The cells and the lines available.
     """
@@ -141,7 +155,10 @@ def topic_plots(
 
 
 def _scale(values: Curve) -> tuple[float, float]:
-    """Return the ends of the axis: round numbers, in about a tenth of the range around it."""
+    """Return the lower and the upper end of the axis: round numbers around all values.
+
+    Without values the ends are 0 and 1.
+    """
     known = [value for both in values if both is not None for value in both]
     if not known:
         return 0.0, 1.0

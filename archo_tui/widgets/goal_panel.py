@@ -37,7 +37,7 @@ _BASE_HEIGHT = 6  # Of the panel without the board, its border included.
 
 
 class _InvalidTextError(ValueError):
-    """The error that the text of a field is no value for it.
+    """The error that the text of a field is no value for that field; its message says why.
 
     Attributes:
         number: The number of the field, from 0.
@@ -49,23 +49,30 @@ class _InvalidTextError(ValueError):
 
 
 class GoalPanel(Panel):
-    """The form, a progress bar, the goal's state, the board, and the goals before."""
+    """The panel with the form, the progress, the goal's state, the board, and the goals before.
+
+    Attributes:
+        fields: The fields of the form, in their order.
+        typed: The texts of each goal that was sent, one a field, the oldest goal first.
+        board: The grid of numbers.
+        send: Called with the values of each goal by dotted path, in the order of sending, and with
+            the typed texts. To be set by the owner.
+        on_typed: Called after the text of a field has changed. To be set by the owner.
+    """
 
     number, title_text = 3, "Goal"
     other_keys = {"go": "enter"}
     _watching = _is_read_only = False
-    _causes: CauseWatch | None = None  # Why the hint is shown; None: the typed text is wrong.
+    _causes: CauseWatch | None = None  # Of the hint; None if only typing removes it.
 
-    # Called with the values of each goal by dotted path, in the order of sending, and with the
-    # typed texts.
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
-    on_typed: Callable[[], object]  # Called after the text of a field has changed.
+    on_typed: Callable[[], object]
 
     def __init__(self, snapshot: Snapshot, size: Size) -> None:
-        """Create the panel.
+        """Create the panel for the first goal of the robot file.
 
         Args:
-            snapshot: Knows the robot file, and the fields of its goals.
+            snapshot: Has the robot file, and the fields of its goals.
             size: The size of the terminal.
         """
         self._snapshot = snapshot
@@ -95,7 +102,7 @@ class GoalPanel(Panel):
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", self.submit, id="go")
         self._cancel = Button("Cancel", "cancel", id="cancel")
-        self.typed: list[list[str]] = []  # The texts that were sent, the oldest first.
+        self.typed: list[list[str]] = []
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
         self._journey = Journey()
@@ -125,7 +132,7 @@ class GoalPanel(Panel):
 
     @property
     def _has_several_fields(self) -> bool:
-        """Return True if the form has several fields: a hint then covers the goal's line."""
+        """Return True if the form has several fields; a hint then replaces the goal's line."""
         return len(self.fields) > 1
 
     def on_mount(self) -> None:
@@ -161,7 +168,7 @@ class GoalPanel(Panel):
             self.show_hint("")
 
     def _show_board(self, view: ScreenState, width: int) -> None:
-        """Update the board, if anything that it depends on has changed."""
+        """Update the board if anything that it depends on has changed, and show or hide it."""
         snapshot, kind, size = view.snapshot, self._kind, self.app.size
         goal = None if snapshot.goal is None else (snapshot.goal.number, snapshot.goal.phase)
         limits = snapshot.namespace, snapshot.parameters, snapshot.forms
@@ -181,9 +188,9 @@ class GoalPanel(Panel):
         self._size_board()
 
     def _size_board(self) -> None:
-        """Show the board if it has room or the focus, else hide it.
+        """Show the board if it has room or the focus, else hide it, and set the panel's height.
 
-        Without known limits it is hidden, and its focus goes to the field.
+        A board without known limits is hidden, and the focus goes from it to the field.
         """
         size, is_focused = self.app.size, self.board is self.screen.focused
         if is_focused and not self._has_board:  # The limits are no longer known.
@@ -194,7 +201,7 @@ class GoalPanel(Panel):
         self._set_height(self.board.rows if seen else 0)
 
     def _fit_journey(self, size: Size) -> None:
-        """Show the journey in place of the bar if there is room for it."""
+        """Show the journey in place of the bar if there is room and feedback tells the way left."""
         kind = self._kind
         has_room = size.width >= _JOURNEY_WIDTH and size.height >= _JOURNEY_HEIGHT
         self._is_large = has_room and kind is not None and kind.remaining is not None
@@ -206,7 +213,10 @@ class GoalPanel(Panel):
         return ROWS - 1 if self._is_large else 0
 
     def _set_height(self, board_rows: int) -> None:
-        """Set the height of the panel; the style sheet has that of a panel without additions."""
+        """Set the height of the panel for a board of so many rows, and for the journey.
+
+        Without both, the height is left to the style sheet.
+        """
         more = board_rows + self._journey_rows
         base = _BASE_HEIGHT - self._is_read_only  # It has no row for the form.
         height = base + more if more else None
@@ -215,36 +225,56 @@ class GoalPanel(Panel):
 
     @property
     def _board_hint(self) -> tuple[str, str]:
-        """Return the word and the key with which the border points to the board; "" for neither."""
+        """Return a word and its key for the border: `("board", "tab")` while the board is hidden.
+
+        While the board has the focus, they say that enter takes the number into the field. Else
+        both are "".
+        """
         if self.board.has_focus:
             return "takes it into the field", "enter"
         folded = self._has_board and not self.board.display and not self.can_focus
         return ("board", "tab") if folded else ("", "")
 
     def _on_board_focus(self) -> None:
-        """Resize the board, because its focus came or went."""
+        """Show or hide the board, because its focus came or went, and have the panel shown again.
+
+        A board with the focus is scrolled into view.
+        """
         self._size_board()
         self.post_message(self.Outdated(self))
         if self.board.has_focus:  # In a tiny terminal the board may be out of sight.
             self.call_after_refresh(self.scroll_visible, animate=False)
 
     def make_read_only(self) -> None:
-        """Disable typing and the board, for a console that only watches."""
+        """Hide the form and disable the board, for a replay; the panel itself takes the focus."""
         self.can_focus, self.board.can_focus, self.board.disabled = True, False, True
         self._is_read_only = True
         self._set_height(0)
 
     def _on_number_chosen(self, number: int) -> None:
-        """Type a number that was chosen on the board; enter in the field sends it."""
+        """Append a number from the board to the text of the first field, and focus that field.
+
+        Nothing is sent before enter in the field.
+        """
         self.focus_field()
         self.fields[0].choose(str(number))
 
     def focus_field(self) -> None:
-        """Focus the field without selecting its text, so that typing goes on."""
+        """Focus the first field without selecting its text, so that typing goes on."""
         self.screen.set_focus(self.fields[0], scroll_visible=False, from_app_focus=True)
 
     def next_focus(self, widget: Widget | None, step: int) -> Widget | None:
-        """Return the widget that tab (1) or shift+tab (-1) leads to, or None if it is outside."""
+        """Return the neighbour of a widget in the order of tab: first field, board, Go button.
+
+        Args:
+            widget: The widget with the focus.
+            step: 1 for tab, -1 for shift+tab.
+
+        Returns:
+            None if the widget is none of these three, or has no neighbour there, or if the board or
+            the
+            form is missing.
+        """
         if not self._has_board or self.can_focus:
             return None
         order = (self.fields[0], self.board, self._go)
@@ -254,17 +284,23 @@ class GoalPanel(Panel):
 
     @property
     def first_field(self) -> Field | None:
-        """Return the first field if letters are commands there while it is empty, or None."""
+        """Return the first field if a letter typed into it now would be a command; None else.
+
+        None is also the result if the field has text, takes letters, or does not exist.
+        """
         field = self.fields[0] if self.fields else None
         return None if field is None or field.is_text("q") else field
 
     @property
     def focus_target(self) -> Widget:
-        """Return the first field, or the button if there is none."""
+        """Return the first field; the Go button if the form has no fields."""
         return self.fields[0] if self.fields else self._go
 
     def _recall_typed(self, step: int) -> None:
-        """Fill in what was sent before (-1) or after that (1); at the end what was being typed."""
+        """Fill in the texts of the goal sent before (-1) or after (1) the one in the form.
+
+        Behind the newest goal, the texts that were being typed come back.
+        """
         if self._typed_index == len(self.typed):
             self._unsent = [field.value for field in self.fields]
         self._typed_index = min(max(self._typed_index + step, 0), len(self.typed))
@@ -275,36 +311,47 @@ class GoalPanel(Panel):
             field.fill(text)
 
     def set_typed(self, typed: list[list[str]]) -> None:
-        """Set what was sent so far, the oldest first, for the arrow keys."""
+        """Set the goals that the arrow keys recall, and begin behind the newest.
+
+        Args:
+            typed: The texts of each goal, one a field, the oldest goal first.
+        """
         self.typed, self._typed_index = typed, len(typed)
 
     def _on_changed(self) -> None:
-        """Remove the hint about the text before, and show the panel in a small terminal."""
+        """Remove the hint, call `on_typed`, and scroll the panel into view if a field has text."""
         self.show_hint()
         self.on_typed()
         if any(field.value for field in self.fields):
             self.scroll_visible(animate=False)
 
     def show_hint(self, text: str = "", causes: CauseWatch | None = None) -> None:
-        """Show why a goal is not sent or driven, until the typed text changes.
+        """Show why a goal is not sent or driven, in place of the hint before.
+
+        Typing removes the hint.
 
         Args:
-            text: The reason; "" removes it.
-            causes: Removes the text as soon as it no longer holds.
+            text: The hint; "" removes it.
+            causes: Removes the hint as soon as one of its causes is over; None for a hint that only
+                typing removes.
         """
         self._causes = causes
         if causes is not None:
-            causes.observe(self._snapshot)  # Remembers what holds now.
+            causes.observe(self._snapshot)  # The first call records what holds now.
         if self._has_several_fields:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.show_spans(((text, BAD),))
 
     def show_refusal(self, text: str) -> None:
-        """Show why the robot refuses a goal, as long as that may be so."""
+        """Show why the robot refuses a goal, until a possible cause is over; "" removes that."""
         self.show_hint(text, CauseWatch(obstacles))
 
     def submit(self) -> None:
-        """Send the typed goals, or show what is wrong with them; an empty form does nothing."""
+        """Send the typed goals and clear the form, or show what is wrong and keep it.
+
+        An error focuses its field. A form whose fields are all empty does nothing; one without
+        fields sends its goal.
+        """
         typed = [field.value for field in self.fields]
         if self._kind is None:
             self.show_hint(f"{self.app.title}: the robot file names no goal")
@@ -329,11 +376,11 @@ class GoalPanel(Panel):
 
     @property
     def takes_numbers(self) -> bool:
-        """Return True if a goal is one number, so that several can be typed in a line."""
+        """Return True if a goal is a single number, so that a line may have several goals."""
         return len(self._message_fields) == 1 and is_number(self._message_fields[0])
 
     def refusal(self, typed: str) -> str:
-        """Return why numbers that were typed elsewhere are no goals, or ""."""
+        """Return why a text that was typed elsewhere, such as `7 3`, gives no goals, or ""."""
         try:
             goals = self._parse(self._kind, [typed]) if self._kind is not None else []
         except _InvalidTextError as error:
@@ -341,9 +388,10 @@ class GoalPanel(Panel):
         return "" if goals else "no number"
 
     def send_numbers(self, typed: str) -> None:
-        """Send goals that were typed elsewhere, checked as those of the form, which stays as it is.
+        """Send goals that were typed elsewhere, as `7 3`; the form keeps its text.
 
-        Whatever is wrong with them is shown beside the form.
+        If one of the numbers is not valid, or this console only watches, nothing is sent, and a
+        hint in the form says why.
         """
         why = WATCHING if self._watching else self.refusal(typed)
         self.show_hint(why, CauseWatch(limits) if why else None)
@@ -353,8 +401,13 @@ class GoalPanel(Panel):
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
         """Return the values of each goal by dotted path.
 
+        Args:
+            kind: The kind of goal.
+            typed: The text of each field. If a goal is a single number, the first text may have
+                several.
+
         Raises:
-            _InvalidTextError: A text is no value of its field, or out of the robot's limits.
+            _InvalidTextError: A text is no value of its field, or outside of the robot's limits.
         """
         rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
         goals, form = [], self._snapshot.form(kind)

@@ -19,7 +19,7 @@ _STRONG = "bold"
 
 
 def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
-    """Return the widths of names, types, nodes and rates if all fit on a line, else of rates."""
+    """Return the widths of names, types, nodes and rates; of rates only if not all fit on a row."""
     names = column((row.resource.name for row in rows), 0, width)
     types = column((row.types for row in rows), 0, width)
     nodes = column((row.who for row in rows), 0, width)
@@ -31,7 +31,8 @@ def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
     """Return `topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
 
-    A narrow panel needs two lines and leaves out the type's package. Mismatches stand below.
+    Where `columns` has one width only, the row takes two lines and leaves out the type's package.
+    Mismatches of type or QoS stand below, wrapped.
     """
     wrong = [
         (f"  {line}", _STRONG)
@@ -55,7 +56,7 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
 
 
 class GraphPanel(Panel):
-    """The list, drawn once a second, while it is visible and something has changed."""
+    """The list of topics, services and actions, updated once a second at most while visible."""
 
     number, title_text = 8, "Graph"
     keys = (("resource", "open"),)
@@ -78,11 +79,13 @@ class GraphPanel(Panel):
 
     @property
     def selected(self) -> ResourceRow | None:
-        """Return the row under the cursor."""
+        """Return the row under the cursor; None in an empty list."""
         return self._rows.item
 
     def step(self, by: int, kind: str) -> ResourceRow | None:
-        """Move the cursor to the next row of a kind, and return that row; None if there is none.
+        """Move the cursor to the next row of a kind, and return that row.
+
+        Without such a row in that direction, the cursor stays, and the result is None.
 
         Args:
             by: 1 for downwards, -1 for upwards.

@@ -34,12 +34,12 @@ class Plot(NamedTuple):
     """A reading to be plotted over time.
 
     Attributes:
-        title: Its name.
-        unit: Its unit.
+        title: The name of the reading.
+        unit: The unit of its values.
         decimals: Digits after the decimal point.
         quantity: The reading in the history.
-        min_top: The least value at which the scale ends.
-        is_fixed: True if the scale always ends there.
+        min_top: The upper end of the scale, unless a value is greater.
+        is_fixed: True if the scale always goes from 0 to `min_top`.
     """
 
     title: str
@@ -53,7 +53,7 @@ class Plot(NamedTuple):
 def plots(robot: RobotFile) -> tuple[Plot, ...]:
     """Return the plots of charge, speed, way left, x and y, as far as the robot file names them.
 
-    What is left is that of the first kind of goal.
+    The way left is that of the first kind of goal.
     """
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
@@ -69,12 +69,14 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
 
 
 def covered_span(history: History, chosen: float, now: float) -> float:
-    """Return how many seconds the plots cover: until the chosen span has passed, those since begin.
+    """Return how many seconds the plots cover: the chosen span, or less soon after the begin.
+
+    Until the chosen span has passed since the first sample, the result grows in steps, from 20 s.
 
     Args:
         history: The samples.
         chosen: The span that was chosen, in s.
-        now: The time of the newest column.
+        now: The monotonic time of the newest column, in s.
     """
     passed = 0.0 if history.begin is None else now - history.begin
     return next((float(step) for step in _STEPS if passed <= step < chosen), chosen)
@@ -83,15 +85,18 @@ def covered_span(history: History, chosen: float, now: float) -> float:
 def history_lines(
     shown: Sequence[Plot], view: View, span: float, width: int, height: int, more: str = ""
 ) -> list[Spans]:
-    """Return the plots below each other, the marks of ended goals, and the time axis.
+    """Return the lines of the plots below each other, the marks of ended goals, and the time axis.
+
+    If rows are few, the plots of x and y are left out. If the others have no room either, one line
+    says so.
 
     Args:
-        shown: The plots.
+        shown: The plots, the first at the top.
         view: The view with the history.
         span: The time that the plots cover, in s.
         width: The cells available.
         height: The lines available.
-        more: How to get more room, said if there is too little.
+        more: Appended to that one line: how to get more room.
     """
     cells = width - _LABEL_WIDTH - 2
     while len(shown) > _MOST_NEEDED and (height - 2) // len(shown) - 1 < _MIN_ROWS:
@@ -134,21 +139,29 @@ def _plot(
 
 
 def _round_up(high: float) -> float:
-    """Return the next of 1, 2, 5, 10, ... so that the scale seldom changes."""
+    """Return the least of 1, 2, 5, 10, 20, 50, ... (or 0.5, 0.2, ...) that is not below a number.
+
+    Ends in such steps keep the scale from changing often.
+
+    Args:
+        high: A number above 0.
+    """
     power = 10.0 ** math.floor(math.log10(high))
     return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
 
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
-    """Return a line with a mark for each goal that ended, where it did: `✓  ✓ 7   3✓ 1✗`.
+    """Return a line with a mark for each goal that ended, at the time of its end: `✓  ✓ 7   3✓ 1✗`.
 
-    The target stands after a mark if there is room; marks that share a cell are counted.
+    `✓` is arrived, `?` disputed, `✗` every other end. The target of an own goal stands behind its
+    mark if it is short and there is room. Marks that would overlap are counted together. Goals that
+    ended outside of the line's time are left out.
 
     Args:
         ends: The goals, the newest first.
         now: The Unix time at the right end of the line.
-        span: How much time the line stands for, in s.
-        cells: How long the line is.
+        span: The time that the line stands for, in s.
+        cells: The cells of the line.
     """
     groups: list[tuple[int, list[Goal]]] = []  # With the cell where each begins, from the right.
     for goal in ends:
@@ -174,7 +187,7 @@ def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
 
 
 def _mark_text(group: Sequence[Goal]) -> str:
-    """Return a glyph, or the number of each of several glyphs: `3✓ 1✗`."""
+    """Return the glyph of a goal's end; for several goals, the number of each glyph: `3✓ 1✗`."""
     glyphs = Counter(_GLYPHS.get(goal.phase, "✗") for goal in group)
     if len(group) == 1:
         return next(iter(glyphs))
@@ -182,11 +195,11 @@ def _mark_text(group: Sequence[Goal]) -> str:
 
 
 def _mark_width(group: Sequence[Goal], following: Sequence[Goal]) -> int:
-    """Return how many cells a mark takes, with the blank around a count.
+    """Return how many cells a mark takes, with a blank behind it if one of both marks is a count.
 
     Args:
         group: The goals of the mark.
-        following: The goals of the mark behind it.
+        following: The goals of the mark at its right.
     """
     return len(_mark_text(group)) + (len(group) > 1 or len(following) > 1)
 
@@ -197,7 +210,11 @@ def _short_target(goal: Goal) -> str:
 
 
 def _time_axis(view: View, span: float, cells: int) -> str:
-    """Return `─ 11:54 ────── 11:59 ────── 12:04 `, as far apart as the plots show."""
+    """Return `─ 11:54 ────── 11:59 ────── 12:04 `: begin, middle and end of the span in local time.
+
+    A span of up to four minutes has seconds as well. Where three times have no room, only the last
+    one is shown.
+    """
     digits = 8 if span <= _WITH_SECONDS else 5  # With seconds, or without.
     first, middle, last = (time_of_day(view.time - back)[:digits] for back in (span, span / 2, 0.0))
     gap = cells - 3 * digits - 5
@@ -207,9 +224,9 @@ def _time_axis(view: View, span: float, cells: int) -> str:
 
 
 class HistoryPanel(Panel, can_focus=True):
-    """Plots with a common time axis, drawn once a second while they are visible.
+    """The panel with plots on a common time axis, drawn once a second while it is visible.
 
-    A reading that comes or goes is drawn at once.
+    A reading that begins or ends, and a goal that ends, are drawn at once.
     """
 
     number, title_text = 7, "History"
@@ -242,9 +259,12 @@ class HistoryPanel(Panel, can_focus=True):
             self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
 
     def change_span(self, by: int) -> None:
-        """Show a longer (1) or a shorter (-1) time."""
+        """Choose the next longer (1) or shorter (-1) span of SPANS, if there is one.
+
+        The plots show it with the next view.
+        """
         self._span = min(max(self._span + by, 0), len(SPANS) - 1)
 
     def can_change_span(self, by: int) -> bool:
-        """Return False if the span is the longest (1) or the shortest (-1) already."""
+        """Return True if there is a longer (1) or a shorter (-1) span than the chosen one."""
         return 0 <= self._span + by < len(SPANS)

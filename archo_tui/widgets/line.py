@@ -17,7 +17,10 @@ from archo_tui.words.state import Spans
 
 
 class Line(Static):
-    """A line of fixed height: a change costs about 100 bytes, an equal text nothing."""
+    """A widget of one line of text that is redrawn only when its text changes.
+
+    Nothing around it moves. A text that is too long ends with an ellipsis.
+    """
 
     DEFAULT_CSS = "Line { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }"
 
@@ -28,13 +31,13 @@ class Line(Static):
 
     @property
     def link_style(self) -> Style:
-        """Return no style: clickable text looks as written."""
+        """Return no style, so that text that can be clicked looks as it was written."""
         return Style()
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Render as Textual does, without border, padding and opacity, which a line never has.
+        """Return the line as Textual renders it, but without border, padding and opacity.
 
-        They are more than half of the cost, and lines are most of what changes.
+        A line never has these, and they are more than half of the cost of a rendering.
         """
         style, width = self.visual_style, self.region.width
         background = style.background
@@ -51,13 +54,13 @@ class Line(Static):
         return [drawn if whole else drawn.crop(*crop.column_span)] * crop.height
 
     def show_spans(self, spans: Spans) -> None:
-        """Show a text of spans; an equal one costs nothing."""
+        """Show a text made of spans; equal spans change nothing."""
         if spans != self._spans:
             self.show(content(spans))
             self._spans = spans
 
     def show(self, text: Content) -> None:
-        """Show a text; an equal one is not drawn."""
+        """Show a text; an equal one is not drawn again."""
         self._spans = None
         if self._content is None or not (text is self._content or text.is_same(self._content)):
             self._content = text

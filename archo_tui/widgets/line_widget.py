@@ -9,9 +9,15 @@ from textual.widget import Widget
 
 
 class LineWidget(Widget):
-    """A widget with a `render_line`; the last base of a class, since the first names the styles."""
+    """The base of widgets that draw their lines in a `render_line` of their own.
 
-    base = Style()  # The style of a blank cell, while lines are rendered.
+    List it last among the bases: Textual looks for styles by the names of the first ones.
+
+    Attributes:
+        base: The style of a blank cell, set before lines are rendered.
+    """
+
+    base = Style()
 
     def render_lines(self, crop: Region) -> list[Strip]:
         self.base = self.rich_style  # Computed once: it depends on all ancestors.

@@ -19,8 +19,9 @@ _MIN_ALARM = 12  # Cells of an alarm's text; for fewer, the robot's name makes r
 def live_line(view: ScreenState, width: int) -> Content:
     """Return ` LIVE ARCHO   ● online   ✗ STOPPED: look for the cause      12:04:32   q back `.
 
-    It is as striking as the banner of the live console while an alarm is active and nobody has
-    acknowledged it, or the robot is stopped.
+    Shown are the first alarm that is not shelved, the number of others, and whether an assistant
+    asks. If space is short, the least important parts are left out. The line is reversed while an
+    alarm is unacknowledged or the robot is stopped.
 
     Args:
         view: The state of the live console.
@@ -55,7 +56,7 @@ def live_line(view: ScreenState, width: int) -> Content:
 
 
 def _alarm_texts(alarm: Alarm) -> list[str]:
-    """Return the texts of an alarm, the shortest last; those of a past one begin with `was:`."""
+    """Return the full and the short text of an alarm with its glyph; of a past one with `was: `."""
     texts = [alarm.text, alarm.short_text]
     if alarm.until is not None:
         texts = [past_alarm(alarm), f"was: {alarm.short_text}"]
@@ -63,7 +64,11 @@ def _alarm_texts(alarm: Alarm) -> list[str]:
 
 
 def _style(view: ScreenState) -> str:
-    """Return the style of the line: reversed while something needs the operator."""
+    """Return the style of the line, reversed while the live robot needs the operator.
+
+    That is while an alarm is unacknowledged or the robot is stopped: red for an alarm of high
+    priority or an uncertain STOP, else amber.
+    """
     snapshot = view.snapshot
     alarms = [alarm for alarm in view.alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
     is_grave = any(alarm.priority == Priority.HIGH for alarm in alarms)

@@ -16,7 +16,11 @@ from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motio
 
 
 class MotionPanel(Panel, can_focus=True):
-    """The panel with count, speed and state, and two buttons far apart: a command's and STOP."""
+    """The panel with speed, state, pose and gauges, and the buttons of a command and STOP.
+
+    The buttons stand far apart. The first one is the robot file's first command, if there is one;
+    for a robot without a STOP service the second one is `Cancel all`.
+    """
 
     number = 2
 

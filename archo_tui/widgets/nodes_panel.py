@@ -25,7 +25,10 @@ _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
-    """Return the widths of the names, and of the rates; names are cut for the sake of these."""
+    """Return the widths of the names and of the rates; 0 for the rates if they have no room.
+
+    Names are cut in favour of rates, but not to fewer than eight cells.
+    """
     room = width - _MARK_WIDTH - _AGE_WIDTH
     names = column((row.label for row in rows), _NAME_WIDTH, room)
     if names + _RATE_WIDTH <= room:
@@ -40,16 +43,22 @@ def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
 
 
 def node_titles(width: int, columns: Columns) -> str:
-    """Return the titles of the columns, above their values."""
+    """Return the line with the titles of the columns: `node    heard   rate`.
+
+    Args:
+        width: The cells available.
+        columns: The widths of names and rates.
+    """
     numbers = f"{'heard':>5}{'rate':>{columns[1]}}" if columns[1] else "heard"
     room = max(width - _MARK_WIDTH - columns[0], 0)  # A hidden list has no width.
     return f"{'':{_MARK_WIDTH}}{'node':{columns[0]}}{numbers:>{room}}"
 
 
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
-    """Return `● battery_monitor    0.4 s  1.0 Hz`, or what is wrong with the node.
+    """Return `● battery_monitor    0.4 s  1.0 Hz`, or the name and what is wrong with the node.
 
-    For a node of the user's own, a line below names its file, and when it was saved.
+    A text that has no room beside the name goes on below. For a node of the user's own, one more
+    line names its file, and when that was saved.
     """
     hosted = row.hosted
     if hosted is None or not hosted.file:
@@ -84,9 +93,10 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
 
 
 def _crop_at_word(text: str, width: int) -> str:
-    """Return a text in at most `width` cells; if it is cut, it ends with a whole word and `…`.
+    """Return a text in at most `width` cells; a cut text ends with a whole word and `…`.
 
-    If an exception's name would be lost, it stands without the word before it: the mark says that.
+    If fewer than two whole words have room, what stands before the first `: ` is left out, so that
+    the name of an exception can be read.
     """
     cut = textwrap.shorten(text, width, placeholder=" …")
     if len(cut.split()) > 2:
@@ -101,7 +111,10 @@ def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
 
 
 class NodesPanel(Panel):
-    """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
+    """The list of nodes: when each was last received, how often it publishes, or what is wrong.
+
+    Ages and rates change once a second; a node that comes, goes or crashes here is shown at once.
+    """
 
     number, title_text = 5, "Nodes"
     keys = (("start_stop", "start/stop"), ("copy", "copy"))
@@ -126,17 +139,17 @@ class NodesPanel(Panel):
 
     @property
     def lines(self) -> int:
-        """Return how many lines the list needs, with its titles."""
+        """Return how many lines the whole list has, visible or not, with one for the titles."""
         return self._rows.virtual_size.height + 1
 
     @property
     def selected(self) -> NodeRow | None:
-        """Return the node under the cursor."""
+        """Return the node under the cursor; None in an empty list."""
         return self._rows.item
 
     @property
     def shows_cursor(self) -> bool:
-        """Return True once the operator has come to the list."""
+        """Return True once the operator has moved the focus or the cursor to the list."""
         return self._rows.shows_cursor
 
     @property

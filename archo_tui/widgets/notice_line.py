@@ -15,9 +15,9 @@ _LOOKS = {"information": ("·", ""), "warning": ("▲", "bold $warn"), "error": 
 
 
 def notice_text(notice: Notice, width: int) -> Content:
-    """Return ` ▲ dock: the robot is stopped                       +2 `.
+    """Return ` ▲ dock: the robot is stopped                       +2 `, with the number of others.
 
-    Where it is too long for a line, it goes on below; a very long one is cut.
+    A long text goes on below, in at most three lines; what has no room there is cut.
 
     Args:
         notice: The notice.
@@ -36,7 +36,7 @@ def notice_text(notice: Notice, width: int) -> Content:
 
 
 class NoticeLine(Static):
-    """A notice over the other widgets: nothing moves when one comes or goes. A click closes it."""
+    """A notice drawn over the other widgets, which keep their places; a click dismisses it."""
 
     DEFAULT_CSS = """
     NoticeLine {
@@ -47,7 +47,7 @@ class NoticeLine(Static):
     _shown: tuple[Notice | None, int, int] = None, 0, 0
 
     def show(self, notice: Notice | None, row: int, width: int) -> None:
-        """Show a notice; an equal one costs nothing.
+        """Show a notice at a row, or hide the line; equal arguments change nothing.
 
         Args:
             notice: The notice; None to show what lies beneath.

@@ -1,4 +1,4 @@
-"""The notices: messages that are shown one at a time, and go by themselves. Pure."""
+"""The notices: messages that are shown one at a time, and disappear after a while. Pure."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Notice(NamedTuple):
 
     Attributes:
         text: The message, in one line.
-        severity: How grave it is.
-        waiting: The number of others that are not shown now.
+        severity: The gravity: information, warning or error.
+        waiting: The number of other notices that have not gone yet.
     """
 
     text: str
@@ -34,7 +34,8 @@ class _Entry:
     Attributes:
         notice: The notice.
         duration: Seconds for which it is shown.
-        until: The monotonic time, in s, at which it goes; None before it was to be shown.
+        until: The monotonic time, in s, at which it goes, shown or not; None before it has been
+            shown or has waited.
         was_shown: True once it has been shown.
     """
 
@@ -45,21 +46,21 @@ class _Entry:
 
 
 class Notices:
-    """The notices that have not gone yet, of which the gravest is shown, then the newest.
+    """The notices that have not gone yet, of which the gravest is shown, and of equals the newest.
 
-    The time of a notice begins when it is shown for the first time: behind a graver one it waits,
-    but never for long.
+    The duration of a notice begins when it is shown for the first time. Behind a graver one it
+    waits for at most twice its duration; then it is dropped, shown or not.
     """
 
     def __init__(self) -> None:
         self._entries: list[_Entry] = []
 
     def add(self, text: str, severity: SeverityLevel, duration: float) -> None:
-        """Add a notice; it replaces an equal one.
+        """Add a notice; it replaces one with the same text and severity.
 
         Args:
-            text: The message.
-            severity: How grave it is.
+            text: The message; line breaks become blanks.
+            severity: The gravity: information, warning or error.
             duration: Seconds for which it is shown.
         """
         notice = Notice(" ".join(text.split()), severity)
@@ -67,7 +68,9 @@ class Notices:
         self._entries.append(_Entry(notice, duration))
 
     def update(self, now: float) -> Notice | None:
-        """Return the notice to show; None if there is none.
+        """Remove the notices whose time is over, and return the one to show; None if none is left.
+
+        The duration of the returned notice begins now, unless it was shown before.
 
         Args:
             now: The monotonic time, in s.
@@ -84,7 +87,7 @@ class Notices:
         return entry.notice._replace(waiting=len(self._entries) - 1)
 
     def dismiss(self) -> None:
-        """Remove the notice that is shown; the next one takes its place."""
+        """Remove the notice that is shown, if any; the next one takes its place."""
         entry = self._gravest()
         if entry is not None:
             self._entries.remove(entry)
@@ -94,7 +97,7 @@ class Notices:
         self._entries.clear()
 
     def _gravest(self) -> _Entry | None:
-        """Return the newest of the gravest notices."""
+        """Return the newest of the gravest notices; None if there is none."""
         return max(
             reversed(self._entries), key=lambda e: _GRAVITY.index(e.notice.severity), default=None
         )

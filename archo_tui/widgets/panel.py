@@ -25,15 +25,22 @@ FULL_SCREEN = "full screen"  # The word of keys that enlarge a panel.
 
 
 class Panel(Container, QuietFocus):
-    """The base of the panels; `show` gets every new state of the screen."""
+    """The base of the numbered panels; the screen calls `show` with every new state.
+
+    Attributes:
+        number: The number of the panel, 1 to 9, which is also the key that leads to it.
+        title_text: The title, without the number.
+        keys: Pairs of a command's id and a word, for the lower border.
+        other_keys: The keys of commands, by id, that differ within this panel.
+    """
 
     number = 0
     title_text = ""
-    keys: Sequence[tuple[str, str]] = ()  # Pairs of command and word for the lower border.
-    other_keys: Mapping[str, str] = {}  # Keys of commands that differ within this panel.
+    keys: Sequence[tuple[str, str]] = ()
+    other_keys: Mapping[str, str] = {}
 
     class Outdated(Message):
-        """A message: the panel has another width, and must be shown again."""
+        """The message that a panel must be shown again, after a change of size or a click."""
 
         def __init__(self, panel: Panel) -> None:
             super().__init__()
@@ -51,13 +58,15 @@ class Panel(Container, QuietFocus):
         self.post_message(self.Outdated(self))
 
     def show(self, view: ScreenState) -> None:
-        """Update the panel; only what has changed is redrawn."""
+        """Update the panel; only what has changed is redrawn. A subclass must define it."""
         raise NotImplementedError
 
     def show_keys(self, view: ScreenState, before: str = "", key_before: str = "") -> None:
-        """Write the keys on the border, as many as fit; each can be clicked.
+        """Write the keys on the lower border, as many as fit; a click on one runs its command.
 
-        The keys of commands that cannot run now are darker; pressed, they say why.
+        Commands that the registry lacks, or that have no key, are left out; so is STOP in a replay.
+        Those that cannot run now are darker. While the panel fills the screen, `esc back` comes
+        first.
 
         Args:
             view: The state of the screen.
@@ -93,12 +102,19 @@ class Panel(Container, QuietFocus):
             self.border_subtitle = below
 
     def show_publishers(self, view: View, topic: str) -> None:
-        """Name a topic's publishers in the title if there are several, whose readings are mixed."""
+        """Name the publishers of a topic in the title while there are several; else name none.
+
+        The readings of several publishers are mixed.
+        """
         names = view.snapshot.publishers.get(topic, ())
         self.show_title(f"   {len(names)} publishers: {escape(', '.join(names))}" if names else "")
 
     def show_title(self, more: str) -> None:
-        """Show the title, followed by markup."""
+        """Show the title, what hides rows, and then a text, in place of the text of the last call.
+
+        Args:
+            more: The text as markup of Textual; "" for none.
+        """
         self._title_more = more
         title = Content.assemble(
             f"{self.number} {self.title_text}",
@@ -109,7 +125,7 @@ class Panel(Container, QuietFocus):
             self._title = self.border_title = title
 
     def show_narrowed(self, *what: str) -> None:
-        """Say in the title, in colour, what hides rows of this panel.
+        """Say in the title, in colour, what hides rows of this panel; without texts, say nothing.
 
         Args:
             what: Plain texts, of which empty ones are left out.
@@ -119,14 +135,23 @@ class Panel(Container, QuietFocus):
         self.show_title(self._title_more)
 
     def dim_unavailable(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
-        """Dim the buttons of services that cannot be called; a console that watches has none."""
+        """Dim the buttons of services that cannot be called; all of them if nothing can be sent.
+
+        Args:
+            view: The state of the screen.
+            buttons: Pairs of the full name of a service or action, and its button.
+        """
         snapshot = view.snapshot
         for service, button in buttons:
             blocked = view.watching or bool(snapshot.unavailable(service))
             button.set_class(blocked, "-blocked")
 
     def mark_focused(self, has_focus: bool) -> None:
-        """Show by the border if the panel, or a widget in it, has the focus."""
+        """Show the focus by the colour of the border.
+
+        Args:
+            has_focus: True if the panel, or a widget in it, has the focus.
+        """
         colour = self.app.theme_variables["primary"] if has_focus else ""
         if colour != self._focus_colour:
             self._focus_colour = colour
@@ -136,14 +161,14 @@ class Panel(Container, QuietFocus):
             self._refresh_border()
 
     def _refresh_border(self) -> None:
-        """Redraw the border, and nothing inside it."""
+        """Redraw the border, and nothing inside of it."""
         (width, height), (left, top) = self.outer_size, self.content_offset
         across, down = Region(0, 0, width, 1), Region(0, 0, 1, height)
         edges = across, across.translate((0, height - 1)), down, down.translate((width - 1, 0))
         self.refresh(*(edge.translate((-left, -top)) for edge in edges))
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Render as Textual does, but once for all the equal lines between the borders."""
+        """Render as Textual does, but the equal blank lines between the borders only once."""
         first, last = max(crop.y, 1), min(crop.bottom, self.outer_size.height - 1)
         if last - first < 2:
             return super().render_lines(crop)
@@ -157,15 +182,21 @@ class Panel(Container, QuietFocus):
         ]
 
     def watch_has_focus(self, focused: bool) -> None:
-        """Do nothing: the border shows the focus, and no style is for `:focus`."""
+        """Do nothing: `mark_focused` shows the focus, and no style is for `:focus`."""
 
     @property
     def focus_target(self) -> Widget:
-        """Return the widget that gets the focus when the operator goes to this panel."""
+        """Return the widget that gets the focus when the operator goes to this panel.
+
+        By default that is the panel itself; panels with a list or a form return a widget in them.
+        """
         return self
 
     def take_focus(self) -> None:
-        """Focus the panel at once, since keys may follow."""
+        """Focus the panel, or its `focus_target` if it cannot have the focus, before the next key.
+
+        The screen does not scroll. A list shows its cursor from then on.
+        """
         focus_target = self if self.can_focus else self.focus_target
         self.screen.set_focus(focus_target, scroll_visible=False)
         if isinstance(focus_target, Rows):

@@ -28,7 +28,12 @@ _WAITING = "? waiting for the nodes to report their parameters"
 
 
 class ParametersPanel(Panel):
-    """The table of parameters; `*` marks those that differ from the start."""
+    """The table of parameters; `*` marks those that differ from the start.
+
+    Attributes:
+        lines: The lines that the table needs without filter and search, with its titles.
+        search: The search field.
+    """
 
     number, title_text = 4, "Parameters"
     keys = (
@@ -42,7 +47,7 @@ class ParametersPanel(Panel):
         self._only_changed = False
         self._shows_standard = False
         self._standard_count = 0  # Standard parameters that the key hides or shows.
-        self.lines = 0  # Lines for everything with the titles, so that a filter moves no panel.
+        self.lines = 0  # For everything, so that a filter moves no panel.
         # Changed by somebody else just now.
         self._flashing: frozenset[tuple[str, str]] = frozenset()
         self._rows: Rows[Parameter] = Rows(
@@ -73,12 +78,12 @@ class ParametersPanel(Panel):
 
     @property
     def shows_cursor(self) -> bool:
-        """Return True once the operator has come to the list."""
+        """Return True once the operator has moved the focus or the cursor to the list."""
         return self._rows.shows_cursor
 
     @property
     def selected(self) -> Parameter | None:
-        """Return the parameter under the cursor."""
+        """Return the parameter under the cursor; None in an empty table."""
         return self._rows.item
 
     def show(self, view: ScreenState) -> None:
@@ -94,7 +99,11 @@ class ParametersPanel(Panel):
         self._show_standard_hint(view)
 
     def _show_standard_hint(self, view: ScreenState) -> None:
-        """Say in the title how many standard parameters of ROS a key shows or hides."""
+        """Show in the title how many standard parameters of ROS a key shows or hides.
+
+        While there are none, or a filter or search decides what is shown, the title has no such
+        text.
+        """
         key, does = view.key("ros_own"), "hides" if self._shows_standard else "shows"
         noun = "parameter" if self._standard_count == 1 else "parameters"
         text = f"{key} {does} {self._standard_count} standard {noun}".lstrip()
@@ -102,7 +111,13 @@ class ParametersPanel(Panel):
         self.show_title(note if self._standard_count else "")
 
     def _flash(self, before: Sequence[Parameter]) -> None:
-        """Highlight for a moment what somebody else has changed."""
+        """Highlight the parameters whose value differs from before, for 0.6 s.
+
+        New parameters are not highlighted. Without animations nothing is.
+
+        Args:
+            before: The parameters before the change.
+        """
         values = {(p.node, p.name): p.value for p in before}
         names = (
             (p.node, p.name)
@@ -129,13 +144,16 @@ class ParametersPanel(Panel):
         return [(text, f"{style} reverse".lstrip()) for text, style in lines]
 
     def toggle_changed(self) -> None:
-        """Show only what differs from the start, or everything."""
+        """Show only the parameters that differ from the start, or all again.
+
+        With them, their values at the start are shown.
+        """
         self._only_changed = not self._only_changed
         self._refill()
         self._rows.redraw_all()
 
     def toggle_standard(self) -> None:
-        """Show or hide the parameters that every ROS node has."""
+        """Show or hide the unchanged parameters that ROS gives every node, as `use_sim_time`."""
         self._shows_standard = not self._shows_standard
         self._refill()
 
@@ -173,12 +191,12 @@ class ParametersPanel(Panel):
 
 
 def _is_standard(parameter: Parameter) -> bool:
-    """Return True for a parameter that every ROS node has."""
+    """Return True for a parameter that ROS gives each node: `use_sim_time`, `qos_overrides` ..."""
     return parameter.name in _STANDARD_NAMES or parameter.name.startswith(_STANDARD_PREFIX)
 
 
 def _value_text(parameter: Parameter, both: bool) -> str:
-    """Return `0.5`, or with the value at the start `0.5 (was 0.8)`."""
+    """Return the value as text, `0.5`; if `both`, with the value at the start: `0.5 (was 0.8)`."""
     text = text_of(parameter.value)
     return f"{text} (was {text_of(parameter.initial)})" if both else text
 
@@ -186,11 +204,11 @@ def _value_text(parameter: Parameter, both: bool) -> str:
 def parameter_columns(
     parameters: Sequence[Parameter], width: int, rows: int, *, both: bool = False
 ) -> Columns:
-    """Return the widths of nodes, names, values, types, ranges and descriptions; 0 for none.
+    """Return the widths of nodes, names, values, types, ranges and descriptions; 0 hides them.
 
-    Name and value come first, then the node, the range, the type. A long name is cut in its middle,
-    a long range at its end, a value never: a longer one moves its type. Descriptions are lines of
-    their own, below the names, if the list is large and all of them have room.
+    If space is short, types are hidden first, then ranges, then nodes. A long name is cut in its
+    middle, a long range at its end, a value never: a longer one moves what stands right of it.
+    Descriptions have lines of their own if the list has 24 rows or more, and room for all of them.
 
     Args:
         parameters: The parameters shown.
@@ -226,7 +244,15 @@ def parameter_columns(
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, and its description."""
+    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if the value changed.
+
+    A second line has the description, if there is one and `columns` has room for it.
+
+    Args:
+        parameter: The parameter.
+        columns: The widths, as `parameter_columns` returns them.
+        both: True to show the value at the start as well.
+    """
     node, *_, described = columns
     line = _line(
         parameter.node.lstrip("/"),

@@ -20,20 +20,21 @@ def curve(
 ) -> list[str]:
     """Return the rows of a curve from the top, with two values in each cell.
 
-    Each value is drawn from its least to its greatest; neighbours are joined, and the cells between
-    the curve and zero are filled.
+    Each value is drawn from its least to its greatest, cut at the scale's ends. Neighbours are
+    joined, and the cells between the curve and zero are filled.
 
     Args:
         values: The values, oldest first; None leaves a gap.
         low: The value of the lowest dot.
         high: The value of the highest dot.
         rows: The number of rows.
-        mark: A value whose row is dashed beside the curve; None for none.
+        mark: A value whose row is dashed beside the curve; None, or one outside of the scale, for
+            none.
     """
     steps = rows * 4 - 1
 
     def step(value: float) -> int:
-        """Return the number of the dot of a value, from the top."""
+        """Return the row of dots of a value, 0 at the top; values outside go to the ends."""
         share = (value - low) / (high - low) if high > low else 0.0
         return steps - round(min(max(share, 0.0), 1.0) * steps)
 
@@ -73,7 +74,7 @@ def plot_lines(
     tone: str,
     mark: float | None = None,
 ) -> list[Spans]:
-    """Return the rows of a curve with its axis at the left, from the top.
+    """Return the rows of a curve from the top, with an axis at the left that names both ends.
 
     Args:
         values: The values, oldest first; None leaves a gap.

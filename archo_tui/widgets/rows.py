@@ -29,7 +29,7 @@ _MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sidew
 
 
 def pad(text: str, width: int) -> str:
-    """Return a text in exactly `width` cells, with `…` in its middle if it is cut."""
+    """Return a text in exactly `width` cells: filled with blanks, or cut in its middle by `…`."""
     if cell_len(text) > width:
         head = set_cell_size(text, max(width - 1, 0) // 2)
         tail = text[len(head) :]
@@ -40,26 +40,30 @@ def pad(text: str, width: int) -> str:
 
 
 def crop(text: str, width: int) -> str:
-    """Return a text in at most `width` cells, with `…` at its end if it is cut."""
+    """Return a text in at most `width` cells, with `…` at its end if it is cut.
+
+    Blanks at the end are dropped if the text is too long with them.
+    """
     if cell_len(text) > width:
         text = text.rstrip()  # Blanks at the end need no ellipsis.
     return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
 
 
 def column(texts: Iterable[str], least: int, most: int) -> int:
-    """Return the width of a column as wide as its texts, within bounds."""
+    """Return the width of a column, in cells: that of its widest text, within bounds."""
     return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
 def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
     """Return the beginnings and ends of the cells in which two texts of a line differ.
 
-    Over a slow line, it costs little to draw a number again, and much to draw the whole line.
+    Differences of at most ten cells between them count as one. Equal texts, and texts with a
+    character that does not take one cell, give the whole line.
 
     Args:
         before: The text that is drawn.
         now: The text to draw.
-        width: The cells of the line, all of which differ where a character takes no or two cells.
+        width: The cells of the line.
     """
     if cell_len(before) != len(before) or cell_len(now) != len(now):
         return [(0, width)]
@@ -81,12 +85,21 @@ def _style_and_cursor(line: tuple[Text, bool]) -> tuple[str, bool]:
 
 
 class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
-    """A list whose cost depends on the visible items only; the cursor stays with its item."""
+    """A list with a cursor, whose cost depends on the visible items only.
+
+    The cursor stays on its item when others come or go.
+
+    Attributes:
+        columns: The widths of the columns, of the last layout.
+        cursor: The number of the item under the cursor, from 0.
+        shows_cursor: True once the operator has come to the list.
+        without_focus: True if the cursor is shown without the focus, too.
+    """
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
-    without_focus = False  # True shows the cursor also without the focus.
+    without_focus = False
 
     def __init__(
         self,
@@ -102,11 +115,12 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         """Create an empty list.
 
         Args:
-            lines: Draws an item; called with the item, the width and the columns' widths.
-            key: Returns what identifies an item.
+            lines: Draws an item as lines; called with the item, the width and the columns' widths.
+            key: Returns what identifies an item, by which the cursor follows it.
             id: The widget's id, for CSS.
             empty: The text of an empty list.
-            action: Run when the item under the cursor is clicked; "" for none.
+            action: The Textual action that a click on the item under the visible cursor runs; ""
+                for none.
             wraps: True if an item may take several lines.
             columns: Returns the widths of columns; called with the items and the width.
         """
@@ -149,11 +163,15 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     @property
     def item_key(self) -> object:
-        """Return what identifies the item under the cursor."""
+        """Return what identifies the item under the cursor; None in an empty list."""
         return None if self.item is None else self._key(self.item)
 
     def show(self, items: Sequence[T]) -> None:
-        """Show other items. A cursor on the first line stays there, since new items come first."""
+        """Show other items, and keep the cursor on its item; equal items change nothing.
+
+        If that item has gone, the cursor keeps its place, at most at the end. A cursor on the first
+        line stays there, since new items come first.
+        """
         if items == self._items:
             return
         here = self.item
@@ -165,7 +183,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         self._lay_out()
 
     def redraw_changed(self) -> None:
-        """Redraw the visible lines that have changed."""
+        """Redraw the visible lines whose text, style or cursor differs from what is drawn."""
         (left, top), (width, height) = self.scroll_offset, self.size
         changed: list[Region] = []
         for y in range(height):
@@ -185,7 +203,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             self.refresh(*changed)
 
     def redraw_all(self) -> None:
-        """Draw all items again, since equal ones look different now."""
+        """Lay out and draw all items again, also those that are equal: they look different now."""
         self._laid_out, self._lines = (), []
         self._lay_out()
 
@@ -193,7 +211,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         self._lay_out()
 
     def show_cursor(self) -> None:
-        """Show the cursor from now on, because the operator has come to the list."""
+        """Show the cursor from now on, whenever the list has the focus."""
         if not self.shows_cursor:
             self.shows_cursor = True
             self.redraw_changed()
@@ -230,14 +248,15 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             self.redraw_changed()
 
     def _fits(self, size: Size) -> bool:
-        """Return True if a list of this size needs no scrolling."""
+        """Return True if a list of this size needs no scrolling in either direction."""
         return size.width <= self._width and size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
         """Lay out the items and return the number of lines.
 
         Args:
-            is_changed: True if widths changed: all are laid out again, else only new ones.
+            is_changed: True if widths have changed: all items are laid out again, else only new
+                objects.
         """
         known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
         self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
@@ -262,7 +281,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return max((cell_len(text) for text, _ in lines), default=0)
 
     def _line_at(self, row: int) -> tuple[Text, bool]:
-        """Return the text of a line of the whole list, and True if the cursor is on it."""
+        """Return the text and style of a line of the whole list, and True for a visible cursor."""
         number, part = row, 0
         if self._wraps and row < self.virtual_size.height:
             number = self._number_at(row)
@@ -291,14 +310,20 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
 
     def action_press(self, key: str) -> None:
-        """Move the cursor by one of KEYS; the first `down` shows it where it is."""
+        """Move the cursor by one of KEYS, at most to the first or last item, and show it.
+
+        While the cursor has not been shown, `down` shows it where it is.
+        """
         page, count = max(self.size.height - 1, 1), len(self._items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
         way = by.get(key, -count if key.endswith("home") else count)
         self._move(way)
 
     def move_to(self, number: int) -> None:
-        """Move the cursor to an item, and show it."""
+        """Move the cursor to an item by its number, show it, and scroll to it.
+
+        A number outside goes to the first or last item.
+        """
         self._move(number - self.cursor)
 
     def _move(self, by: int) -> None:

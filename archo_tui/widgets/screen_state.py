@@ -18,8 +18,8 @@ class ScreenState(View):
 
     Attributes:
         keys: The key of each command by its id, as a person reads it.
-        blocked: The ids of commands that cannot run now.
-        has_never_sent_goal: True if this user has never sent a goal.
+        blocked: The ids of the commands that cannot run now.
+        has_never_sent_goal: True if this user has never sent a goal, in earlier sessions either.
     """
 
     keys: Mapping[str, str] = field(default_factory=dict)
@@ -27,7 +27,7 @@ class ScreenState(View):
     has_never_sent_goal: bool = False
 
     def advice(self, alarm: Alarm) -> str:
-        """Return the text of an alarm, with the key of the command that helps, if there is one."""
+        """Return the text of an alarm, with the key of the command that helps if it can run now."""
         names = ((name, key) for name, key in self.keys.items() if name not in self.blocked)
         return advice(alarm, remedy_hints(self.snapshot, {n: f"press {key}" for n, key in names}))
 

@@ -14,7 +14,10 @@ from archo_tui.widgets.field import Field
 
 
 class SearchLine(Horizontal):
-    """The line `/ brake   2 of 14`: the field, and how many rows it leaves."""
+    """The line `/ brake   2 of 14` below a list: the search field, and how many rows it leaves.
+
+    The line is hidden unless its search is open or has a text.
+    """
 
     DEFAULT_CSS = """
         SearchLine { display: none; height: 1; dock: bottom; }
@@ -30,12 +33,12 @@ class SearchLine(Horizontal):
         yield self._search
 
     def render(self) -> Content:
-        """Return the text around the field."""
+        """Return the `/` and the count; the field is drawn between them."""
         room = max(self.size.width - 1, len(self._count_text))
         return Content.assemble("/", (f"{self._count_text:>{room}}", "$quiet"))
 
     def show_count(self, shown: int, total: int) -> None:
-        """Show how many rows of how many the search leaves."""
+        """Show `2 of 14` at the right end."""
         count = f"{shown} of {total}"
         if count != self._count_text:
             self._count_text = count
@@ -43,32 +46,47 @@ class SearchLine(Horizontal):
 
 
 class Search(Field):
-    """The search field: enter leaves it and keeps the filter, escape clears it."""
+    """The search field of a list: enter keeps the filter, escape clears it; both focus the list.
+
+    Attributes:
+        line: The line with this field, for the panel to compose.
+    """
 
     keys = ("enter", "Keep filter"), ("esc", "Clear")
 
     def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
+        """Create the field, hidden.
+
+        Args:
+            target: The widget that gets the focus when the field is left.
+            changed: Called when the search text has changed.
+        """
         super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
         self._target = target
         self.line = SearchLine(self)
 
     def open(self) -> None:
-        """Show the field and focus it."""
+        """Show the field with the text of the last search, and focus it."""
         self._show(True)
         self.screen.set_focus(self)
 
     @property
     def search_text(self) -> str:
-        """Return the text that rows must contain, harmless to print; "" for all rows."""
+        """Return the typed text, stripped and safe to print; "" if rows are not narrowed."""
         return harmless(self.value.strip())
 
     def show_count(self, shown: int, total: int) -> str:
-        """Return `/ brake: 2 of 14` for the panel's title, or "" without a search."""
+        """Show `2 of 14` beside the field; return `/ brake: 2 of 14`, or "" while nothing is typed.
+
+        Args:
+            shown: The number of rows that the search leaves.
+            total: The number of rows without the search.
+        """
         self.line.show_count(shown, total)
         return f"/ {self.search_text}: {shown} of {total}" if self.search_text else ""
 
     def close(self) -> None:
-        """Clear the search and hide the field."""
+        """Clear the text, hide the field, and focus the list."""
         self.clear()
         self._leave()
 
@@ -83,6 +101,9 @@ class Search(Field):
                 self.screen.set_class(is_open, f"-search-{panel.id}")
 
     def matches(self, *texts: str) -> bool:
-        """Return True if one of the texts contains the search text, in any case."""
+        """Return True if one of the texts contains the typed text, in any case.
+
+        Without a typed text the result is always True.
+        """
         wanted = self.value.strip().casefold()
         return not wanted or any(wanted in text.casefold() for text in texts)

@@ -30,7 +30,11 @@ STYLES[marked_tone(EDGE)] = "$foreground on $shade"
 
 
 def aligned(spans: Spans, width: int) -> Spans:
-    """Return spans with the first at the left end and the numbers at the right end."""
+    """Return spans in one line: the first at the left end, the others at the right end.
+
+    Blanks around the texts are dropped. Two cells separate the others, one if space is short; what
+    is too long is not cut.
+    """
     (left, tone), *numbers = spans
     left, texts = left.rstrip(), [(text.strip(), of) for text, of in numbers]
     room = width - cell_len(left) - sum(cell_len(text) for text, _ in texts)
@@ -41,12 +45,17 @@ def aligned(spans: Spans, width: int) -> Spans:
 
 
 def content(spans: Spans) -> Content:
-    """Return spans as Textual's Content."""
+    """Return spans as Textual's Content, each with the style of its tone."""
     return Content.assemble(*((text, STYLES[tone]) for text, tone in spans))
 
 
 def rich_style(tone: str, variables: Mapping[str, str]) -> Style:
-    """Return a tone as a Rich style, by the variables of the theme."""
+    """Return a tone as a Rich style: its colour of the theme, and bold.
+
+    Args:
+        tone: A key of STYLES. The background and `reverse` of a marked tone are left out.
+        variables: The colours of the theme, by name.
+    """
     words = STYLES[tone].split()
     named = next((variables[word[1:]] for word in words if word.startswith("$")), None)
     colour = None if named is None else Color.parse(named).rich_color

@@ -14,7 +14,7 @@ from archo_tui.words.state import Spans
 
 
 class TextLines(LineWidget):
-    """Rows of text, of which only those that changed are redrawn."""
+    """A widget with rows of text, such as a plot, of which only those that changed are redrawn."""
 
     DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
 
@@ -23,7 +23,7 @@ class TextLines(LineWidget):
         self._lines: Sequence[Spans] = ()
 
     def show(self, lines: Sequence[Spans]) -> None:
-        """Show other lines."""
+        """Show these lines in place of those before; the rows that differ are redrawn."""
         before, self._lines = self._lines, lines
         for y in range(max(len(before), len(lines))):
             if list(before[y : y + 1]) != list(lines[y : y + 1]):

@@ -20,7 +20,10 @@ _HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
 
 
 class TimeLine(Panel, can_focus=True):
-    """Two lines above the footer; a click moves the position. Its keys are commands of a replay."""
+    """Panel 9 of a replay, two rows without a border: a line with the position, and text.
+
+    A click on the line moves the position. The panel's keys are the commands of a replay.
+    """
 
     number, title_text = 9, "Time line"
 
@@ -34,7 +37,7 @@ class TimeLine(Panel, can_focus=True):
         yield self._status
 
     def mark_focused(self, has_focus: bool) -> None:
-        """Show the focus by a colour, since there is no border."""
+        """Show the focus by the colour of the lines, since there is no border."""
         self.set_class(has_focus, "-focused")
 
     def show(self, view: ScreenState) -> None:
@@ -59,7 +62,10 @@ class TimeLine(Panel, can_focus=True):
         return max(self.size.width - _LEFT_WIDTH - 7, 1)
 
     def on_click(self, event: events.Click) -> None:
-        """Move the position to where the line was clicked."""
+        """Move the position to where the line was clicked; a click beside the line does nothing.
+
+        The panel is shown again at once.
+        """
         place = event.x - _LEFT_WIDTH + 3
         if event.y == 0 and 0 <= place < self._cells:
             whole = self._player.end - self._player.start
@@ -68,13 +74,23 @@ class TimeLine(Panel, can_focus=True):
 
 
 def _last_marks(marks: list[TimelineMark], here: float) -> str:
-    """Return the last thing that happened, or several at the same time."""
+    """Return the text of the last mark up to a Unix time, or "".
+
+    Marks within 0.05 s before it are named, too.
+    """
     past = [mark for mark in marks if mark.time <= here + _TOGETHER]
     return ", ".join(mark.text for mark in past if past[-1].time - mark.time < _TOGETHER)
 
 
 def draw_time_line(player: Player, here: float, marks: list[TimelineMark], cells: int) -> Content:
-    """Return `━━┼━━━●──┼────`: the past, the Unix time `here`, the rest, and marks."""
+    """Return `━━┼━━━●──┼────`: the past, the position, the rest, and a `┼` for each mark.
+
+    Args:
+        player: Has the beginning and the end of the recording.
+        here: The position, in Unix time.
+        marks: The marks to draw; those outside of the recording are left out.
+        cells: The cells of the line.
+    """
     whole = max(player.end - player.start, 1e-9)
 
     def cell_of(time: float) -> int:
@@ -90,7 +106,7 @@ def draw_time_line(player: Player, here: float, marks: list[TimelineMark], cells
 
 
 def duration_text(seconds: float) -> str:
-    """Return `1:05`, or `1:02:03`."""
+    """Return a duration as `1:05`, or with hours as `1:02:03`; a negative one as `0:00`."""
     minutes, rest = divmod(max(int(seconds), 0), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

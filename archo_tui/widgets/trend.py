@@ -13,9 +13,10 @@ _MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """Return a bar for every 5 s, the newest at the right end, and their range.
+    """Return a bar for every 5 s, the newest at the right end, and their range in %.
 
-    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as fit into `width` cells.
+    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as fit into `width` cells. A bar shows
+    the last sample of its 5 s. Without samples the text is "".
     """
     cells: dict[int, float] = {}
     for at, percentage in samples:
@@ -30,7 +31,14 @@ def sparkline(samples: Samples, width: int) -> str:
 
 
 def time_left_text(samples: Samples, *, charging: bool) -> str:
-    """Return `empty in about 2 min`, or "" if that cannot be estimated."""
+    """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s.
+
+    The text is "" with less than 3 s of samples, or if the charge does not go that way.
+
+    Args:
+        samples: Pairs of monotonic time in s and charge in %, oldest first.
+        charging: True to estimate when the battery is full, False when it is empty.
+    """
     seconds = _seconds_to_end(samples, charging)
     if seconds is None:
         return ""
@@ -50,7 +58,7 @@ def _seconds_to_end(samples: Samples, charging: bool) -> float | None:
 
 
 def _round_duration(seconds: float) -> str:
-    """Return an estimate of a duration, as coarse as it is uncertain."""
+    """Return a duration in about two digits: `40 s`, `12 min`, `3 h`; `days` from 100 h on."""
     if seconds < 100:
         return f"{max(round(seconds, -1), 10):.0f} s"
     if seconds < 5400:
