@@ -23,14 +23,17 @@ _INDENT = " " * 8
 
 
 class AlarmRow(NamedTuple):
-    """An alarm, and its text with the key of its remedy."""
+    """A row of the list: an alarm, and its text with the key of its remedy."""
 
     alarm: Alarm
     text: str
 
 
 def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `✗ HIGH  since 12:04:31, unacknowledged`, with the advice below."""
+    """Return a row such as `HIGH    since 12:04:31, unacknowledged`, with text and advice below.
+
+    The text is wrapped. An unacknowledged alarm is bold, a shelved one quiet.
+    """
     alarm = row.alarm
     style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {timeline(alarm)}"
@@ -39,7 +42,10 @@ def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
 
 
 class AlarmList(Dialog[None]):
-    """A list in which alarms are acknowledged and shelved; escape closes it."""
+    """The list of alarms: `a` acknowledges one, `A` all, `s` shelves one; escape closes the list.
+
+    Enter opens the diagnostics if the alarm is about one of the robot's parts.
+    """
 
     # With priority, so that what is typed right after `s` goes into the field for the reason.
     BINDINGS = [
@@ -60,10 +66,10 @@ class AlarmList(Dialog[None]):
         """Create the dialog.
 
         Args:
-            view: What is shown at first.
+            view: The state that is shown at first.
             acknowledge: Acknowledges alarms.
-            shelve: Shelves an alarm with a reason (may be ""), or unshelves it.
-            on_change: Called after something was acknowledged or shelved.
+            shelve: Shelves an alarm with a reason (may be ""), or unshelves a shelved one.
+            on_change: Called after something was acknowledged, shelved or unshelved.
         """
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
@@ -90,14 +96,14 @@ class AlarmList(Dialog[None]):
         self.show_view(self._view)
 
     def show_view(self, view: ScreenState) -> None:
-        """Show the present alarms."""
+        """Show the alarms of a new view, and fit the height of the box to them."""
         self._view = view
         self._rows.empty = no_alarms_text(view.snapshot)
         self._rows.show([AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms])
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
 
     def action_acknowledge(self) -> None:
-        """Acknowledge the alarm under the cursor."""
+        """Acknowledge the alarm under the cursor; nothing happens without one."""
         if self._rows.item is not None:
             self._acknowledge([self._rows.item.alarm])
             self._on_change()
@@ -108,13 +114,16 @@ class AlarmList(Dialog[None]):
         self._on_change()
 
     def action_open_diagnostics(self) -> None:
-        """List all parts of the robot, if the alarm under the cursor is about one of them."""
+        """List the robot's parts over this dialog, if the alarm under the cursor is about one."""
         row = self._rows.item
         if row is not None and is_diagnostic(row.alarm):
             self.app.push_screen(DiagnosticList(self._view))
 
     def action_shelve(self) -> None:
-        """Shelve the alarm under the cursor, or unshelve it; ask why if its priority is high."""
+        """Shelve the alarm under the cursor, or unshelve it if it is shelved.
+
+        For an alarm of high priority a dialog asks for the reason first.
+        """
         if self._rows.item is None:
             return
         alarm = self._rows.item.alarm

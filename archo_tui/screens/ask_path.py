@@ -24,7 +24,7 @@ _SHOWN = 5  # Recent paths below the field; the arrows reach all.
 
 
 class AskPath(Form):
-    """A field for a path; the arrows go through the paths that were used before."""
+    """A dialog with a field for a path; the arrows recall the paths that were used before."""
 
     submit_label = "OK"
 
@@ -35,9 +35,10 @@ class AskPath(Form):
 
         Args:
             title: The title of the box.
-            text: What the file is for.
+            text: What the file is for, as the line above the field begins.
             default: The path in the field at first.
-            work: Does the work, and returns why it failed; "" closes the dialog.
+            work: Does the work with the path. It returns why it failed, which is shown; "" closes
+                the dialog and adds the path to the recent ones.
         """
         super().__init__("path", default)
         self._title, self._text, self._default, self._work = title, text, default, work
@@ -65,12 +66,18 @@ class AskPath(Form):
             recent.display = shown != ""
 
     def step(self, step: int) -> None:
-        """Fill in an older path (-1) or a newer one (1), the newest of all being the default."""
+        """Fill in an older path (-1) or a newer one (1) of those used before, in place of the text.
+
+        Behind the newest one, the path of the beginning comes back.
+        """
         self._index = min(max(self._index - step, -1), len(self._recent) - 1)
         self.field.fill(self._default if self._index < 0 else self._recent[self._index])
 
     def submit(self, typed: str) -> None:
-        """Begin the work with the typed path, or show why it is no path."""
+        """Begin the work with the typed path, or show why it is no path.
+
+        While the work runs, a second call is ignored.
+        """
         try:
             path = typed_path(typed.strip())
         except ArchoError as error:

@@ -12,9 +12,9 @@ from archo_tui.widgets.field import Field
 
 
 class Base(Screen[ScreenResultType]):
-    """A screen that survives resizes in quick succession and clicks on what has just gone.
+    """The base of all screens, which survives fast resizes and clicks on widgets just removed.
 
-    Of its lines those are rendered that have changed.
+    Only lines that have changed are rendered.
     """
 
     def __init__(
@@ -24,12 +24,12 @@ class Base(Screen[ScreenResultType]):
         self._compositor = DirtyCompositor()
 
     async def on_event(self, event: Event) -> None:
-        """Handle a Resize as one to the size that the terminal has now, whatever size it names.
+        """Handle an event; a Resize is handled with the size that the terminal has now.
 
         Each change of size makes a screen send itself one more Resize. If the terminal is resized
         again before that is handled, Textual goes back and forth between the two sizes for ever,
-        and no key is handled any more. The size goes into a new event: all screens get the same
-        one, and would find in it what another screen has marked.
+        and no key is handled any more. A new Resize is made, since all screens get the same one,
+        and would find in it what another screen has marked.
         """
         size = self.app.size
         await super().on_event(Resize(size, size) if isinstance(event, Resize) else event)
@@ -37,15 +37,16 @@ class Base(Screen[ScreenResultType]):
     def set_focus(
         self, widget: Widget | None, scroll_visible: bool = True, from_app_focus: bool = False
     ) -> None:
-        """Focus a widget; if it is a field, select its text, so that typing replaces it.
+        """Focus a widget; if it is a field, select its text, so that typing replaces the text.
 
-        Textual selects the text when the field handles its Focus event, after keys that were typed
-        in the meantime.
+        A widget that has the focus already keeps its selection. Textual would select the text when
+        the field handles its Focus event, after keys that were typed in the meantime.
 
         Args:
             widget: The widget; None for no focus.
             scroll_visible: True to scroll to the widget.
-            from_app_focus: True if the terminal got the focus back: typing goes on where it was.
+            from_app_focus: True to select nothing: the terminal got the focus back, or typing goes
+                on.
         """
         is_new = widget is not self.focused and not from_app_focus
         super().set_focus(widget, scroll_visible, from_app_focus)
@@ -53,10 +54,10 @@ class Base(Screen[ScreenResultType]):
             widget.action_select_all()
 
     def _compositor_refresh(self) -> None:
-        """Have what changed behind a dialog drawn by the dialog, and nothing else.
+        """Draw what has changed; behind a dialog, have the dialog draw that.
 
-        Textual marks it on this screen as well, and draws it again with the next change. Once all
-        of a screen had changed, all of it was drawn each second, since the clock moves on.
+        Textual marks a change on this screen as well, and draws it again with the next change. Once
+        all of a screen had changed, all of it was drawn each second, since the clock moves on.
         """
         if self is self.app.screen:
             super()._compositor_refresh()

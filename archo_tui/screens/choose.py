@@ -29,10 +29,11 @@ class Choice(NamedTuple):
     """A row of the list.
 
     Attributes:
-        title: What it does.
-        act: Called when the row is chosen; a coroutine that it returns is run as a command.
-        beside: What is shown right of the title: a key, a type.
-        reason: Why it cannot be done now; "" if it can.
+        title: The text of the row: what choosing it does.
+        act: Called when the row is chosen, after the dialog has closed; a coroutine that it returns
+            is run as a command.
+        beside: The text at the right of the title: a key, a type.
+        reason: Why it cannot be done now; "" if it can. The row can be chosen all the same.
         words: Other words that people may type for it.
     """
 
@@ -44,18 +45,21 @@ class Choice(NamedTuple):
 
 
 def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
-    """Return copies of the choices whose titles are safe to show."""
+    """Return copies of the choices, with titles that are safe to print."""
     return [choice._replace(title=harmless(choice.title)) for choice in choices]
 
 
 def _columns(choices: Sequence[Choice], width: int) -> Columns:
-    """Return the cells of the titles, and of what is beside them."""
+    """Return the cells of the titles, and of the texts beside them, which take half at most."""
     beside = column((choice.beside for choice in choices), 0, width // 2)
     return column((choice.title for choice in choices), 1, max(width - beside - 2, 1)), beside
 
 
 def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
-    """Return a row such as `Release the stop (asks first)   R   the robot is not stopped`."""
+    """Return one line: `Release the stop (asks first)   R      the robot is not stopped`.
+
+    The reason is left out where it has no room; a row with a reason is quiet.
+    """
     title, beside = columns
     text = f"{pad(crop(choice.title, title), title)}  {pad(choice.beside, beside)}"
     room = width - title - beside - 4
@@ -65,11 +69,11 @@ def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
 
 
 class ChoiceRows(Rows[Choice]):
-    """The rows of the list, without the focus, which stays in the field.
+    """The rows of the list, with a visible cursor though the field keeps the focus.
 
     Attributes:
-        on_choose: Called when a row was clicked; the cursor is on it.
-        typed: The typed text, whose matches in the titles are lit.
+        on_choose: Called when a row was clicked, which has the cursor by then.
+        typed: The typed text, whose matches in the titles are bold and underlined.
     """
 
     can_focus = False
@@ -78,7 +82,7 @@ class ChoiceRows(Rows[Choice]):
     typed = ""
 
     def light(self, typed: str) -> None:
-        """Light what a typed text matches in the titles."""
+        """Underline what a typed text matches in the titles, in place of the text before."""
         if typed != self.typed:
             self.typed = typed
             self.refresh()
@@ -106,7 +110,10 @@ class ChoiceRows(Rows[Choice]):
 
 
 class Choose(Dialog[None]):
-    """A list and a field that narrows it; enter or a click chooses a row, escape none.
+    """A dialog with a list, and a field that narrows it by typing.
+
+    Enter or a click closes the dialog and runs the chosen row; escape, a click beside the box or a
+    STOP closes it without a choice.
 
     Attributes:
         empty_text: The text in place of rows if none matches.
@@ -150,7 +157,7 @@ class Choose(Dialog[None]):
         self._show_matches()
 
     def _matches(self) -> Sequence[Choice]:
-        """Return the choices that match the typed text."""
+        """Return the choices that match the typed text, the best first; all if nothing is typed."""
         return matching_rows(
             self._narrow.value, self._all, lambda choice: (choice.title, choice.words)
         )
@@ -163,13 +170,16 @@ class Choose(Dialog[None]):
         self._show_reason()
 
     def _show_reason(self) -> None:
-        """Show below the list how many rows match, and why the selected one cannot be chosen."""
+        """Show below the list how many rows match, and why the selected one cannot be done now."""
         choice, shown = self._rows.item, len(self._rows.items)
         reason = f"   not now: {choice.reason}" if choice is not None and choice.reason else ""
         self._count.show(Content.styled(f"{shown} of {len(self._all)}{reason}", "$quiet"))
 
     def update_choices(self, choices: Sequence[Choice]) -> None:
-        """Replace each row by the choice with its title; no row moves, and none is added."""
+        """Replace each row by the new choice with the same title.
+
+        Rows without a new choice stay, no row moves, and new titles are not added.
+        """
         by_title = {choice.title: choice for choice in _with_harmless_titles(choices)}
         self._all = [by_title.get(choice.title, choice) for choice in self._all]
         self._rows.show(self._matches())
@@ -193,6 +203,6 @@ class Choose(Dialog[None]):
         self._show_reason()
 
     def action_turn(self, key: str) -> None:
-        """Move by a page, with `pageup` or `pagedown`."""
+        """Move the cursor by a page, for `pageup` or `pagedown`."""
         self._rows.action_press(key)
         self._show_reason()

@@ -16,9 +16,11 @@ from archo_tui.widgets.button import Button
 
 
 class Confirm(Dialog[None]):
-    """A question whose first answer is the safe one: it has the focus, and escape gives it.
+    """A question with answers, of which the first is the safe one: escape and `n` give it.
 
-    A STOP closes the dialog without an answer.
+    The safe answer has the focus at first; `y` gives the other one of two. The first letter of an
+    answer gives it, too, unless two begin with the same letter. A STOP closes the dialog without an
+    answer.
     """
 
     closes_at_stop = True
@@ -39,7 +41,7 @@ class Confirm(Dialog[None]):
             title: The title of the box.
             question: The text.
             answers: The words of the buttons; the first changes nothing.
-            on_answer: Called with the words of the chosen button.
+            on_answer: Called with the words of the answer, after the dialog has been dismissed.
         """
         super().__init__()
         self.title, self._question, self._answers = title, question, answers
@@ -68,15 +70,15 @@ class Confirm(Dialog[None]):
         self.set_focus(self.query_one("#answer-0"))
 
     def action_yes(self) -> None:
-        """Give the answer that acts, if there is only one."""
+        """Give the second answer if there are just two; else do nothing."""
         if len(self._answers) == 2:
             self.action_answer(1)
 
     def action_answer(self, number: int) -> None:
-        """Close the dialog and give an answer.
+        """Close the dialog and pass an answer to `on_answer`; a second answer is ignored.
 
         Args:
-            number: Its place among the answers; 0 is the safe one.
+            number: The place among the answers; 0 is the safe one.
         """
         if not self.is_dismissed:
             self.dismiss()

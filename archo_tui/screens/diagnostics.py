@@ -18,7 +18,7 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class _Part(NamedTuple):
-    """A row of the list, with its text, so that a new age in the text counts as a change."""
+    """A row of the list; equal rows are not drawn again, so a new age must change the text."""
 
     name: str
     level: DiagnosticLevel
@@ -26,7 +26,10 @@ class _Part(NamedTuple):
 
 
 class DiagnosticList(Dialog[None]):
-    """A list of the parts with their levels and messages, which follows the robot."""
+    """A list of the robot's parts, the worst first, each with its level and message.
+
+    The list changes with the robot's reports while the dialog is open.
+    """
 
     BINDINGS = [Binding("escape,enter,q", "close", "Close")]
 
@@ -34,7 +37,7 @@ class DiagnosticList(Dialog[None]):
         """Create the dialog.
 
         Args:
-            view: What is shown at first.
+            view: The state that is shown at first.
         """
         super().__init__()
         self._view = view
@@ -54,7 +57,7 @@ class DiagnosticList(Dialog[None]):
         self.show_view(self._view)
 
     def show_view(self, view: View) -> None:
-        """Show the present statuses."""
+        """Show the parts of a new view, and fit the height of the box to them."""
         self._rows.empty = no_diagnostics_text(view.snapshot)
         self._rows.show(
             [

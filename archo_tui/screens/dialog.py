@@ -26,19 +26,25 @@ DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in
 
 
 def main_screen(app: App[Any]) -> MainScreen | None:
-    """Return the main screen beneath the dialogs: in a replay inside of a console the upper one."""
+    """Return the uppermost main screen beneath the dialogs: that of a replay, if one is shown.
+
+    None is returned before there is one.
+    """
     mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
     return mains[-1] if mains else None
 
 
 class DialogHead(Vertical):
-    """The lines at the top, in place of those that the dialog dims: state and banner stay lit."""
+    """The lines at the top of a dialog: copies of the main screen's header and banner, not dimmed.
+
+    They follow the main screen, and are hidden in a terminal of fewer than 20 rows.
+    """
 
     def __init__(self, notice_line: NoticeLine) -> None:
         """Create the lines.
 
         Args:
-            notice_line: The line of the dialog that shows notices.
+            notice_line: The dialog's line for notices, which is updated with them.
         """
         super().__init__(classes="above")
         self._notice_line = notice_line
@@ -60,7 +66,7 @@ class DialogHead(Vertical):
 
     @property
     def rows(self) -> int:
-        """The number of rows that it takes in a terminal of this height."""
+        """The number of rows that the lines take; 0 in a terminal that is too low for them."""
         has_room = self.app.size.height >= _HEAD_FROM
         return len(self._main.head) if self._main is not None and has_room else 0
 
@@ -74,7 +80,10 @@ class DialogHead(Vertical):
 
 
 class DialogFooter(Line):
-    """The line, in place of the footer, with the keys that work in dialogs, too: STOP first."""
+    """The line at the bottom of a dialog: the keys that work in dialogs, STOP first.
+
+    The line shows the keys as they were when the dialog was opened.
+    """
 
     def __init__(self) -> None:
         super().__init__(classes="below")
@@ -86,9 +95,10 @@ class DialogFooter(Line):
 
 
 class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
-    """A dialog over the main screen, with the keys of STOP below.
+    """A dialog over the main screen, whose header and banner stay lit above, and STOP's key below.
 
-    A subclass composes its widgets in `body`; its `.error` widget, if it has one, shows messages.
+    A subclass composes its widgets in `body`. Messages are shown in its `.error` widget, if it has
+    one.
     """
 
     head: DialogHead
@@ -106,29 +116,31 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
         yield notice_line
 
     def on_descendant_focus(self) -> None:
-        """Fill the button that enter presses while a field has the focus."""
+        """Highlight the button that enter presses, while a field has the focus."""
         in_field = isinstance(self.focused, Field)
         for button in self.query(Button):
             button.set_class(in_field and button.id in DEFAULT_BUTTONS, "-default")
 
     def body(self) -> ComposeResult:
-        """Yield the widgets of the dialog."""
+        """Yield the widgets of the dialog; a subclass must define it."""
         raise NotImplementedError
 
     def action_close(self) -> None:
-        """Close the dialog without changing anything."""
+        """Close the dialog without a result."""
         self.dismiss()
 
     def show_message(self, text: str = "") -> None:
-        """Show what is wrong or what is going on, in place of the message before."""
+        """Show a message in the dialog, in place of the one before; "" removes that."""
         self._causes = None
         self.set_text(".error", Content(text))
 
     def refuse(self, text: str) -> None:
-        """Show why the robot or a node refused, until that reason may be over.
+        """Show why the robot or a node refused, until a possible cause is over.
+
+        Another message takes its place.
 
         Args:
-            text: The reason, as it was told.
+            text: The reason, in the words of the robot or the node.
         """
         self.show_message(text)
         self._causes = CauseWatch(obstacles)
@@ -136,7 +148,10 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             self._causes.observe(self._snapshot)  # The first call records the present obstacles.
 
     def show_view(self, view: ScreenState) -> None:
-        """Remove a refusal once an obstacle that it may be about is gone."""
+        """Remove a refusal that is shown, if one of its possible causes is over in this view.
+
+        A subclass that overrides this calls it, if it shows refusals.
+        """
         self._snapshot = view.snapshot
         if self._causes is not None and self._causes.observe(view.snapshot):
             self.show_message()
@@ -144,7 +159,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     def finish(self, outcome: Outcome) -> None:
         """Close the dialog if its work succeeded; otherwise show why not, and stay open.
 
-        If the dialog was dismissed in the meantime, a notification shows the reason.
+        If the dialog was dismissed in the meantime, a notification shows a failure.
         """
         if outcome.ok:
             self.dismiss()
@@ -154,18 +169,16 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             self.refuse(outcome.text)
 
     def set_text(self, selector: str, text: Content) -> None:
-        """Set the text of the Static widgets that a CSS selector matches.
-
-        Nothing happens after the dialog was dismissed, when it may have lost its widgets.
-        """
+        """Set the text of all Static widgets that a CSS selector matches, if there are any."""
         for widget in self.query(selector).results(Static):
             widget.update(text)
 
 
 class Form(Dialog[None]):
-    """A dialog with a field and two buttons, which stays open until its work succeeded.
+    """A dialog with a field and two buttons, which a subclass keeps open until its work succeeded.
 
     Attributes:
+        field: The field.
         submit_label: The word on the button that does the same as enter.
         hint: The line below the field while there is no message.
     """
@@ -194,14 +207,17 @@ class Form(Dialog[None]):
         self.field.disabled = disabled
 
     def below_field(self) -> ComposeResult:
-        """Yield the line for messages, and the buttons."""
+        """Yield the line for messages, and the buttons, for `body`."""
         yield Static(self.hint, classes="error")
         with Horizontal(classes="answers"):
             yield Button("Cancel", self.action_close, id="leave")
             yield Button(self.submit_label, self._submit, id="submit", disabled=self.field.disabled)
 
     def show_message(self, text: str = "") -> None:
-        """Show a message in place of the hint; without a text, show the hint again."""
+        """Show a message in place of the hint; without a text, show the hint again.
+
+        Typing in the field removes the message.
+        """
         super().show_message(text)
         if not text:
             self.set_text(".error", self.hint)
@@ -210,11 +226,14 @@ class Form(Dialog[None]):
         self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)
 
     def step(self, step: int) -> None:
-        """Handle the arrow up (-1) or down (1)."""
+        """Do nothing; a subclass may handle the arrow up (-1) or down (1) here."""
 
     def _submit(self) -> None:
         self.submit(self.field.value)
 
     def submit(self, typed: str) -> None:
-        """Check the typed text, and begin the work."""
+        """Check the typed text, and begin the work; a subclass must define it.
+
+        The dialog calls this for enter and for the button.
+        """
         raise NotImplementedError

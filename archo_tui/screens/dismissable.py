@@ -13,18 +13,17 @@ from archo_tui.widgets.screen_state import ScreenState
 
 
 class Dismissable(Base[ScreenResultType]):
-    """A screen that is dismissed once, however often its keys are pressed.
+    """A screen over another one that is dismissed once, however often its keys are pressed.
 
-    If it is dismissed while another screen lies over it, it goes when that one has gone; Textual
-    would dismiss the one on top, even while that is still being built.
-
-    List it as the last base of a class: Textual looks for styles and component classes along the
-    first bases.
+    If it is dismissed while a further screen lies over it, it goes when that screen has gone.
+    Textual would dismiss the uppermost screen, even while that is still being built. List this
+    class last among the bases: Textual looks for styles and component classes along the first ones.
 
     Attributes:
-        closes_at_stop: True if a STOP closes it, since it asks about the robot before the STOP.
-        is_asking: True while a worker waits for an answer that may close it; keys that are pressed
-            meanwhile wait, too.
+        closes_at_stop: True if a STOP closes the screen, since it asks about the robot before the
+            STOP.
+        is_asking: True while a worker waits for an answer that may close the screen; keys that are
+            pressed meanwhile wait, too.
     """
 
     closes_at_stop: ClassVar[bool] = False
@@ -33,14 +32,17 @@ class Dismissable(Base[ScreenResultType]):
 
     @property
     def is_dismissed(self) -> bool:
-        """True once it was dismissed, though it may still be shown."""
+        """True once `dismiss` was called, though the screen may still be shown."""
         return self._result is not None
 
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
-        """Close the screen with a result; a further call changes nothing.
+        """Close the screen with a result, at once or as soon as it is in front.
+
+        Later calls keep the result of the first one. What is returned may be awaited only where the
+        screen closes at once.
 
         Args:
-            result: What its opener gets.
+            result: What the opener of the screen gets.
         """
         if self._result is None:
             self._result = (result,)
@@ -50,7 +52,7 @@ class Dismissable(Base[ScreenResultType]):
         return super().dismiss(*self._result) if self.is_active else AwaitComplete()
 
     def stop_waiting(self) -> None:
-        """Close the screen, though the answer that it waits for has not come."""
+        """Close the screen for ctrl+c, though the answer that it waits for has not come."""
         self.dismiss()
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
@@ -58,4 +60,7 @@ class Dismissable(Base[ScreenResultType]):
             self.dismiss()
 
     def show_view(self, view: ScreenState) -> None:
-        """Bring what is shown up to date; called with each new state of the screen."""
+        """Do nothing; a subclass shows the new state here.
+
+        The app calls this with each new state while the screen is mounted.
+        """

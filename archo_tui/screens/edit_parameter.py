@@ -23,7 +23,10 @@ from archo_tui.widgets.screen_state import ScreenState
 
 
 class EditParameter(Form):
-    """A field for the value, which stays open until the node has accepted it."""
+    """A dialog with a field for a parameter's value, which stays open until the node accepts it.
+
+    A read-only parameter can only be read.
+    """
 
     submit_label = "Set"
 
@@ -34,7 +37,7 @@ class EditParameter(Form):
 
         Args:
             parameter: The parameter.
-            send: Sends the new value to the node.
+            send: Sends the new value to the node, and returns the node's answer.
             offered: The value in the field at first.
         """
         # In full, since all of the field is sent.
@@ -62,7 +65,10 @@ class EditParameter(Form):
             yield from self.below_field()
 
     def show_view(self, view: ScreenState) -> None:
-        """Show the present value, which others may change meanwhile."""
+        """Show the present value, which others may change meanwhile; the field keeps its text.
+
+        A refusal is removed once one of its possible causes is over.
+        """
         super().show_view(view)
         key = self._parameter.node, self._parameter.name
         values = (p.value for p in view.snapshot.parameters if (p.node, p.name) == key)
@@ -87,7 +93,7 @@ class EditParameter(Form):
         """Return the value that a text means.
 
         If the offered value has characters that a field cannot show, the untouched text means that
-        value, and an edited text must be free of their stand-ins.
+        value, and an edited text must be free of the marks that stand for these characters.
 
         Raises:
             ValueError: The text is no value of the parameter's type, or not in its range.

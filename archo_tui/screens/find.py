@@ -12,7 +12,11 @@ _WORDS = re.compile(r"[^\W_]+")
 
 
 class Fit(IntEnum):
-    """The fit of a typed word to a name; a smaller value is a better fit."""
+    """The fit of a typed word to a name; a smaller value is a better fit.
+
+    WORD is a whole word of the name, BEGINNING the beginning of a word, INSIDE any part of the
+    name, SCATTERED letters in the right order.
+    """
 
     WORD = 0
     BEGINNING = 1
@@ -22,12 +26,12 @@ class Fit(IntEnum):
 
 
 def fit(typed: str, name: str, others: str = "") -> Fit:
-    """Return how well a word fits a name, or other words for the same thing.
+    """Return how well a word fits a name, or other words for the same thing, whichever is better.
 
     Args:
         typed: One word, casefolded.
         name: The name, in any case.
-        others: The other words, in any case; only their beginnings count.
+        others: The other words, in any case; only whole words and their beginnings count.
     """
     name = name.casefold()
     words = _WORDS.findall(f"{name} {others.casefold()}")
@@ -44,7 +48,7 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
 def matching_rows(
     typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
 ) -> Sequence[T]:
-    """Return the rows that every typed word fits, the best first.
+    """Return the rows that every typed word fits, the best first; equals keep their order.
 
     Args:
         typed: What was typed; if it is blank, all rows are returned in their order.
@@ -63,12 +67,13 @@ def matching_rows(
 
 
 def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:
-    """Return the beginnings and ends of what typed words match in a name.
+    """Return the beginnings and ends of what typed words match in a name, sorted; they may overlap.
 
-    A word that matches other words for the same thing only has none.
+    A word matches at the beginning of a word if it can, else inside of one. A word that is not in
+    the name gives no span.
 
     Args:
-        typed: What was typed.
+        typed: The typed text, of one or more words.
         name: The name, in any case.
     """
     lower, found = name.casefold(), []

@@ -28,10 +28,10 @@ class Entry(NamedTuple):
     """A key and its command.
 
     Attributes:
-        section: Where the key works.
-        key: The key, as it is shown.
+        section: The place where the key works, as the title of a section.
+        key: The key, as it is shown; "" for none.
         help: What the command does.
-        works: False if it cannot run now.
+        works: False if the command cannot run now.
     """
 
     section: str
@@ -41,14 +41,14 @@ class Entry(NamedTuple):
 
 
 class KeyList(Dialog[None]):
-    """A dialog with keys, drawn again when it is resized, or when other keys work than before."""
+    """The base of dialogs with keys, drawn again after a resize and when other keys work."""
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
         """Create the dialog.
 
         Args:
-            list_entries: Returns the entries; called again while the dialog is open, since some
-                that work now may not work later.
+            list_entries: Returns the entries. It is called now, and again with each new view, since
+                keys may begin or cease to work.
         """
         super().__init__()
         self._list_entries = list_entries
@@ -58,19 +58,22 @@ class KeyList(Dialog[None]):
         self.call_after_refresh(self._draw)
 
     def show_view(self, view: View) -> None:
-        """Show which of the keys work now."""
+        """Draw the keys again if the entries have changed, such as which of them work now."""
         entries = self._list_entries()
         if entries != self._entries:
             self._entries = entries
             self._draw()
 
     def _draw(self) -> None:
-        """Draw the keys."""
+        """Draw the keys; a subclass must define it."""
         raise NotImplementedError
 
 
 class Help(KeyList):
-    """A list with one entry a command; a command that cannot run now is darker."""
+    """A list of all keys, a section for each place where they work; typing searches the list.
+
+    A command that cannot run now is darker.
+    """
 
     BINDINGS = [
         ("escape", "close", "Close"),
@@ -79,7 +82,11 @@ class Help(KeyList):
     ]
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
-        """Create the dialog; `list_entries` is that of `KeyList`."""
+        """Create the dialog.
+
+        Args:
+            list_entries: Returns the entries, as for `KeyList`.
+        """
         super().__init__(list_entries)
         self._scroll = VerticalScroll(can_focus=False)
         self._search = Field(
@@ -105,7 +112,7 @@ class Help(KeyList):
         self.set_focus(self._search)
 
     def action_scroll(self, pages: int) -> None:
-        """Scroll by pages; a negative number scrolls up."""
+        """Scroll by pages, down or (with a negative number) up."""
         page = max(self._scroll.size.height - 1, 1)
         self._scroll.scroll_relative(y=pages * page, animate=False)
 
@@ -122,10 +129,10 @@ class Help(KeyList):
 
 
 def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[list[Content]]:
-    """Return the lines of each section, below a blank line and its name.
+    """Return the lines of each section: a blank line, its name, and its keys.
 
     Args:
-        entries: The entries, those of a section after each other.
+        entries: The entries; the sections come in the order of their first entries.
         width: The cells of a line.
         key_width: The cells of the longest key.
     """
@@ -138,7 +145,7 @@ def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[
 
 
 def _entry_lines(entry: Entry, width: int, key_width: int) -> list[Content]:
-    """Return a key and what it does; darker if it cannot run now."""
+    """Return a key and what its command does, wrapped; darker if it cannot run now."""
     room = max(width - key_width - 3, 10)
     quiet = "" if entry.works else "$quiet"
     first, *more = textwrap.wrap(entry.help, room)
@@ -151,8 +158,8 @@ def _columns(blocks: Sequence[list[Content]], count: int) -> list[list[Content]]
     """Distribute blocks of lines, in their order, over columns of about the same height.
 
     Args:
-        blocks: The blocks; none is split.
-        count: The number of columns, of which the last may be empty.
+        blocks: The blocks, none of which is split.
+        count: The number of columns; the last ones may be empty.
     """
     height = sum(map(len, blocks)) / count
     columns: list[list[Content]] = [[]]

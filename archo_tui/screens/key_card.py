@@ -15,7 +15,7 @@ from archo_tui.screens.help import Entry, KeyList, section_lines
 
 
 class KeyCard(KeyList):
-    """A short list of keys; `?` leads from it to the list of all."""
+    """A short list of keys; `?` replaces it by the list of all keys."""
 
     BINDINGS = [
         Binding("escape,q,enter", "close", "Close"),
@@ -29,8 +29,8 @@ class KeyCard(KeyList):
 
         Args:
             title: The title of the box.
-            list_entries: Returns the keys: see `KeyList`.
-            show_all: Opens the list of all keys.
+            list_entries: Returns the entries, as for `KeyList`.
+            show_all: Opens the list of all keys, after the card has been dismissed.
         """
         super().__init__(list_entries)
         self._card_title, self._show_all = title, show_all

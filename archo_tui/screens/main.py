@@ -55,29 +55,32 @@ _LAYOUT_TIMEOUT = 0.5
 
 
 def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
-    """Return the class that Textual sets for a width or height.
+    """Return the CSS class that Textual sets for a width or height, by its breakpoints.
 
-    If it is set from the start, Textual need not style and lay out everything a second time.
+    If the class is set from the start, Textual need not style and lay out everything a second time.
     """
     return max((minimum, name) for minimum, name in breakpoints if cells >= minimum)[1]
 
 
 class MainScreen(Base[None]):
-    """The panels, laid out for the terminal's size, to which every new view is given.
+    """The panels, laid out for the terminal's size, with header, banner and footer.
+
+    Nothing is drawn before the first view with nodes, or for 0.3 s. A panel that cannot be drawn
+    shows why in its title, and the others go on.
 
     Attributes:
         starts_in_field: True if the goal's field has the focus at first, where it is in sight.
         everywhere_keys: What the footer shows of the keys that work in dialogs, too.
         head: The lines at the top, as they were shown last.
         notice: The notice that is shown, over the last of these lines or below them.
-        on_head: Called whenever lines and notice are shown.
+        on_head: Functions without arguments, called whenever lines or notice are shown.
     """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall")]
 
     class Broken(Message):
-        """The message that a panel could not be drawn."""
+        """The message that a panel cannot be drawn, and why; posted once for each reason."""
 
         def __init__(self, text: str) -> None:
             super().__init__()
@@ -105,7 +108,8 @@ class MainScreen(Base[None]):
         Args:
             snapshot: Has the robot file.
             size: The size of the terminal.
-            time_line: The panel of a replay, in which nothing can be sent to a robot; None else.
+            time_line: The panel of a replay, which makes the screen read-only; None for a live
+                robot.
             starts_in_field: True to focus the goal's field at first, if it is in sight.
         """
         width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
@@ -173,7 +177,11 @@ class MainScreen(Base[None]):
 
     @property
     def _first_field(self) -> Widget | None:
-        """The field of the goal if it has the focus at first, or None."""
+        """The goal's field if that gets the focus at first, else None.
+
+        The field does not get the focus without `starts_in_field`, in a small terminal, or if
+        letters would be text in it.
+        """
         size = self.app.size
         if not self.starts_in_field or size.width < _FIELD_WIDTH or size.height < _FIELD_HEIGHT:
             return None
@@ -191,7 +199,7 @@ class MainScreen(Base[None]):
             self._show_footer(self._view, self._commands)
 
     def _mark_focused(self) -> None:
-        """Set the look of the panel with the focus.
+        """Set the look of the panel with the focus, and of the others.
 
         A style with `:focus-within` would have Textual visit every widget in the panels.
         """
@@ -211,24 +219,24 @@ class MainScreen(Base[None]):
 
     @property
     def focused_panel(self) -> int:
-        """The number of the panel with the focus; 0 if there is none."""
+        """The number of the panel with the focus; 0 if no panel has it."""
         return 0 if self.focused is None else _panel_number(self.focused)
 
     @property
     def panel_with_focus(self) -> Panel | None:
-        """The panel with the focus; None if there is none."""
+        """The panel with the focus; None if no panel has it."""
         return self._panels.get(self.focused_panel)
 
     @property
     def search(self) -> Search | None:
-        """The search that narrows the panel with the focus; None if none does."""
+        """The search of the panel with the focus if a text narrows its list; else None."""
         for panel in (self.parameters, self.events):
             if panel.number == self.focused_panel and panel.search.search_text:
                 return panel.search
         return None
 
     def shows_stop_at(self, x: int, y: int) -> bool:
-        """Return True if the STOP button is at that cell, whatever lies over this screen."""
+        """Return True if the STOP button is at a cell of this screen, a dialog over it or not."""
         if not self.is_mounted:
             return False
         # A notice may be over it.
@@ -236,12 +244,15 @@ class MainScreen(Base[None]):
 
     @property
     def panels_region(self) -> Region:
-        """The cells between what stands above and below all panels; empty before a layout."""
+        """The cells that the panels share, without header, banner and footer.
+
+        The region is empty before a layout.
+        """
         return self._body.region
 
     @property
     def is_replay(self) -> bool:
-        """True if it has the time line of a replay, above the footer."""
+        """True if the screen shows a recording, and so has a time line."""
         return self._time_line is not None
 
     @property
@@ -250,7 +261,7 @@ class MainScreen(Base[None]):
         return self.has_class("-full")
 
     def toggle_full(self, panel: Panel) -> None:
-        """Let a panel fill the screen, or show all panels again if it does."""
+        """Let a panel fill the screen and focus it, or show all panels again if it does already."""
         if self.has_class(f"-full-{panel.number}"):
             self.leave_full()
             return
@@ -261,7 +272,11 @@ class MainScreen(Base[None]):
         panel.take_focus()
 
     def leave_full(self) -> None:
-        """Show all panels again; move the focus if its panel has no room among them."""
+        """Show all panels again.
+
+        If the panel with the focus has no room among them, the focus goes back to where it was
+        before.
+        """
         self._show_all()
         focused = self._panels.get(self.focused_panel)
         if focused is not None and not self._has_room(focused):
@@ -272,16 +287,19 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
-        """Return True if a panel is shown among the others in a terminal of this size."""
+        """Return True if a panel is shown among the others in a terminal of this size.
+
+        History and Graph are only in three columns.
+        """
         return panel not in (self.history, self.graph) or self._is_wide
 
     @property
     def _is_wide(self) -> bool:
-        """True if there are three columns."""
+        """True if the terminal has room for three columns."""
         return self.size.width >= _WIDE and self.size.height >= _TALL
 
     def _fit(self) -> None:
-        """Set the heights of the panels in three columns, by the length of their lists."""
+        """Set the heights of the panels for three columns, by the length of their lists."""
         nodes, upper = None, None  # In fewer columns, the style sheet sets the heights.
         if self._is_wide and not self.is_full:
             height = self.size.height - _AROUND
@@ -300,10 +318,11 @@ class MainScreen(Base[None]):
                 self._grid.styles.grid_rows = f"{upper} 1fr"
 
     def focus_panel(self, number: int) -> None:
-        """Focus a panel by its number, and make it visible.
+        """Focus a panel by its number, and scroll to it.
 
-        If it is hidden by another that fills the screen, all are shown again; if it has no room
-        among them, it fills the screen itself.
+        A panel that fills the screen makes way for all panels, unless it is this one. A panel that
+        has no room among them fills the screen itself. The widget that had the focus is remembered
+        for `focus_back`.
         """
         if not self.has_class(f"-full-{number}"):
             self._show_all()
@@ -322,12 +341,12 @@ class MainScreen(Base[None]):
             event.refresh_styles = False
 
     def _screen_resized(self, size: Size) -> None:
-        """Lay out the screen, unless the first layout was already made for this size."""
+        """Lay out the screen for a size, unless the first layout was made for that size already."""
         if self._is_laid_out or size != self.outer_size:
             super()._screen_resized(size)
 
     def on_resize(self) -> None:
-        """Decide which panels have room, and draw and scroll once they are laid out."""
+        """Set the heights of the panels, and draw and scroll once they are laid out."""
         self._fit()
         self.call_after_refresh(self._after_layout)
 
@@ -344,20 +363,24 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def _compositor_refresh(self) -> None:
-        """Draw, once the panels are filled and laid out for the terminal's size."""
+        """Draw what has changed, once the panels are filled and laid out; before, do nothing."""
         if self._is_laid_out and self._is_filled:
             super()._compositor_refresh()
 
     def _show_focused(self) -> None:
-        """Scroll to the panel with the focus, where not all panels have room."""
+        """Scroll to the panel with the focus, where not all panels have room.
+
+        Nothing is scrolled before a panel was chosen by its number.
+        """
         panel = self._panels.get(self.focused_panel)
         if panel is not None and self._is_panel_chosen and self._body.max_scroll_y:
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Leave a field: close and clear a search, or focus the widget that had the focus before.
+        """Leave the field with the focus for the widget that had the focus before.
 
-        The parameters get the focus if there is no such widget, or its panel has no room.
+        A search is closed and cleared instead. The parameters get the focus if no such widget is
+        known, or its panel has no room.
         """
         before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
@@ -371,7 +394,10 @@ class MainScreen(Base[None]):
             self.set_focus(before)
 
     def _fill(self) -> None:
-        """Show the last view, if there is one, and let the screen be drawn."""
+        """Show the last view, if there is one, in the visible panels, and let the screen be drawn.
+
+        Further calls do nothing.
+        """
         if not self._is_filled:
             self._is_filled = True
             if self._view is not None:  # The next view fills the hidden panels.
@@ -380,11 +406,13 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show a new view everywhere; the first view with nodes begins the drawing.
+        """Show a new view in header, banner, panels and footer.
+
+        Until a view with nodes has come, or 0.3 s have passed, views are only kept.
 
         Args:
             view: The state of the screen.
-            commands: The keys of the footer.
+            commands: The keys of the footer, in their order.
         """
         self._view, self._commands = view, commands
         if not self._is_filled:
@@ -408,12 +436,16 @@ class MainScreen(Base[None]):
         self._fit()
 
     def show_head(self, lines: list[Content]) -> None:
-        """Show the lines of the top in the dialogs over this screen, too."""
+        """Keep new lines for the top of the dialogs over this screen, and have them shown there.
+
+        Args:
+            lines: The lines from the top; the last one is the banner.
+        """
         self.head = lines
         self.show_notice(self.notice)
 
     def show_notice(self, notice: Notice | None) -> None:
-        """Show a notice, in the dialogs over this screen, too; without one, the banner."""
+        """Show a notice here and in the dialogs over this screen; None shows what lies beneath."""
         self.notice = notice
         self._notice_line.show(notice, self.notice_row, self.size.width)
         for show in self.on_head:
@@ -421,12 +453,18 @@ class MainScreen(Base[None]):
 
     @property
     def notice_row(self) -> int:
-        """The row of a notice: the banner's, or the next one while the banner is needed itself."""
+        """The row of the screen for a notice: the banner's, or the next one.
+
+        The next one is taken while the banner shows an alarm or a request.
+        """
         is_needed = self._view is not None and bars.is_banner_needed(self._view)
         return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show the keys that work now; if a field has the focus, its own keys, too."""
+        """Show the keys that work now, behind those of the field with the focus, if there is one.
+
+        Keys that are text in that field are left out. `everywhere_keys` is updated.
+        """
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()
         if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.
@@ -442,12 +480,12 @@ class MainScreen(Base[None]):
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
     def _on_goal_typed(self) -> None:
-        """Show which keys are commands now: in a field with text, letters are text, too."""
+        """Update the footer: in a field with text, letters are text and no commands."""
         if self._view is not None and self._is_filled:
             self._show_footer(self._view, self._commands)
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:
-        """Draw a panel again for its new size."""
+        """Show the last view again in the panel that asks for it."""
         if self._view is not None and self._is_filled:
             self._show_panel(message.panel, self._view)
 
@@ -461,7 +499,7 @@ class MainScreen(Base[None]):
             self._show_error(panel, error)
 
     def _show_error(self, panel: Panel, error: Exception) -> None:
-        """Show in a panel's title why it cannot be drawn, and post that once."""
+        """Show in a panel's title why the panel cannot be drawn; post `Broken` if that is new."""
         reason = harmless(f"cannot be drawn: {in_one_line(error)}")
         panel.show_title(escape(f"   ✗ {reason}"))
         panel.add_class("-broken")  # It hides the old content, but not the buttons.

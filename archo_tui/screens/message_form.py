@@ -30,9 +30,10 @@ Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 
 class MessageForm(Dialog[None]):
-    """A field for each primitive field of a message, or one YAML text if there are many.
+    """A dialog with a field for each primitive field of a message, which are sent together.
 
-    The dialog stays open until the message was sent and accepted.
+    A message with more than 12 of them is edited as one YAML text. The dialog stays open until the
+    message was sent and accepted; a STOP closes it.
     """
 
     closes_at_stop = True
@@ -52,9 +53,10 @@ class MessageForm(Dialog[None]):
         Args:
             title: The title of the box.
             message_fields: The primitive fields of the message.
-            send: Sends the values by path; of a YAML text, nested as they were typed.
+            send: Sends the values, and returns the outcome. The values are keyed by dotted path;
+                those of a YAML text are nested as they were typed.
             typed: The texts of the last time by path, that of the YAML text under "". The dialog
-                writes what it sends into it.
+                changes it as the form is sent.
             form: Labels, units and limits of the robot file, by path.
         """
         super().__init__()
@@ -125,7 +127,7 @@ class MessageForm(Dialog[None]):
         self.set_focus(self.query_one(first))
 
     def _step(self, step: int) -> None:
-        """Focus the field before (-1) or the next one (1), in a circle."""
+        """Focus the field before (-1) or behind (1) the one with the focus, in a circle."""
         number = next((n for n, field in enumerate(self._fields) if field is self.focused), 0)
         self.set_focus(self._fields[(number + step) % len(self._fields)])
 
@@ -135,7 +137,10 @@ class MessageForm(Dialog[None]):
             self.show_message()
 
     def action_send(self) -> None:
-        """Check the values and send them."""
+        """Check the values and send them, or show which one is not valid.
+
+        While an answer is due, the call is ignored.
+        """
         if self.is_asking:
             return
         values = self._values_of_yaml() if self._is_yaml else self._values()
@@ -145,7 +150,7 @@ class MessageForm(Dialog[None]):
             start_worker(self.app, partial(self._send_values, values), COMMANDS)
 
     def action_close(self) -> None:
-        """Close the dialog; if its answer is due, warn that what was sent is not taken back."""
+        """Close the dialog; while an answer is due, warn that what was sent is not taken back."""
         if self.is_asking and not self.is_dismissed:
             self.notify(f"{self.title}: {NOT_TAKEN_BACK}.", severity="warning", markup=False)
         super().action_close()
@@ -154,7 +159,10 @@ class MessageForm(Dialog[None]):
         self.action_close()
 
     def _values(self) -> dict[str, Any] | None:
-        """Return the value of each field by path; None, and a message, if one is not valid."""
+        """Return the value of each field by path, and remember the texts.
+
+        If one is not valid, show why, focus its field, and return None.
+        """
         values = {}
         for number, message_field in enumerate(self._message_fields):
             text = self._typed[message_field.path] = self._fields[number].value
@@ -168,7 +176,10 @@ class MessageForm(Dialog[None]):
         return values
 
     def _values_of_yaml(self) -> dict[str, Any] | None:
-        """Return what the YAML text means; None, and a message, if it is not valid."""
+        """Return the mapping that the YAML text means, and remember the text.
+
+        If it is not valid, show why, and return None.
+        """
         text = self.query_one(widgets.TextArea).text
         self._typed[""] = text
         try:
@@ -188,7 +199,7 @@ class MessageForm(Dialog[None]):
 
 
 def default_yaml(message_fields: Sequence[TypedField]) -> str:
-    """Return the default values as a YAML text, nested as the message is."""
+    """Return the default values of all fields as a YAML text, nested as the message is."""
     nested: dict[str, Any] = {}
     for field in message_fields:
         *parents, name = field.path.split(".")

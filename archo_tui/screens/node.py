@@ -28,9 +28,9 @@ _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
 class NodeDialog(Dialog[None]):
-    """The details of a node, and a button for each level of its log.
+    """The details of a node, with buttons for its log level and its lifecycle.
 
-    The arrows scroll the details; tab reaches the buttons.
+    The arrows up and down scroll the details; tab reaches the buttons; enter lists the topics.
     """
 
     BINDINGS = [
@@ -55,14 +55,15 @@ class NodeDialog(Dialog[None]):
 
         Args:
             name: The full name of the node.
-            state_text: Returns what the console knows of the node without asking it.
+            state_text: Returns what the console knows of the node without asking the node.
             view: The present view.
-            describe: Asks the graph and the node for what else is shown.
-            set_level: Sets the log level, one of `LEVELS`.
-            change_lifecycle: Returns what makes a transition of a managed node, or asks a question
-                first.
-            disabled_reason: Why neither can be done; "" if it can.
-            show_topic: Looks into a topic, given by its full name and its types.
+            describe: Asks the graph and the node for what else is shown; returns an outcome if it
+                fails.
+            set_level: Sets the log level, one of `LEVELS`, and returns the outcome.
+            change_lifecycle: Called with the word of a transition of a managed node. It returns the
+                work that makes the transition, or None after asking a question first.
+            disabled_reason: Why neither level nor lifecycle can be changed; "" if they can.
+            show_topic: Opens the dialog of a topic, given by its full name and its types.
         """
         super().__init__()
         self._node, self._state_text, self._view = name, state_text, view
@@ -95,7 +96,11 @@ class NodeDialog(Dialog[None]):
         start_worker(self, self._update_details, _GROUP)
 
     def show_view(self, view: ScreenState) -> None:
-        """Show the present state once a second, and when a node here starts or ends."""
+        """Show the present state once a second, and when a node of this process starts or ends.
+
+        When the lifecycle of the node changes, the graph and the node are asked again. A refusal is
+        removed once one of its possible causes is over.
+        """
         super().show_view(view)
         if view.second != self._view.second or view.hosted != self._view.hosted:
             self._view = view
@@ -107,7 +112,10 @@ class NodeDialog(Dialog[None]):
             start_worker(self, self._update_details, _GROUP)
 
     async def _update_details(self) -> None:
-        """Ask the graph and the node for the details, and show them, unless asked again since."""
+        """Ask the graph and the node for the details, and show the answer.
+
+        An answer is dropped if the details have been asked for again since.
+        """
         self._asked += 1
         turn = self._asked
         answer = await self._describe()
@@ -115,7 +123,11 @@ class NodeDialog(Dialog[None]):
             await self._show(answer)
 
     async def _show(self, answer: NodeInfo | Outcome) -> None:
-        """Show what the node has on the graph and its log level, or why that is not known."""
+        """Show what the node has on the graph, its log level and transitions.
+
+        Args:
+            answer: The details, or the outcome that says why there are none, whose text is shown.
+        """
         if isinstance(answer, Outcome):
             info, text = None, Content(answer.text)
         else:
@@ -140,7 +152,11 @@ class NodeDialog(Dialog[None]):
             button.set_class(bool(self._disabled_reason), "-blocked")
 
     async def _show_transitions(self, words: tuple[str, ...]) -> None:
-        """Show a button for each transition that the node can make now."""
+        """Show a button for each transition that the node can make now, in place of those before.
+
+        Args:
+            words: The transitions, as the lifecycle verb names them; empty hides the row.
+        """
         async with self._replacing:
             for box in self.query("#transitions"):
                 box.display = bool(words)
@@ -152,7 +168,7 @@ class NodeDialog(Dialog[None]):
                     await box.mount(*map(self._button, range(len(words)), words))
 
     def action_choose_topic(self) -> None:
-        """Show its topics to choose one to look into; close the dialog if it has none."""
+        """List the node's topics, of which one can be opened; without topics close the dialog."""
         if not self._topics:
             self.dismiss()
             return
@@ -163,7 +179,6 @@ class NodeDialog(Dialog[None]):
         self.app.push_screen(Choose(f"Topics of {self._node.lstrip('/')}", rows))
 
     def _button(self, place: int, word: str) -> Button:
-        """Return the button of a transition."""
         return Button(word.capitalize(), partial(self._change, word), id=f"transition-{place}")
 
     def _change(self, word: str) -> None:
@@ -191,5 +206,5 @@ class NodeDialog(Dialog[None]):
 
 
 def _lifecycle(view: View, name: str) -> str:
-    """Return the state of a managed node; "" if it is none."""
+    """Return the lifecycle state of a node in the view; "" if the node is not managed."""
     return next((node.lifecycle for node in view.snapshot.nodes if node.name == name), "")

@@ -18,14 +18,17 @@ from archo_tui.widgets.rows import Columns, Rows, Text, crop
 
 
 def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `2026-11-22 03:12:07    65 s   212 kB   STOP, kept`."""
+    """Return a row such as `2026-11-22 03:12:07    65 s   212 kB   STOP, kept`, in local time.
+
+    The columns are the begin, the length, the size, and why the recording was written.
+    """
     when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
     row = f"{when}  {recording.seconds:5.0f} s  {size_text(recording)}   {why_text(recording)}"
     return [(crop(row, width), "")]
 
 
 class RecordingList(Dialog[None]):
-    """A list in which enter plays a recording, y copies the command for it, and d deletes it."""
+    """A list of recordings: enter plays one, y copies the command that plays it, d deletes it."""
 
     BINDINGS = [
         Binding("enter", "play", "Play", priority=True),
@@ -44,10 +47,10 @@ class RecordingList(Dialog[None]):
         """Create the dialog.
 
         Args:
-            recordings: The newest first.
-            play: Returns the work that opens a recording; keys wait for its end.
+            recordings: The recordings, the newest first.
+            play: Returns the work that opens a recording; keys wait until that ends.
             copy: Copies the command that plays a recording.
-            delete: Deletes a recording.
+            delete: Deletes a recording; it may ask first.
         """
         super().__init__()
         self._recordings, self._play, self._copy, self._delete = recordings, play, copy, delete
@@ -72,11 +75,14 @@ class RecordingList(Dialog[None]):
         self.show_recordings(self._recordings)
 
     def show_recordings(self, recordings: Sequence[Recording]) -> None:
-        """Replace the list, the newest first."""
+        """Show other recordings, the newest first, in place of those before."""
         self._rows.show(recordings)
 
     def action_play(self) -> None:
-        """Open the recording under the cursor; until that is done, keys wait."""
+        """Open the recording under the cursor; until that is done, keys wait.
+
+        A second call meanwhile is ignored, as is one without a recording.
+        """
         if self._rows.item is not None and not self.is_asking:
             self.is_asking = True
             start_worker(self.app, partial(self._wait_for, self._rows.item), "replay")
@@ -88,11 +94,11 @@ class RecordingList(Dialog[None]):
             self.is_asking = False
 
     def action_copy(self) -> None:
-        """Copy the command that plays the recording under the cursor."""
+        """Copy the command that plays the recording under the cursor; nothing without one."""
         if self._rows.item is not None:
             self._copy(self._rows.item)
 
     def action_delete(self) -> None:
-        """Delete the recording under the cursor."""
+        """Pass the recording under the cursor to `delete`; nothing happens without one."""
         if self._rows.item is not None:
             self._delete(self._rows.item)

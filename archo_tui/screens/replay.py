@@ -21,7 +21,10 @@ from archo_tui.widgets.time_line import TimeLine
 
 
 class ReplayScreen(MainScreen, Dismissable[None]):
-    """The panels of a recorded robot; above them a line tells what the live robot does."""
+    """The panels of a recorded robot, with a line above them that tells what the live robot does.
+
+    The recording is played while the screen is open; its player is closed with it.
+    """
 
     def __init__(
         self, snapshot: Snapshot, size: Size, player: Player, update: Callable[[], None]
@@ -31,8 +34,8 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         Args:
             snapshot: Has the robot file of the recording.
             size: The size of the terminal.
-            player: The player of the recording.
-            update: Shows the player's position.
+            player: The player of the recording, which this screen closes at its end.
+            update: Called for each frame of the player, to show its position.
         """
         super().__init__(snapshot, size, TimeLine(player))
         self._player, self._update = player, update
@@ -50,17 +53,25 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         self._player.close()
 
     def show_view(self, view: ScreenState) -> None:
-        """Show what the live robot does."""
+        """Show what the live robot does in the line at the top, in dialogs too.
+
+        Args:
+            view: The state of the live console; the panels show the recording.
+        """
         self._live_text = live_line(view, self.size.width)
         self._live.show(self._live_text)
         self.show_head(self._recorded_head)
 
     def show_head(self, lines: list[Content]) -> None:
-        """Show the line of the live robot above those of the recording, in dialogs, too."""
+        """Show the line of the live robot and the lines of the recording at the top of dialogs.
+
+        Args:
+            lines: The lines of the recording.
+        """
         self._recorded_head = lines
         super().show_head([self._live_text, *lines])
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
-        """Show the error here: it is no event of the live robot."""
+        """Show as a notification that a panel cannot be drawn: it is no event of the live robot."""
         message.stop()
         self.notify(message.text, severity="error", markup=False)

@@ -29,9 +29,11 @@ MIN_PAUSE = 0.3
 
 
 class AnswerRequest(Dialog[None]):
-    """A request and the state of the robot; `Deny` has the focus, escape answers nothing.
+    """The request of an assistant with the state of the robot; the person allows or denies it.
 
-    An answer counts only if a person can have read all of the request.
+    `Deny` has the focus at first; escape answers nothing, and the request goes on waiting. An
+    answer counts only if the request has been visible long enough to be read, and `Allow` only with
+    all of it in sight. A STOP closes the dialog.
     """
 
     closes_at_stop = True
@@ -59,8 +61,9 @@ class AnswerRequest(Dialog[None]):
             request: The request.
             view: The present view.
             is_unseen: Returns True while the terminal does not show what was drawn.
-            input_time: Returns when the key or click that is being handled was read.
-            answer: Called with the number of the request, and True if it is allowed.
+            input_time: Returns when the key or click that is being handled was read; None for
+                neither.
+            answer: Called with the number of the request, and True if it is allowed; once at most.
             on_over: Called with a text if the request ends before it is answered.
         """
         super().__init__()
@@ -91,17 +94,20 @@ class AnswerRequest(Dialog[None]):
         self.app.app_resume_signal.unsubscribe(self)
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
-        """Restart the time for reading: the dialog is in front, at first or again."""
+        """Restart the time for reading, since the dialog is in front, at first or again."""
         self._restart_reading()
 
     def on_resize(self, event: Resize) -> None:
-        """Keep the answers in view: a request that has no room is scrolled."""
+        """Limit the height of the request so that the answers stay in view.
+
+        The time for reading begins anew.
+        """
         box = self.query_one(VerticalScroll)
         box.styles.max_height = max(event.size.height - _AROUND, 1)
         self._restart_reading()
 
     def _restart_reading(self) -> None:
-        """Count the time for reading from the next drawing on: it was hidden, or is different."""
+        """Count the time for reading from the next drawing on; until then no answer counts."""
         self._drawn_at = math.inf
         self.call_after_refresh(self._set_drawn)
 
@@ -111,18 +117,22 @@ class AnswerRequest(Dialog[None]):
 
     @property
     def _is_covered(self) -> bool:
-        """True if a notice hides a part of the request."""
+        """True if a notice lies over a part of the request."""
         notice, question = self.query_one(NoticeLine), self.query_one(VerticalScroll)
         return notice.display and notice.region.overlaps(question.region)
 
     def _is_end_visible(self, widget: Widget) -> bool:
-        """Return True if the bottom right corner of a widget is not scrolled away."""
+        """Return True if the bottom right corner of a widget is in sight."""
         geometry = self.find_widget(widget)
         visible = geometry.visible_region
         return bool(visible) and visible.bottom_right == geometry.region.bottom_right
 
     def show_view(self, view: View) -> None:
-        """Show the present state of the robot; close the dialog if the request is over."""
+        """Show the present state of the robot, and how long the request still waits.
+
+        If the request is over, `on_over` is called, and the dialog closes. While the terminal does
+        not show what was drawn, the time for reading begins anew.
+        """
         self._view = view
         is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
         if not is_waiting and not self.is_dismissed:
@@ -147,7 +157,12 @@ class AnswerRequest(Dialog[None]):
         self._text.update(Content("\n".join(map(harmless, lines))))
 
     def _give_answer(self, is_allowed: bool) -> None:
-        """Answer the request and close the dialog, or tell why the answer does not count."""
+        """Close the dialog and pass the answer on, or tell why the answer does not count.
+
+        An answer counts if no notice covers the request, the time for reading has passed, and the
+        key was not read right behind another one. To allow, all of the request must have been
+        scrolled into sight.
+        """
         if self._is_covered:
             self._drawn_at = math.inf
             text = "Wait until this message has gone: it hides a part of the request."
@@ -169,6 +184,6 @@ class AnswerRequest(Dialog[None]):
         self._answer(self._request.number, is_allowed)
 
     def action_scroll(self, step: int) -> None:
-        """Scroll by some lines, by fewer than are visible at once so that none is skipped."""
+        """Scroll down (1) or up (-1) by three lines, by fewer if not so many are visible."""
         box = self.query_one(VerticalScroll)
         box.scroll_relative(y=step * min(3, max(box.size.height, 1)), animate=False)

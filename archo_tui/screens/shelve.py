@@ -15,7 +15,7 @@ from archo_tui.station.alarms import Alarm
 
 
 class ShelveReason(Form):
-    """A field for the reason; escape leaves the alarm as it is."""
+    """A dialog that asks why an alarm is shelved; escape leaves the alarm as it is."""
 
     submit_label = "Shelve"
 
@@ -24,7 +24,7 @@ class ShelveReason(Form):
 
         Args:
             alarm: The alarm.
-            shelve: Called with the reason, which is not empty.
+            shelve: Called with the reason, stripped and not empty, before the dialog closes.
         """
         super().__init__("reason")
         self._alarm, self._shelve = alarm, shelve

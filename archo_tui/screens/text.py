@@ -12,7 +12,7 @@ from archo_tui.screens.dialog import Dialog
 
 
 class ShowText(Dialog[None]):
-    """A text that scrolls; escape, enter and q close it."""
+    """A dialog with a text that scrolls; escape, enter and q close it."""
 
     BINDINGS = [("escape,enter,q", "close", "Close")]
 

@@ -53,13 +53,14 @@ Follow = Callable[
 
 
 class WatchedTopic(NamedTuple):
-    """A topic that is looked into.
+    """A topic to show in the dialog, with what the dialog calls.
 
     Attributes:
-        name: Its full name.
-        follow: Follows it: called with what returns the request, and with what shows a view.
-        read_type: Returns the definition of its type.
-        copy: Copies the command that shows it.
+        name: The full name of the topic.
+        follow: Returns a coroutine that follows the topic until it is cancelled. It is called with
+            a function that returns what is asked for, and with one that gets each new view.
+        read_type: Returns the definition of the topic's type as text.
+        copy: Copies the command that shows the topic in a shell.
     """
 
     name: str
@@ -69,7 +70,13 @@ class WatchedTopic(NamedTuple):
 
 
 class _DrawnField(NamedTuple):
-    """The line of a field, and what it was drawn of: columns, is it folded, is it plotted."""
+    """The drawn lines of a field, with what they depend on.
+
+    Attributes:
+        field: The field.
+        look: The columns, True if the field is folded, and True if it is plotted.
+        lines: The lines.
+    """
 
     field: FieldView
     look: tuple[Columns, bool, bool]
@@ -77,10 +84,11 @@ class _DrawnField(NamedTuple):
 
 
 class TopicDialog(Dialog[None]):
-    """The fields of a topic as a list, its plots, and its ends.
+    """A topic's fields as a list with live values, plots of some, and both ends of the topic.
 
-    It covers the panels and nothing else, so that the robot's state and the banner stay in sight,
-    and follows the topic while it is open.
+    The dialog covers the panels only, so that the robot's state and the banner stay in sight. The
+    topic is subscribed to while the dialog is open. The ends are its publishers and subscribers
+    with their QoS.
     """
 
     BINDINGS = [
@@ -104,7 +112,8 @@ class TopicDialog(Dialog[None]):
 
         Args:
             topic: The topic.
-            step: Returns the topic below (1) or above (-1) in the Graph; None for none.
+            step: Moves to the topic below (1) or above (-1) in the Graph and returns it; None if
+                there is no such topic.
         """
         super().__init__()
         self._topic, self._step = topic, step
@@ -175,7 +184,10 @@ class TopicDialog(Dialog[None]):
                 self._margin = self._box.styles.margin = margin
 
     def _uncovered_cells(self, main: MainScreen) -> tuple[int, int]:
-        """Return how many columns and rows of panels stay in sight: Graph and the goal, if any."""
+        """Return how many columns at the left and rows at the top stay in sight.
+
+        There are Graph and the goal. Both numbers are 0 in a terminal that is not wide enough.
+        """
         graph = main.graph
         is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
         if not is_left or main.size.width < _WIDE:
@@ -204,7 +216,11 @@ class TopicDialog(Dialog[None]):
             self._show(view)
 
     def _add_plots(self, view: TopicView) -> None:
-        """Draw the curves of the fields that are plotted while the view is frozen."""
+        """Draw curves for the fields that were plotted after the view was frozen.
+
+        Args:
+            view: A newer view, which has the values of these fields.
+        """
         known = self._view.plots
         new = {p: view.plots[p] for p in self._plotted if p in view.plots and p not in known}
         if new:
@@ -227,7 +243,7 @@ class TopicDialog(Dialog[None]):
         self._show_plots()
 
     def _show_border(self) -> None:
-        """Write topic, type and keys on the border, as much as fits."""
+        """Write topic and type above and the keys below on the border, shorter if need be."""
         view, width = self._view, self._box.outer_size.width or self.app.size.width
         kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
         title = escape(f"{view.topic}   {kind}".rstrip())
@@ -250,7 +266,10 @@ class TopicDialog(Dialog[None]):
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
 
     def _show_element_line(self) -> None:
-        """Show the present length of the array, and hide the field when the array is closed."""
+        """Show the present length of the array in the line for an index.
+
+        If the array has been closed, the line is closed, too, and the list gets the focus.
+        """
         if self._element.array:
             array = next((a for a in self._open_views if a.path == self._element.array), None)
             if array is None:
@@ -296,7 +315,7 @@ class TopicDialog(Dialog[None]):
         return drawn.lines
 
     def action_leave(self) -> None:
-        """Close the field of an index if it is open, else the search, else the dialog."""
+        """Close the line for an index if it is open, else the search, else the dialog."""
         if self._element.array:
             self._leave_element_line()
         elif self._search.value or self.focused is self._search:
@@ -305,13 +324,14 @@ class TopicDialog(Dialog[None]):
             self.dismiss()
 
     def action_narrow(self) -> None:
-        """Open the field that narrows the list."""
+        """Open the search field, which narrows the list to the fields whose path has a text."""
         self._search.open()
 
     def action_fold(self) -> None:
-        """Open or close the message or array under the cursor.
+        """Open or close the message or array under the cursor; a primitive field does nothing.
 
         On the row that stands for more elements, show the next ones; after the last, the first.
+        Keys wait until the elements are shown.
         """
         field = self._rows.item
         if field is None or field.kind is FieldKind.VALUE:
@@ -333,7 +353,11 @@ class TopicDialog(Dialog[None]):
         self._show_elements(open_arrays)
 
     def action_choose_element(self) -> None:
-        """Open the field for the index of an element of the array around the cursor."""
+        """Open the line for the index of an element of the array around the cursor.
+
+        If the cursor is in no open array, the first open array is taken; without one, a
+        notification says how to open one.
+        """
         item = self._rows.item
         here, arrays = "" if item is None else item.path, self._open_views
         around = [a for a in arrays if here == a.path or here.startswith(f"{a.path}[")]
@@ -344,14 +368,22 @@ class TopicDialog(Dialog[None]):
             self._element.open(array.path, int(array.value or 0))
 
     def _go_to_element(self, array: str, index: int) -> None:
-        """Show the elements from this one on, with the cursor on it."""
+        """Show the elements of an array from an index on, with the cursor on the first of them.
+
+        The line for an index is closed.
+
+        Args:
+            array: The path of the array.
+            index: The index of the element.
+        """
         self._leave_element_line()
         self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
 
     def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
         """Open exactly these arrays of the message that is shown, and close all others.
 
-        Keys are held until the elements are shown (`is_asking`), since they are meant for them.
+        The elements are read on another thread. Keys are held until they are shown (`is_asking`),
+        since the keys are meant for them.
 
         Args:
             open_arrays: The arrays, by path, each with the number of the first element.
@@ -377,7 +409,10 @@ class TopicDialog(Dialog[None]):
             self._rows.move_to(paths.index(cursor))
 
     def action_plot(self) -> None:
-        """Plot the field under the cursor, or plot it no more."""
+        """Plot the field under the cursor, or remove its plot.
+
+        If the field is no number, a notification says so.
+        """
         field = self._rows.item
         if field is None:
             return
@@ -391,7 +426,10 @@ class TopicDialog(Dialog[None]):
         self._show_plots()
 
     def action_step(self, by: int) -> None:
-        """Look into another topic of the Graph, in the place of this one."""
+        """Show the topic below (1) or above (-1) in the Graph, in place of this one.
+
+        Plots, opened arrays, search and freezing begin anew. Nothing happens without such a topic.
+        """
         topic = self._step(by)
         if topic is None:
             return
@@ -409,16 +447,22 @@ class TopicDialog(Dialog[None]):
         start_worker(self, self._follow_topic, _GROUP)
 
     def action_freeze(self) -> None:
-        """Show no newer messages, or show them again."""
+        """Keep the message that is shown, or show new ones again.
+
+        The topic is followed all the time.
+        """
         self._is_frozen = not self._is_frozen
         self._show(self._view)
 
     def action_copy(self) -> None:
-        """Copy the command that shows the topic."""
+        """Copy the command that shows the topic in a shell, and say so."""
         self._topic.copy(self._view)
 
     def action_show_type(self) -> None:
-        """Show the definition of the type, in a dialog over this one."""
+        """Read the definition of the type, and show it in a dialog over this one.
+
+        Keys wait until then. A second call meanwhile is ignored.
+        """
         if not self.is_asking:
             self.is_asking = True
             start_worker(self.app, self._show_type, _GROUP)
