@@ -25,7 +25,7 @@ from archo_tui.verbs.services import Give
 
 
 def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:
-    """Return every command of the console for a robot.
+    """Return every command of the console for a robot, in the order of the footer.
 
     Args:
         described: The robot file.

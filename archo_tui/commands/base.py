@@ -40,22 +40,31 @@ _PANELS = {  # The panels with commands of their own.
 
 
 class Console(Protocol):
-    """The app, as far as commands use it. Event loop only."""
+    """The app, as far as commands use it. Event loop only.
+
+    Attributes:
+        station: The operator's station.
+        verbs: The robot's verbs by word.
+        view: The state that is shown now.
+        theme: The name of the theme; setting it changes the colours.
+        typed: The texts last typed into each form, by the form's name and the path of the field.
+        used: The robot file, with the other goals and services that were used besides.
+    """
 
     station: Station
     verbs: Mapping[str, Verb]
-    view: ScreenState  # The state that is shown now.
-    theme: str  # The name of the theme.
-    typed: dict[str, dict[str, str]]  # What was last typed into each form, by path.
-    used: RobotFile  # The robot file, with the goals and services used besides.
+    view: ScreenState
+    theme: str
+    typed: dict[str, dict[str, str]]
+    used: RobotFile
 
     @property
     def main(self) -> MainScreen:
-        """The screen beneath the dialogs."""
+        """The main screen beneath the dialogs; in a replay that of the recording."""
 
     @property
     def repeated(self) -> bool:
-        """True while the command's key is held down."""
+        """True if the key that is being handled is held down, and so came before."""
 
     @property
     def input(self) -> InputTime | None:
@@ -67,86 +76,110 @@ class Console(Protocol):
 
     @property
     def screen(self) -> Screen[Any]:
-        """The dialog in front, or the main screen."""
+        """The screen in front: a dialog, or the main screen."""
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal has not read what was drawn."""
+        """True while the terminal has not read what was drawn last."""
 
     def disabled_reason(self, command: Command) -> str:
         """Return why a command cannot run now, or ""."""
 
     def update_screen(self) -> None:
-        """Refresh the screen at once, instead of with the next message of the robot."""
+        """Show the station's present state at once, not only with the next message of the robot."""
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog."""
+        """Show a dialog, to which the following keys go.
+
+        A dialog that a STOP closes is not shown if a STOP was read since the key that opens it.
+        """
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console, which keeps running."""
+        """Show a recording over the live console, which keeps running.
+
+        Keys act on the recording from then on, except STOP.
+
+        Args:
+            player: The player of the recording, closed at the end of the replay.
+        """
 
     def end_replay(self) -> None:
-        """Close the recording, and show the live console again."""
+        """Close the replay with its dialogs, and show the live console again."""
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for the dialog that is about to be opened."""
+        """Return a context in which keys wait for a dialog that is about to be opened."""
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Ask the verb's question if it has one, then run the verb."""
+        """Show the verb's question, or return a coroutine that runs the verb, if it asks none.
+
+        An answer to the question runs the verb. A failure is shown.
+
+        Args:
+            verb: The verb.
+            values: The values of its arguments, by name.
+        """
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question.
+        """Show a question at once; the following keys answer it.
+
+        While another question is open, or if a STOP was read since the key, nothing is asked, which
+        a message says.
 
         Args:
             title: The title of the dialog.
             question: The question.
             safe: The answer that changes nothing.
-            answers: The work of each other answer, by its words.
+            answers: What each other answer does, by its words; a coroutine that it returns is run.
         """
 
     def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
+        """Show the outcome of a command that failed; do nothing for one that succeeded."""
 
     def drop_following_keys(self, why: str) -> None:
-        """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
+        """Drop the keys that follow at once: they were typed for a dialog that closed by itself.
+
+        Args:
+            why: The message to show if any are dropped.
+        """
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification."""
+        """Show a notification, as `title: text`."""
 
     def copy(self, text: str) -> None:
-        """Put a text on the clipboard."""
+        """Put a text on the clipboard of the terminal."""
 
     def copy_selection(self) -> bool:
-        """Copy the selected text, and return False if there is none."""
+        """Copy the text selected in a field or on the screen; return False if none is selected."""
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """The main screen and the dialogs over it."""
+        """All screens, from the main screen to the one in front."""
 
     @property
     def available_themes(self) -> Mapping[str, Theme]:
         """All themes by name."""
 
     def write_screenshot(self) -> None:
-        """Save the screen as SVG."""
+        """Save the screen as SVG, once the palette that asked for it has gone."""
 
     def action_command(self, name: str) -> None:
-        """Run a command by its id, or say why it cannot run."""
+        """Run a command by its id, or show why it cannot run."""
 
     def action_suspend_process(self) -> None:
-        """Suspend the console, as ctrl+z does to a program."""
+        """Suspend the console's process until the shell continues it, as ctrl+z does."""
 
     def leave(self) -> None:
-        """End the console when every command has its answer."""
+        """End the console when every command has its answer, after some seconds at the latest."""
 
 
 def file_writer(
     console: Console, text: str | Callable[[], Awaitable[str]], what: str
 ) -> Callable[[Path], Awaitable[str]]:
-    """Return the function with which a file dialog saves a text.
+    """Return a function that writes a text to a path, for a file dialog.
 
-    The function gets the path. It returns "" if the file was written, or the text to show while
-    the dialog stays open: an error, or a warning that the file exists; a second call replaces it.
+    The function returns "" if the file was written, which an event and a notification tell.
+    Otherwise it returns the text to show while the dialog stays open: an error, or a warning that
+    the file exists. Called again with that path, it replaces the file.
 
     Args:
         console: The console.
@@ -176,21 +209,23 @@ class Command:
     """An action of the operator with a key, a word in the footer, or a line in the palette.
 
     Attributes:
-        id: Its name in keymaps, unique.
-        key: Textual's name of its default key; "" for none.
+        id: The unique name of the command, as in keymaps.
+        key: Textual's name of the default key; "" for none.
         help: One sentence for `?`, the palette and docs/keys.md.
-        footer: Its word in the footer; "" keeps it out of the footer.
-        footer_key: The key shown in the footer if that stands for several commands.
+        footer: The word in the footer; "" keeps the command out of the footer.
+        footer_key: The key shown in the footer if it stands for several commands, as `1-8`.
         where: The place where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
         panel: The panel's number, for IN_PANEL.
         runs_disabled: True if `run` is called even while the command is disabled, after the reason
             was shown.
-        always_tried: True if the command runs although the last snapshot disables it.
-        waits_for_answer: True if it does not run again before its answer or for a held key.
-        resend_after: Seconds after which a held key runs it again.
-        verbs: The words of the verbs that it runs.
-        gives_way: True if a robot file or a keymap may take its key.
-        from_file: The place in the robot file (`FILE:LINE`) that defines it, or "".
+        always_tried: True if `run` is called although the last snapshot disables the command,
+            without the reason; not on a console that only watches.
+        waits_for_answer: True if the command does not run again before its answer, or for a held
+            key.
+        resend_after: Seconds after which a held key runs the command again.
+        verbs: The words of the verbs that the command runs.
+        gives_way: True if a robot file or a keymap may take the key of this command.
+        from_file: The place in the robot file (`FILE:LINE`) that defines the command, or "".
     """
 
     id: str
@@ -210,26 +245,32 @@ class Command:
 
     @property
     def where_text(self) -> str:
-        """The place where the key works, in words: `in Nodes`, `not while typing`."""
+        """The place where the key works, in words: `in Nodes`, `not while typing`, `everywhere`."""
         return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
 
     @property
     def title(self) -> str:
-        """The help up to the first `:` or `;`, as a title in lists."""
+        """The help up to the first `:` or `;`, with a capital, as a title in lists."""
         words = re.split("[:;]", self.help)[0]
         return f"{words[0].upper()}{words[1:]}"
 
     def disabled_reason(self, console: Console) -> str:
-        """Return why the command cannot run now, or ""."""
+        """Return why the command cannot run now, or "" if it can, as by default."""
         return ""
 
     def run(self, console: Console) -> Work | None:
-        """Act at once, or return a coroutine if the robot must be waited for."""
+        """Act at once, or return a coroutine if the robot or a disk must be waited for.
+
+        A subclass must define it. The app awaits the coroutine as work of this command.
+        """
         raise NotImplementedError
 
 
 class VerbCommand(Command):
-    """The base of commands that run a verb, by default without values."""
+    """The base of commands that run a verb, by default without values.
+
+    Id and help are those of the verb; the command is disabled while the verb refuses.
+    """
 
     def __init__(self, verb: Verb) -> None:
         self.verb = verb

@@ -45,9 +45,9 @@ class ShowAlarms(Command):
 
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not any_urgent(console.view.alarms):  # Alarms of high priority come first.
-            told = partial(_answer, console), console.drop_following_keys
+            on_end = partial(_answer, console), console.drop_following_keys
             seen = (lambda: console.is_stuck), (lambda: console.input)
-            console.open(AnswerRequest(waiting[0], console.view, *seen, *told))
+            console.open(AnswerRequest(waiting[0], console.view, *seen, *on_end))
             return
         console.open(
             AlarmList(console.view, station.acknowledge, station.shelve, console.update_screen)
@@ -65,7 +65,10 @@ class ListDiagnostics(Command):
 
 
 class LookAtDomains(VerbCommand):
-    """The command that looks for nodes in other domains, and shows them some seconds later."""
+    """The command that looks for nodes in other ROS domains.
+
+    A notification says that the search begins, and another one, some seconds later, what it found.
+    """
 
     def run(self, console: Console) -> Work:
         return self._look(console)
@@ -77,7 +80,11 @@ class LookAtDomains(VerbCommand):
 
 
 class OperateOtherRobot(Command):
-    """The command that starts the console again for the robot of another namespace."""
+    """The command that restarts the console for the robot of another namespace, chosen in a list.
+
+    The command is disabled unless the console was started with `--attach`, and while a goal runs or
+    waits or a STOP is not confirmed.
+    """
 
     id = "other_robot"
     help = "Operate another robot: one in another namespace (the console restarts)"
@@ -102,7 +109,7 @@ class OperateOtherRobot(Command):
         console.open(Choose("Operate another robot", choices))
 
     def _operate(self, console: Console, namespace: str) -> None:
-        """Restart for a namespace; show why not if something has come up since the choice."""
+        """Restart the console for a namespace; show why not if the command is disabled by now."""
         reason = self.disabled_reason(console)
         if reason:
             console.show_message(reason)
@@ -168,7 +175,10 @@ class ShowHelpEverywhere(Command):
 
 
 def _card_entries(console: Console, panel: Panel | None) -> list[Entry]:
-    """Return the keys of a panel, and those that work everywhere."""
+    """Return the keys of a panel, and those that work everywhere; only the latter without a panel.
+
+    Commands that have no key are left out.
+    """
     from archo_tui.screens.help import Entry
 
     with_key = [command for command in console.registry if console.view.key(command.id)]
@@ -270,7 +280,10 @@ class Quit(Command):
         console.leave()
 
     def _leave_another(self, console: Console) -> None:
-        """Ask before quitting while another client's goal runs, which our nodes may be driving."""
+        """Ask before quitting while another client's goal runs.
+
+        Nodes of this process may be driving that goal, and would end.
+        """
         station = console.station
         nodes = "the nodes of this console would end with it"
         what = "it keeps running" if station.attached else nodes

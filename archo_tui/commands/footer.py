@@ -12,7 +12,7 @@ def blocked_commands(console: Console) -> frozenset[str]:
 
 
 def keys_of_footer(console: Console) -> list[FooterKey]:
-    """Return the keys of the footer, in the order of the registry."""
+    """Return the commands with a word for the footer and a key, in the order of the registry."""
     view = console.view
     return [
         FooterKey(

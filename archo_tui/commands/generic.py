@@ -1,4 +1,4 @@
-"""Commands for any goal and any service, those that no robot file names included."""
+"""Commands that send any goal and call any service on the graph, in the robot file or not."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
 
 class _GenericCommand(VerbCommand):
-    """A command that lists actions or services, and opens a form for the chosen one."""
+    """The base of commands that list actions or services, and open a form for the chosen one."""
 
     def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        """Return the actions or services on the graph, by full name, each with its types."""
+        """Return the actions or services on the graph: the types of each by its full name."""
         raise NotImplementedError
 
     def run(self, console: Console) -> None:
@@ -44,16 +44,16 @@ class _GenericCommand(VerbCommand):
         console.open(Choose(self.help, choices))
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return the rows of one action or service; choosing a row opens its form."""
+        """Return the rows for one action or service: by default one, which opens its form."""
         from archo_tui.screens.choose import Choice
 
         types = ", ".join(self.types_by_name(console)[name])
         return [Choice(name, partial(self._open_form, console, name), types)]
 
     async def _open_form(self, console: Console, name: str) -> None:
-        """Open the form for a goal or a request; once it is filled in, `self.send` gets its values.
+        """Open the form for a goal or a request; enter there passes its values to `self.send`.
 
-        Show a message instead if the type is not certain, or not installed.
+        A message is shown instead if the name has no type or several, or the type is not installed.
 
         Args:
             console: The console.
@@ -78,7 +78,7 @@ class _GenericCommand(VerbCommand):
     async def send(
         self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
-        """Send a goal or a service request, and return the outcome.
+        """Send a goal or a service request, and return the outcome; a subclass must define it.
 
         Args:
             console: The console.
@@ -90,7 +90,11 @@ class _GenericCommand(VerbCommand):
 
 
 class AnyGoal(_GenericCommand):
-    """The command that sends a goal to any action on the graph."""
+    """The command that sends a goal to any action on the graph.
+
+    An action of the robot file opens that file's form. Another action that accepts a goal is added
+    to `console.used`.
+    """
 
     key = "G"
 
@@ -122,12 +126,15 @@ class AnyGoal(_GenericCommand):
 
 
 class AnyService(_GenericCommand):
-    """The command that calls any service on the graph."""
+    """The command that calls any service on the graph.
+
+    A service that was called without values is added to `console.used`.
+    """
 
     key = "C"
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return a row for each verb that calls the service, or else the row that opens a form."""
+        """Return a row for each verb that calls the service; without verbs, that for a form."""
         from archo_tui.screens.choose import Choice
 
         verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
@@ -147,7 +154,13 @@ class AnyService(_GenericCommand):
 
     @staticmethod
     def _run_verb(console: Console, verb: Verb) -> Work | None:
-        """Run a verb of the robot file after its question, or show why it cannot run."""
+        """Run a verb of the robot file, after its question if it has one.
+
+        STOP is run as its key does it. If a verb cannot run, a notification says why.
+
+        Returns:
+            A coroutine if the robot must be waited for.
+        """
         if verb.urgent:
             console.action_command(verb.id)
             return None
@@ -176,10 +189,15 @@ class AnyService(_GenericCommand):
 
 
 def _unused_id(console: Console, name: str) -> str:
-    """Return an unused id for an action or service in the robot file of this session.
+    """Return an id for an action or service that nothing else in `console.used` has.
 
-    The id is the last part of the name, numbered if it is a reserved word or the id of another goal
-    or command.
+    The id is the last part of the name, in lower case, numbered (`dock_2`) if that is a reserved
+    word or the id of something else. An entry for the same name does not count, since it will be
+    replaced.
+
+    Args:
+        console: The console.
+        name: The full name of the action or service.
     """
     kept = console.used
     used = {goal.id for goal in kept.goals if goal.action != name}
@@ -190,7 +208,12 @@ def _unused_id(console: Console, name: str) -> str:
 
 
 def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """Yield the dotted path of each value, nested ones included."""
+    """Yield the dotted path of each value, those of nested mappings included.
+
+    Args:
+        values: The values by name.
+        before: The beginning of each path, with its dot.
+    """
     for name, value in values.items():
         if isinstance(value, Mapping):
             yield from _paths(value, f"{before}{name}.")
@@ -199,7 +222,11 @@ def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
 
 
 class WriteRobotFile(Command):
-    """The command that writes a robot file with the goals and services used so far."""
+    """The command that saves the robot file with the goals and services used so far.
+
+    A dialog asks for the path. If no robot file was given, what the robot does not have is left
+    out.
+    """
 
     id = "keep_robot"
     help = "Save a robot file: this one, with the other goals and services that you used"
@@ -215,7 +242,10 @@ class WriteRobotFile(Command):
 
 
 class DescribeRobot(Command):
-    """The command that writes a robot file for what is on the graph."""
+    """The command that writes a robot file for what is on the graph.
+
+    A dialog asks for the path; then the console listens to the topics for some seconds.
+    """
 
     id = "describe_robot"
     help = "Describe this robot: write a robot file for what is on the graph"

@@ -39,9 +39,9 @@ class ShowResource(Command):
 
 
 def _step_in_graph(console: Console, by: int) -> WatchedTopic | None:
-    """Move the cursor of the Graph to the next topic (1) or the one before (-1), and return it.
+    """Move the cursor of Graph to the next topic (1) or the one before (-1), and return that topic.
 
-    None if there is no topic that way.
+    Without a topic in that direction, the cursor stays, and the result is None.
     """
     row = console.main.graph.step(by, TOPIC)
     return None if row is None else _watched(console, row.resource.name, row.resource.types)
@@ -53,13 +53,14 @@ def show_topic(
     types: Sequence[str],
     step: Callable[[Console, int], WatchedTopic | None] = lambda *_: None,
 ) -> None:
-    """Open the dialog of a topic, with its messages, definition and QoS.
+    """Open the dialog of a topic, with its live fields, plots, definition and QoS.
 
     Args:
         console: The console.
         name: The full name of the topic.
-        types: Its types, whose definitions can be shown.
-        step: Returns the next topic (1) or the one before (-1), or None: the default has none.
+        types: The types of the topic, whose definitions can be shown.
+        step: Called as the operator goes to the topic below (1) or above (-1). Returns that topic,
+            or None, as by default, if there is none.
     """
     from archo_tui.screens.topic import TopicDialog
 

@@ -34,9 +34,10 @@ _INDISTINGUISHABLE = {
 
 
 def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
-    """Read a keymap.
+    """Read a keymap, and return the keys of all commands.
 
-    One keymap serves several robots, so unknown commands are no error.
+    One keymap serves several robots, so unknown commands are no error. A command that gives way
+    loses its default key to another one that has it; then its key is "".
 
     Args:
         path: The file; a missing one is empty.
@@ -47,7 +48,8 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
         does not have, or "".
 
     Raises:
-        ArchoError: A key is not valid or taken twice; the message names the line.
+        ArchoError: The file cannot be read, or a key is not valid or taken; the message names the
+            line.
     """
     commands = list(commands)
     keys = default_keys(commands)
@@ -75,7 +77,7 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
 
 
 def default_keys(commands: Sequence[Command]) -> dict[str, str]:
-    """Return the keys that commands have before a keymap changes them.
+    """Return the keys of commands, those of the robot file included, before a keymap changes them.
 
     Returns:
         The key of every command by its id, "" for none.
@@ -102,13 +104,20 @@ def default_keys(commands: Sequence[Command]) -> dict[str, str]:
 def key_owner(
     command: Command, key: str, keys: Mapping[str, str], commands: Iterable[Command]
 ) -> str:
-    """Return the id of another command that has the key where this one works, or ""."""
+    """Return the id of another command that has a key where this one works, or "".
+
+    Args:
+        command: The command that wants the key.
+        key: The key, by Textual's name; "" has no owner.
+        keys: The key of each command by its id.
+        commands: All commands.
+    """
     others = (c.id for c in commands if c is not command and _overlap(command, c))
     return next((name for name in others if key and keys[name] == key), "")
 
 
 def readable_key(key: str) -> str:
-    """Return a key as a person reads it: `^x`, `?`, `enter`."""
+    """Return a key as a person reads it: `^x` for `ctrl+x`, `?`, `enter`; "" for none."""
     if key in ("", "enter"):
         return key
     return format_key(key).replace("ctrl+", "^")
@@ -158,11 +167,14 @@ def _types_a_character(name: str) -> bool:
 
 
 def _overlap(first: Command, second: Command) -> bool:
-    """Return True if both commands are active in some place, so that one key cannot serve both."""
+    """Return True if the keys of both commands work in some same place, so must differ.
+
+    Only commands of two different panels do not overlap.
+    """
     both = first.where == second.where == IN_PANEL
     return not both or first.panel == second.panel
 
 
 def readable_keys(keys: Mapping[str, str]) -> dict[str, str]:
-    """Return every command's key as a person reads it."""
+    """Return the key of each command by its id, as a person reads it."""
     return {command: readable_key(key) for command, key in keys.items()}

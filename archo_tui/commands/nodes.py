@@ -29,11 +29,15 @@ class _NodeCommand(Command):
         return console.verbs[self.verbs[0]].refusal(console.station)
 
     def run_verb(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
-        """Run a verb on a node."""
+        """Run a verb on a hosted node, after its question if it has one.
+
+        Returns:
+            A coroutine if the answer must be waited for.
+        """
         return console.run_verb(console.verbs[verb], {"node": hosted.name})
 
     def _selected(self, console: Console) -> Hosted:
-        """Return the selected node, which is of this process: else the command is disabled."""
+        """Return the selected node, which runs in this process: else the command is disabled."""
         row = console.main.nodes.selected
         assert row is not None
         assert row.hosted is not None
@@ -73,7 +77,7 @@ class ShowNode(Command):
 
 
 def open_node_dialog(console: Console, row: NodeRow) -> None:
-    """Open the dialog with everything about a node."""
+    """Open the dialog of a node with its state, topics and services, log level and lifecycle."""
     from archo_tui.screens.node import NodeDialog
 
     def tell(view: View) -> str:

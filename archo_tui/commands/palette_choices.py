@@ -69,7 +69,7 @@ _SEARCH_WORDS = {
 
 
 class CommandPalette(Choose):
-    """The command palette: commands, nodes, parameters and themes in one list.
+    """The command palette: commands, nodes, parameters, topics and themes in one list.
 
     Rows that a typed text gives, such as `Go to shelf 12`, come before the others.
     """
@@ -86,7 +86,7 @@ class CommandPalette(Choose):
 
         Args:
             title: The title of the box.
-            list_choices: Returns all rows.
+            list_choices: Returns all rows; called now, and each second for their keys and reasons.
             typed_choices: Returns the rows that a typed text gives, which come before the others.
         """
         super().__init__(title, list_choices())
@@ -97,7 +97,10 @@ class CommandPalette(Choose):
         return [*self._typed_choices(self._narrow.value), *super()._matches()]
 
     def show_view(self, view: ScreenState) -> None:
-        """Update keys, values and reasons once a second; the rows keep their places."""
+        """Update the keys, values and reasons of the rows, which keep their places, once a second.
+
+        No row is added for what is new.
+        """
         super().show_view(view)
         if view.second != self._second:
             self._second = view.second
@@ -105,7 +108,11 @@ class CommandPalette(Choose):
 
 
 def palette_choices(console: Console) -> list[Choice]:
-    """Return all rows: go, cancel and STOP first, then what can run now, then everything else."""
+    """Return all rows: go, cancel and STOP first, other commands, then everything else.
+
+    Commands that can run now come before those that cannot. Everything else is nodes, parameters,
+    topics, themes, and a picture of the screen.
+    """
     commands = {
         c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES
     }
@@ -124,7 +131,11 @@ def palette_choices(console: Console) -> list[Choice]:
 
 
 def goal_choices(console: Console, typed: str) -> list[Choice]:
-    """Return a row that sends typed numbers as goals, as `Go to shelf 12`; none for other text."""
+    """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`; none for other text.
+
+    The row has a reason if the numbers cannot be sent now. A robot whose goal is not a single
+    number has no such row.
+    """
     go = next((command for command in console.registry if command.id == "go"), None)
     kinds, panel = console.view.snapshot.file.goals, console.main.goal
     words = typed.split()
@@ -138,7 +149,13 @@ def goal_choices(console: Console, typed: str) -> list[Choice]:
 
 
 def _send_numbers(console: Console, go: Command, typed: str) -> None:
-    """Send typed numbers as goals, or show why they cannot be sent now."""
+    """Send typed numbers as goals, or show as a notification why they cannot be sent now.
+
+    Args:
+        console: The console.
+        go: The command that sends goals, which may be disabled.
+        typed: The numbers, with blanks between them.
+    """
     reason = console.disabled_reason(go) or console.main.goal.refusal(typed)
     if reason:
         console.show_message(f"not sent: {reason}")
@@ -165,7 +182,10 @@ def _parameter_choices(console: Console) -> Iterator[Choice]:
 
 
 def _edit_parameter(console: Console, node: str, name: str) -> None:
-    """Open the dialog for a parameter with its value of now, not of when the row was made."""
+    """Open the dialog for a parameter with its present value, not that of when the row was made.
+
+    If the parameter has gone or nothing can be set, a message says so.
+    """
     edit, now = parameters.Edit(), console.view.snapshot.parameters
     found = next(
         (parameter for parameter in now if (parameter.node, parameter.name) == (node, name)), None

@@ -23,7 +23,7 @@ class _InParameters(Command):
 
 
 class _SetCommand(_InParameters):
-    """A command that sets the selected parameter."""
+    """The base of commands that set the selected parameter."""
 
     verbs = ("set",)
 
@@ -31,7 +31,13 @@ class _SetCommand(_InParameters):
         return console.verbs["set"].refusal(console.station) or super().disabled_reason(console)
 
     async def set(self, console: Console, parameter: Parameter, value: Any) -> Outcome:
-        """Set a parameter to a value of its type."""
+        """Set a parameter, and return the answer of its node.
+
+        Args:
+            console: The console.
+            parameter: The parameter.
+            value: The new value, of the parameter's type.
+        """
         given = {"node": parameter.node, "name": parameter.name, "value": value}
         return await console.verbs["set"].run(console.station, given)
 
@@ -47,14 +53,14 @@ class Edit(_SetCommand):
             self.open(console, parameter)
 
     def open(self, console: Console, parameter: Parameter) -> None:
-        """Open the dialog for a parameter."""
+        """Open the dialog in which a parameter is edited."""
         from archo_tui.screens.edit_parameter import EditParameter
 
         send = partial(self.set, console, parameter)
         console.open(EditParameter(parameter, send, self.initial_value(parameter)))
 
     def initial_value(self, parameter: Parameter) -> Any:
-        """Return the value that the field of the dialog has at first."""
+        """Return the value in the field of the dialog at first: by default the present value."""
         return parameter.value
 
 

@@ -22,7 +22,12 @@ _HARMLESS = frozenset(
 
 
 def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the commands of a replay that is a program of its own."""
+    """Return the commands of `archo-tui replay`, where STOP, copying and quitting differ.
+
+    Args:
+        player: The player of the recording.
+        commands: The commands of a live console for the recorded robot.
+    """
     return (
         *read_only_commands(player, commands),
         RefuseStop(),
@@ -35,7 +40,12 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
 def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
     """Return the commands of the time line, and those of `commands` that change nothing.
 
-    The time line is panel 9, so the keys of panels become `1-9` in the footer.
+    The time line is panel 9, so the footer's key of the panels becomes `1-9`: that command is
+    changed.
+
+    Args:
+        player: The player of the recording.
+        commands: The commands of a live console for the recorded robot.
     """
     shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
@@ -72,7 +82,10 @@ class _TimeLineCommand(Command):
         return None
 
     def move(self, console: Console) -> None:
-        """Change the position, speed or playing state of the player, as the command says."""
+        """Change the position, speed or playing state of the player; a subclass must define it.
+
+        The screen is updated afterwards.
+        """
         raise NotImplementedError
 
 
@@ -150,7 +163,7 @@ class StepMark(_TimeLineCommand):
 
 
 class RefuseStop(Command):
-    """The command of the STOP key in a replay, which says that nothing was stopped."""
+    """The command of the STOP key in `archo-tui replay`, which says that nothing was stopped."""
 
     id, key, where = "stop", "ctrl+x", EVERYWHERE
     help = "Stops nothing: this is a recording"

@@ -1,4 +1,4 @@
-"""The replay inside of the live console: commands act on the recording, only STOP on the robot."""
+"""The replay inside of a live console: commands act on the recording, only STOP on the robot."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ _LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another on
 
 
 class ReplayConsole:
-    """The console of a recording, on a screen over the live one. Event loop only.
+    """The console of a recording, shown over the live console. Event loop only.
 
-    Dialogs, notifications and the clipboard are those of the live console.
+    Dialogs, notifications, the theme and the clipboard are those of the live console.
 
     Attributes:
-        registry: The commands of the replay. The one of STOP is the live console's.
+        registry: The commands of the replay; STOP is passed on to the live console.
         keys: The key of each command by its id.
-        shown_keys: The same as a person reads them.
-        main: The screen.
+        shown_keys: The same keys, as a person reads them.
+        main: The screen of the replay.
     """
 
     def __init__(
@@ -53,9 +53,9 @@ class ReplayConsole:
 
         Args:
             live: The live console.
-            player: The player of the recording.
+            player: The player of the recording; the screen closes it.
             commands: The commands of a live console for the recorded robot.
-            keys: The keys of the live console by command.
+            keys: The keys of the live console, by the id of the command.
             size: The size of the terminal.
         """
         self._live = live
@@ -74,7 +74,7 @@ class ReplayConsole:
         self.main = ReplayScreen(snapshot, size, player, self.update_screen)
 
     def update_screen(self) -> None:
-        """Show the player's position on the screen and in the dialogs over it."""
+        """Show the state at the player's position on the screen and in the dialogs over it."""
         self.station.refresh()
         self.view = ScreenState(**vars(self.station.view), keys=self.shown_keys)
         screens = self.screens
@@ -88,7 +88,7 @@ class ReplayConsole:
 
     @property
     def repeated(self) -> bool:
-        """True while the command's key is held down."""
+        """True if the key that is being handled is held down, and so came before."""
         return self._live.repeated
 
     @property
@@ -98,7 +98,7 @@ class ReplayConsole:
 
     @property
     def theme(self) -> str:
-        """The name of the theme."""
+        """The name of the theme, which the live console has, too."""
         return self._live.theme
 
     @theme.setter
@@ -107,17 +107,17 @@ class ReplayConsole:
 
     @property
     def screen(self) -> Screen[Any]:
-        """The dialog in front, or the screen of the replay."""
+        """The screen in front: a dialog, or the screen of the replay."""
         return self._live.screen
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """All screens, the live one first."""
+        """All screens, from the live console's main screen to the one in front."""
         return self._live.screens
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal has not read what was drawn."""
+        """True while the terminal has not read what was drawn last."""
         return self._live.is_stuck
 
     @property
@@ -130,48 +130,52 @@ class ReplayConsole:
         return command.disabled_reason(self)
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog."""
+        """Show a dialog over the replay, to which the following keys go."""
         self._live.open(dialog)
 
     def begin_replay(self, player: Player) -> None:
         """Do nothing: a replay lists no recordings."""
 
     def end_replay(self) -> None:
-        """Show the live console again."""
+        """Close the replay with its dialogs, and show the live console again."""
         self._live.end_replay()
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for the dialog that is about to be opened."""
+        """Return a context in which keys wait for a dialog that is about to be opened."""
         return self._live.opening()
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Do nothing but show that no verb of a replay acts on a robot."""
+        """Send nothing, say so in a notification, and return None."""
         self.report_failure(Outcome(Code.REFUSED, f"REPLAY: {verb.id} was not sent"))
         return None
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question."""
+        """Show a question, as the live console does."""
         self._live.confirm(title, question, safe, answers)
 
     def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed."""
+        """Show the outcome of a command that failed, with the title `Replay`; else do nothing."""
         if not outcome.ok:  # As the live console reports it, it would be about the robot.
             self._live.show_message(outcome.text, "Replay")
 
     def drop_following_keys(self, why: str) -> None:
-        """Drop keys typed for a dialog that closed by itself, and show `why` if any follow."""
+        """Drop the keys that follow at once: they were typed for a dialog that closed by itself.
+
+        Args:
+            why: The message to show if any are dropped.
+        """
         self._live.drop_following_keys(why)
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification."""
+        """Show a notification, as `title: text`."""
         self._live.show_message(text, title)
 
     def copy(self, text: str) -> None:
-        """Put a text on the clipboard."""
+        """Put a text on the clipboard of the terminal."""
         self._live.copy(text)
 
     def copy_selection(self) -> bool:
-        """Copy the selected text, and return False if there is none."""
+        """Copy the selected text; return False if nothing is selected."""
         return self._live.copy_selection()
 
     def write_screenshot(self) -> None:
@@ -179,14 +183,17 @@ class ReplayConsole:
         self._live.write_screenshot()
 
     def action_command(self, name: str) -> None:
-        """Run a command by its id, or say why it cannot run."""
+        """Run a command of the replay by its id, or show why it cannot run.
+
+        `stop` runs the live console's STOP.
+        """
         self._live.action_command(name)
 
     def action_suspend_process(self) -> None:
-        """Do nothing: the live console asks first."""
+        """Do nothing: only the live console can be suspended."""
 
     def leave(self) -> None:
-        """Show the live console again."""
+        """Close the replay, and show the live console again."""
         self.end_replay()
 
 
@@ -199,7 +206,10 @@ class BackToLive(Command):
 
 
 class StopLive(Command):
-    """The STOP of the live console, which the app runs for the key at any time."""
+    """The STOP command of the replay, which runs that of the live console.
+
+    It lends its key and word to the footer; the app runs the live one for the key at any time.
+    """
 
     id, where = "stop", EVERYWHERE
 

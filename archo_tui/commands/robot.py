@@ -15,7 +15,10 @@ from archo_tui.verbs.base import Verb
 
 
 class GoKey(Command):
-    """The command for the first goal of the robot file, whose form is on the screen."""
+    """The command for the first goal of the robot file: it focuses that goal's form on the screen.
+
+    The form gets the focus even while no goal can be sent.
+    """
 
     id, key, footer, verbs = "go", "g", "Go", ("go",)
     runs_disabled = True  # The next keys are meant for the field, not for the panels.
@@ -42,7 +45,10 @@ class GoKey(Command):
 
 
 class FormGoalKey(VerbCommand):
-    """A command for one of the other goals of the robot file, which opens a form."""
+    """A command for one of the other goals of the robot file, which opens a form for its values.
+
+    A goal without values is sent at once, after its question if there is one.
+    """
 
     waits_for_answer = True
 
@@ -77,10 +83,10 @@ class FormGoalKey(VerbCommand):
 
 
 class CancelKey(VerbCommand):
-    """The command of ctrl+c, which cancels the running goal.
+    """The command of ctrl+c, which cancels the running goal, whoever sent it.
 
-    If none is running, it ends the wait of a dialog, or copies the selection. A key that is held
-    down cancels our own goal only.
+    If none is running, it ends the wait of a dialog for an answer, else it copies the selection,
+    else it says which key quits. A key that is held down does nothing but cancel an own goal again.
     """
 
     key, footer = "ctrl+c", "Cancel"
@@ -151,13 +157,19 @@ class SkipKey(VerbCommand):
 class GiveKey(VerbCommand):
     """The command for a service of the robot file, or for the two services of a toggle.
 
-    A toggle calls the opposite of the state that the robot reports, and asks which one to call if
-    the robot reports none.
+    A toggle calls the opposite of the state that the robot reports. If the robot reports none, a
+    question asks which of the two to call.
     """
 
     waits_for_answer = True
 
     def __init__(self, on: services.Give, off: services.Give | None) -> None:
+        """Create the command.
+
+        Args:
+            on: The verb of the service; of a toggle, the one that turns the state on.
+            off: The verb that turns the state off; None if the command is no toggle.
+        """
         super().__init__(on)
         given = on.given
         self._on, self._off = on, off
@@ -186,12 +198,12 @@ class GiveKey(VerbCommand):
 
 
 def _reported_state(console: Console, name: str) -> bool | None:
-    """Return the state that a toggle inverts, or None if it is not reported.
+    """Return the state that a toggle inverts, as last reported; None if it is not reported.
 
     Args:
         console: The console, whose view has the last report.
-        name: The state, as `battery.charging` or `motion.moving`; for `ask`, None is returned, so
-            that the person is asked.
+        name: The state, as `battery.charging` or `motion.moving`. For `ask`, None is returned, so
+            that the person is asked each time.
     """
     if name == "ask":
         return None
