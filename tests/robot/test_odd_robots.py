@@ -281,8 +281,8 @@ def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> N
     assert others.take_due(15.0) == ["motor speed changed by another console: 0.5, was 1.0"]
 
 
-class Told(Node):
-    """Says how it moves."""
+class MotionNode(Node):
+    """A node that publishes whether its robot is stopped."""
 
     def __init__(self, name: str, is_stopped: bool, **options: Any) -> None:
         super().__init__(name, **options)
@@ -292,7 +292,7 @@ class Told(Node):
 
 
 async def test_readings_of_two_robots_that_come_mixed_are_no_doing_of_another_client() -> None:
-    makers = partial(Told, "a", True), partial(Told, "b", False)
+    makers = partial(MotionNode, "a", True), partial(MotionNode, "b", False)
     async with robot(*makers) as it:
         await until(lambda: "motor_status" in it.snapshot.publishers)
         later = clock.seconds() + 6.0

@@ -18,8 +18,8 @@ pytestmark = pytest.mark.posix
 QUESTION = "Release the stop? Moves are allowed again; nothing resumes by itself. [y/N]"
 
 
-class Told(StubRobot):
-    """Does everything, and keeps what it was told."""
+class RecordingRobot(StubRobot):
+    """A robot that accepts every verb, and keeps the verbs in order."""
 
     def __init__(self, snapshot: Snapshot) -> None:
         super().__init__(snapshot._replace(history=()))  # none of its goals has failed
@@ -46,7 +46,7 @@ async def asked(person: Typed, line: str, question: str) -> None:
 
 @pytest.mark.parametrize("answer", ["y", "YES", " yes "])
 async def test_yes_at_a_terminal_does_it(answer: str) -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         assert robot.told == []
@@ -56,7 +56,7 @@ async def test_yes_at_a_terminal_does_it(answer: str) -> None:
 
 @pytest.mark.parametrize("answer", ["n", "NO", "", "  "])
 async def test_no_or_a_return_leaves_it(answer: str) -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         await asked(person, answer, "failed: release: not done: the answer was not yes")
@@ -65,7 +65,7 @@ async def test_no_or_a_return_leaves_it(answer: str) -> None:
 
 
 async def test_the_end_of_the_input_is_no_answer() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         assert await person.end() == 1
@@ -74,7 +74,7 @@ async def test_the_end_of_the_input_is_no_answer() -> None:
 
 
 async def test_a_return_between_two_lines_answers_nothing() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         person.type("\n\n")
         await asked(person, "release", QUESTION)
@@ -83,7 +83,7 @@ async def test_a_return_between_two_lines_answers_nothing() -> None:
 
 
 async def test_another_verb_is_no_answer_and_is_done() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         assert await person.end("reset\n") == 1
@@ -92,7 +92,7 @@ async def test_another_verb_is_no_answer_and_is_done() -> None:
 
 
 async def test_a_stop_closes_an_open_question_at_once() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         person.type("stop\n")
@@ -103,7 +103,7 @@ async def test_a_stop_closes_an_open_question_at_once() -> None:
 
 
 async def test_an_answer_typed_before_a_stop_is_void_too() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         await asked(person, "release", QUESTION)
         person.type("y\nstop\n")
@@ -113,7 +113,7 @@ async def test_an_answer_typed_before_a_stop_is_void_too() -> None:
 
 
 async def test_yes_behind_the_line_is_not_asked_about() -> None:
-    robot = Told(STATES["motor stopped"])
+    robot = RecordingRobot(STATES["motor stopped"])
     async with at_terminal(robot) as person:
         assert await person.end("release --yes\n") == 0
         assert robot.told == ["release_emergency_stop"]
@@ -134,7 +134,7 @@ async def test_yes_behind_the_line_is_not_asked_about() -> None:
 async def test_the_goals_of_others_are_cancelled_after_a_question(
     line: str, question: str, done: str
 ) -> None:
-    robot = Told(goal(Phase.MOVING, mine=False))
+    robot = RecordingRobot(goal(Phase.MOVING, mine=False))
     async with at_terminal(robot) as person:
         await asked(person, line, question)
         assert await person.end("y\n") == 0
