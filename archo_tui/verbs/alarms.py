@@ -23,7 +23,10 @@ class Alarms(Verb):
     help = "List the alarms"
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if there is an alarm: one may still appear until ROBOT_TIMEOUT is over."""
+        """Refresh the station, and return True if there is an alarm.
+
+        While there is none, frontends wait for one until ROBOT_TIMEOUT seconds after the start.
+        """
         station.refresh()
         return bool(station.view.alarms)
 
@@ -33,19 +36,24 @@ class Alarms(Verb):
         return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return the alarms; None instead of an empty list while nothing is known of the robot."""
+        """Return the alarms as in `status --json`; None if there are none and no data has come yet.
+
+        The data is the robot's: battery, motion, gauges.
+        """
         alarms = state(station)["alarms"]
         return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
 
 class _AlarmVerb(Verb):
-    """A verb for one alarm, which is typed as its name or the beginning of its name."""
+    """The base of the verbs that take the name of one alarm, or the beginning of its name."""
 
     def find_alarm(self, station: Station, name: str) -> Alarm:
-        """Return the alarm that a name means.
+        """Return the alarm with a typed name, or the only one whose name begins with it.
+
+        Case, double quotes and repeated spaces make no difference.
 
         Raises:
-            ArchoError: No alarm, or more than one, has a name that begins so.
+            ArchoError: No alarm fits, or several do; the message lists the alarms.
         """
         fitting = _matching_alarms(station, name)
         if len(fitting) == 1:
@@ -57,7 +65,10 @@ class _AlarmVerb(Verb):
 
 
 def _matching_alarms(station: Station, name: str) -> list[Alarm]:
-    """Return the alarm of that name, or else all whose names begin with it."""
+    """Return the alarms with a typed name, else all whose names begin with it; [] if none does.
+
+    Case, double quotes and repeated spaces make no difference.
+    """
     alarms, wanted = station.view.alarms, _normalized(name)
     exact = [alarm for alarm in alarms if alarm.name.lower() == name.lower()]
     exact = exact or [alarm for alarm in alarms if _normalized(alarm.name) == wanted]
@@ -65,12 +76,16 @@ def _matching_alarms(station: Station, name: str) -> list[Alarm]:
 
 
 def _normalized(name: str) -> str:
-    """Return a name in lower case, without quotes, and with single spaces, for comparison."""
+    """Return a name in lower case, without double quotes, and with single spaces, to compare it."""
     return " ".join(name.replace('"', "").lower().split())
 
 
 class Acknowledge(_AlarmVerb):
-    """The verb `ack`: without a name it means the first alarm of the list, not all."""
+    """The verb `ack`: acknowledge the named alarm, all for `all`, or the first of the list.
+
+    The first is meant if no name is typed. The journal gets what was acknowledged. The verb is
+    disabled while every alarm is acknowledged.
+    """
 
     id, title, tells = "ack", "Acknowledge", True
     help = "Acknowledge the first alarm, the named one, or all"
@@ -91,7 +106,10 @@ class Acknowledge(_AlarmVerb):
 
 
 class Shelve(_AlarmVerb):
-    """The verb `shelve`, which takes an alarm that is shelved already off the shelf."""
+    """The verb `shelve`: silence an alarm for SHELF_TIME, or end that early if it is shelved.
+
+    The reason goes into the journal; without one, an alarm of HIGH priority is not shelved.
+    """
 
     id, title, tells = "shelve", "Shelve", True
     help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min, with a reason; or end that early"
@@ -109,9 +127,17 @@ class Shelve(_AlarmVerb):
         return Outcome(Code.DONE, f"{alarm.name}: {_FOR if not shelved else 'no longer shelved'}")
 
     def _split(self, station: Station, name: str, reason: str) -> tuple[Alarm, str]:
-        """Split words into an alarm and a reason.
+        """Split typed words into an alarm and the reason for shelving it.
 
-        Names have several words: as many as begin an alarm's name belong to it.
+        As many words belong to the alarm's name as still fit exactly one alarm.
+
+        Args:
+            station: The station that has the alarms.
+            name: The first word.
+            reason: The further words.
+
+        Raises:
+            ArchoError: The first word fits no alarm, or several.
         """
         words = reason.split()
         for count in range(len(words), 0, -1):

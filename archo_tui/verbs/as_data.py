@@ -15,7 +15,11 @@ from archo_tui.words.state import battery_word, motion_word
 
 
 def state(station: Station) -> dict[str, Any]:
-    """Return all that `status --json` prints; None means not received, or not reported."""
+    """Return all that `status --json` prints: battery, motion, pose, goal, queue, alarms, STOP.
+
+    None means not received, or not reported; ages are in seconds. The alarms are those of the last
+    refresh of the station.
+    """
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     battery, motion = snapshot.battery, snapshot.motion
     return {
@@ -61,12 +65,16 @@ def state(station: Station) -> dict[str, Any]:
 
 
 def _stopped(snapshot: Snapshot) -> bool | None:
-    """Return True if a confirmed STOP holds, else the robot's report; None if it has none."""
+    """Return True if a confirmed STOP holds, else the robot's own report of a stop.
+
+    Returns:
+        None if no STOP holds and the robot reports nothing about stops.
+    """
     return True if snapshot.stop_holds else snapshot.motion.stopped
 
 
 def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
-    """Return the pose; None for a robot whose file names none."""
+    """Return the pose, with yaw in degrees; None for a robot whose file names no pose."""
     pose = snapshot.pose
     if snapshot.file.pose is None:
         return None
@@ -81,14 +89,23 @@ def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
 
 
 def _stop_state(snapshot: Snapshot) -> str:
-    """Return `open` while a STOP is not confirmed, `uncertain` if it may no longer hold, or ""."""
+    """Return `open` while a STOP is unconfirmed, `uncertain` if a confirmed one may have ended.
+
+    Returns:
+        "" otherwise, also while a confirmed STOP holds.
+    """
     if snapshot.open_stop is not None:
         return "open"
     return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
 
 
 def in_line(station: Station) -> str:
-    """Return the state in one line, `ARCHO 87 % MOVING to 12, 9.0 m left`, with HIGH alarms."""
+    """Return the state in one line, such as `ARCHO 87 % MOVING to 12, 9.0 m left`.
+
+    The running goal is named unless the robot is stopped; then the motion is. A held queue, and
+    the HIGH alarms whose cause is not over, follow. The charge is `--` if it is unknown or old, and
+    left out for a robot without a battery.
+    """
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
     parts = [snapshot.file.name]
@@ -115,11 +132,13 @@ def _motion_word(snapshot: Snapshot, now: float, width: int) -> str:
 
 
 def goal(found: Goal, now: float) -> dict[str, Any]:
-    """Return a goal as JSON has it.
+    """Return a goal as JSON has it: kind, values, phase, code, way left, age and so on.
+
+    `source` is `commanded` for a goal of this console, `measured` for another client's.
 
     Args:
         found: The goal; the fields of another client's goal are not known, so they are empty.
-        now: Monotonic time, in s, for its age.
+        now: Monotonic time, in s; the age counts from the goal's last feedback or answer.
     """
     return {
         "kind": found.kind.id,
@@ -137,7 +156,10 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 
 
 def event(found: Event) -> dict[str, Any]:
-    """Return an event as JSON has it, with the names and values of its audit record, if any."""
+    """Return an event as JSON has it: time, level, source, text and count.
+
+    Its command is added if it has one, and the verb, arguments and code of its audit record.
+    """
     told: dict[str, Any] = {
         "time": found.time,
         "level": found.level,
@@ -153,7 +175,10 @@ def event(found: Event) -> dict[str, Any]:
 
 
 def parameter(found: Parameter) -> dict[str, Any]:
-    """Return a parameter as JSON has it; long values are cut."""
+    """Return a parameter as JSON has it, with its value now and at the start.
+
+    Long texts and lists are cut; secret values are not masked. A missing limit is None.
+    """
     values = json_safe({"value": found.value, "initial": found.initial})
     return {
         "node": found.node,

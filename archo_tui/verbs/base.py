@@ -40,7 +40,7 @@ class Argument(NamedTuple):
 
     @property
     def is_flag(self) -> bool:
-        """True for an option without a value."""
+        """True for an option without a value, whose name begins with `--`."""
         return self.name.startswith("--")
 
 
@@ -76,7 +76,8 @@ class Verb:
         may_ask: True if `question` may return one.
         started_text: The text that is shown at once if the outcome takes seconds; "" for others.
         has_goals: True if it sends goals, whose ends can be waited for.
-        service: The service that a node must offer, as the robot file names it; "" for none.
+        service: The service or action that a node must offer, as the robot file names it; "" for
+            none.
     """
 
     id: str
@@ -96,8 +97,12 @@ class Verb:
     def values(self, words: Sequence[str]) -> Values:
         """Return the values that the words after the verb mean, by the names of the arguments.
 
+        A value is the typed text; for `many` a list of texts; for a flag, which may stand anywhere
+        among the words, True. Arguments that were not typed are left out, but `many` is [] then.
+        Verbs for goals return parsed values instead.
+
         Raises:
-            ValueError: The words do not fit; the message is one line.
+            ValueError: The words are too few or too many; the message is one line.
         """
         given: dict[str, Any] = {
             a.name: True for a in self.arguments if a.is_flag and a.name in words
@@ -119,17 +124,25 @@ class Verb:
         return given
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: ` and the line that words which do not fit may have meant, or ""."""
+        """Return `: ` and the line that was probably meant, or "" if no guess is made.
+
+        Args:
+            station: The station, which is only read.
+            words: Words after the verb that `values` has refused.
+        """
         return ""
 
     @property
     def usage(self) -> str:
-        """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`."""
+        """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`; "" for none."""
         return " ".join(map(_usage, self.arguments))
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The options that a shell may put after the verb: `--yes`, `--wait`, `--leave`."""
+        """The options that a shell may put after the verb.
+
+        They are `--wait` and `--leave` for a verb that sends goals, `--yes` for one that may ask.
+        """
         goals = ("--wait", "--leave") if self.has_goals else ()
         return (*goals, "--yes") if self.may_ask else goals
 
@@ -139,11 +152,14 @@ class Verb:
         return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
 
     def acts_with(self, values: Values) -> bool:
-        """Return True if the verb changes something with these values."""
+        """Return True if the verb changes something with these values; by default, `acts`."""
         return self.acts
 
     def tells_with(self, values: Values) -> bool:
-        """Return True if the text of the outcome must be printed: no event shows it."""
+        """Return True if the text of the outcome must be printed, since no event shows it.
+
+        By default, the same as `tells`.
+        """
         return self.tells
 
     def refusal(self, station: Station) -> str:
@@ -156,44 +172,58 @@ class Verb:
         return self.disabled_reason(station)
 
     def disabled_reason(self, station: Station) -> str:
-        """Return the reason why the verb cannot run, or "", for a console that may act."""
+        """Return the reason why the verb cannot run now, or "", for a console that may act.
+
+        By default, a verb with a `service` cannot run while no node offers it as the file says.
+        """
         return station.robot.snapshot.unavailable(self.service) if self.service else ""
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return False if the verb cannot run yet, but could once more of the robot is found.
 
-        Frontends wait for True, until ROBOT_TIMEOUT seconds after the start at most.
+        Frontends wait for True, until ROBOT_TIMEOUT seconds after the start at most. By default, a
+        verb with a `service` is ready once a node offers it, and any other at once.
         """
         return not self.service or self.service in station.robot.snapshot.offered
 
     def is_answered(self, station: Station) -> bool:
         """Return False while the answer to an earlier request may still allow or forbid the verb.
 
-        Frontends wait for True, for ANSWERS seconds at most.
+        Frontends wait for True, for ANSWERS seconds at most. By default, True.
         """
         return True
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Complete and check the values, before a question is asked.
+        """Complete and check the values, before a question is asked; by default, change nothing.
 
         Returns:
             The values for `question`, `run` and `data`: full names, the text of a file.
 
         Raises:
             ArchoError: A name means nothing, or a file is not valid.
+            ValueError: A value does not fit.
         """
         return values
 
     def question(self, station: Station, values: Values) -> Question | None:
-        """Return the question that must be answered before `run`; None if there is none."""
+        """Return the question that must be answered before `run`; None, the default, for none.
+
+        Args:
+            station: The station.
+            values: The values that `prepare` has returned.
+        """
         return None
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return the data of the verb for `--json`, after `run`; None if it has none."""
+        """Return the data of the verb for `--json`, after `run`; by default None: it has none."""
         return None
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        """Run the verb.
+        """Run the verb, and return an awaitable of its outcome; nothing is asked any more.
+
+        Args:
+            station: The station.
+            values: The values that `prepare` has returned.
 
         Raises:
             ArchoError: A name means nothing; nothing has been done then.

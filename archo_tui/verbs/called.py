@@ -23,11 +23,13 @@ def choose_verb(
 ) -> tuple[Verb, list[str]]:
     """Return the verb for a typed word, and the words that are left for that verb.
 
-    `call SERVICE` on a service of the robot file is the verb that calls this service: so it asks,
-    refuses and checks as that verb does.
+    `call SERVICE` on a service of the robot file gives the verb that calls this service, so that
+    it asks, refuses and checks as that verb does; of the words at most `--yes` is left then. With
+    `--help` alone behind the service, the verb is `call` itself.
 
     Raises:
-        ValueError: No verb is meant, or several are; the text says which.
+        ValueError: The word is no verb, the typed fields fit no verb of the service or several, or
+            the service is a part of an action; the text says what to type.
     """
     verb, rest = named(verbs, word), list(words)
     without_yes = [each for each in rest if each != YES]
@@ -45,7 +47,10 @@ def choose_verb(
 
 
 def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Called]]:
-    """Return the verbs that call a service of the robot file, by the full name of the service."""
+    """Return the verbs that call a service of the robot file, by the full name of the service.
+
+    These are `stop`, `release` and the robot file's commands.
+    """
     found: dict[str, list[Called]] = {}
     for verb in verbs.values():
         if isinstance(verb, (StopNow, ReleaseStop, Give)) and verb.service:
@@ -56,7 +61,8 @@ def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str,
 def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
     """Return the verb whose request has the fields that were typed.
 
-    The STOP comes first: if it takes no fields, it is returned whatever was typed.
+    A STOP without fields is returned whatever was typed. A STOP with fields comes before other
+    verbs with the same request.
 
     Args:
         found: The verbs that call the service.
@@ -89,7 +95,10 @@ def _either(found: Sequence[Verb]) -> str:
 
 
 def _refuse_part_of_action(verbs: Mapping[str, Verb], snapshot: Snapshot, service: str) -> None:
-    """Raise ValueError for the services by which an action takes and cancels goals."""
+    """Raise ValueError for a service by which an action takes or cancels goals.
+
+    The text says which verb to type instead. Every other service passes.
+    """
     action, _, part = service.partition(_ACTION_PART)
     if part == "cancel_goal":
         raise ValueError(f"{service} is a part of the action {action}: type cancel")

@@ -16,13 +16,16 @@ _MOST_NUMBERS = 1000  # Numbers of a range, such as shelves, that are listed.
 
 
 def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
-    """Return the words that may stand at the end of a line.
+    """Return the words that may stand at the end of a line, each once.
+
+    Verbs keep their order; numbers are sorted by value, names by the alphabet.
 
     Args:
         verbs: The verbs of this console.
         station: The station, which is only read.
-        words: The line without options: a verb, its values, and the beginning of the last word.
-            Names of the graph have no first `/` unless that has one.
+        words: The line without options: a verb, its values, and the beginning of the last word,
+            which may be "". Names on the graph are returned with their first `/` only if that
+            beginning has one.
     """
     *before, unfinished = words
     if not before:
@@ -39,12 +42,15 @@ def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]
 
 
 def _sort_key(word: str) -> tuple[int, str]:
-    """Return the key by which numbers are sorted by value, and before names."""
+    """Return a sort key: numbers below _MOST_NUMBERS by value, then names, then other numbers."""
     return (int(word), "") if word.isdecimal() else (_MOST_NUMBERS, word)
 
 
 def _goal_words(verb: Go, snapshot: Snapshot) -> Iterable[str]:
-    """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field."""
+    """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field.
+
+    The numbers are the first _MOST_NUMBERS; there are none if a limit is unknown or below 0.
+    """
     if len(verb.arguments) != 1 or not verb.arguments[0].many:
         return [f"{argument.name.lower()}=" for argument in verb.arguments]
     low, high = snapshot.limit(verb.arguments[0].low), snapshot.limit(verb.arguments[0].high)
@@ -90,7 +96,12 @@ def _parameters(station: Station, words: Sequence[str]) -> Iterable[str]:
 
 
 def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
-    """Return `true` and `false` for a boolean parameter, nothing for others."""
+    """Return `true` and `false` for a boolean parameter, nothing for others.
+
+    Args:
+        station: The station.
+        words: The node and the name of the parameter.
+    """
     kinds = [p.type for p in _parameters_of(station, words[0]) if p.name == words[1]]
     return ("true", "false") if kinds == ["bool"] else ()
 

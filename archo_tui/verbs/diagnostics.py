@@ -12,7 +12,10 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class ShowDiagnostics(Verb):
-    """The verb that lists the parts, the worst first."""
+    """The verb `diagnostics`: list what the robot reports of its parts, the worst first.
+
+    If nothing was reported, the text says why.
+    """
 
     id, title, tells = "diagnostics", "Diagnostics", True
     help = "List the diagnostics: what the robot reports of its parts, the worst first"

@@ -23,7 +23,11 @@ KIND, GOALS, RUNNING = "kind", "goals", "running"
 
 
 class Go(Verb):
-    """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`."""
+    """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`.
+
+    The goals wait behind those that were sent before. The outcome is the robot's answer to the
+    first one, or that it waits in the queue.
+    """
 
     acts = moves = has_goals = True
 
@@ -50,7 +54,10 @@ class Go(Verb):
 
     @property
     def how(self) -> str:
-        """The way to type the verb, to be read aloud: `Type go and the shelf number`."""
+        """The way to type the verb, as a sentence to be read aloud.
+
+        An example is `Type go and the shelf number.`.
+        """
         names = [argument.name.lower() for argument in self.arguments]
         if not names:
             return f"Type {self.id}."
@@ -61,10 +68,14 @@ class Go(Verb):
         return f"Type {self.id}, then {listed}, each with an equals sign and its value."
 
     def values(self, words: Sequence[str]) -> Values:
-        """Return the values of each goal, as a list under GOALS.
+        """Return the values of each goal by dotted path, as a list under GOALS.
 
         The words are the fields of one goal. Where a goal is a single number, each word is a goal
         of its own (`go 3 12 7`), unless a word has a `=`.
+
+        Raises:
+            ValueError: A word is no value of a field, a field is missing, or the action's type is
+                not installed.
         """
         if self._fields is None:
             raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
@@ -75,7 +86,10 @@ class Go(Verb):
         return {GOALS: [forms.parse_all(self._fields, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the action is found, and its limits are known or had time to arrive."""
+        """Return True if the action is offered, and the nodes with its limits have reported them.
+
+        From ROBOT_TIMEOUT seconds after the start, limits are not waited for any more.
+        """
         snapshot = station.robot.snapshot
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
         # The node with the limits may be found later than its action.
@@ -87,10 +101,13 @@ class Go(Verb):
         return super().is_ready(station, values) and heard
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Check the values against their types and the robot's limits, and return them.
+        """Check the numbers of each goal against their types and the robot's present limits.
+
+        Returns:
+            The same values.
 
         Raises:
-            ValueError: A value is beyond them.
+            ValueError: A number is beyond a limit.
         """
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
@@ -108,7 +125,11 @@ def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
 
 
 class SendGoal(Verb):
-    """The verb for a goal to any action on the graph."""
+    """The verb `send_goal`: send one goal to any action on the graph, also in another namespace.
+
+    For an action of the robot file, the labels, fixed values and limits of the file hold, and
+    several goals can be given as to its own verb.
+    """
 
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
@@ -142,7 +163,7 @@ class SendGoal(Verb):
 
 
 def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
-    """Return the goal of the robot file that has this action, by its full name."""
+    """Return the goal of the robot file for an action's full name; None if the file has none."""
     goals = snapshot.file.goals
     return next((kind for kind in goals if snapshot.full(kind.action) == action), None)
 
@@ -154,7 +175,10 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if a goal runs, or the graph is known, with the goals of other clients."""
+        """Return True if a goal runs, or anything of the robot file or any action was found.
+
+        Before that, a goal of another client may run and not be known yet.
+        """
         found = station.robot.snapshot.offered or station.robot.snapshot.actions
         return station.running_goal is not None or bool(found)
 
@@ -192,7 +216,10 @@ class ContinueQueue(Verb):
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while a release has no answer, or a goal ends that may hold the queue."""
+        """Return False while a release has no answer, or while the waiting goals may be held soon.
+
+        They may be held if the goal before them is being cancelled, or has just ended.
+        """
         if station.ledger.is_pending(RELEASE):
             return False
         goal = station.robot.snapshot.goal

@@ -16,13 +16,13 @@ from archo_tui.verbs.base import DISCOVERY_TIME
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
-    """Complete a name that may lack its first `/` or the robot's namespace.
+    """Return the full name for a typed name that may lack its first `/` or the robot's namespace.
 
     A name that begins with `/` is complete, as in ROS. Any other is completed with the robot's
     namespace, unless only `/` before it gives one of the names found.
 
     Args:
-        snapshot: Has the robot's namespace.
+        snapshot: The snapshot that has the robot's namespace.
         name: The name as typed.
         found: The full names on the graph.
     """
@@ -33,25 +33,31 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
 
 
 def nearest_node_hint(name: str, nodes: Iterable[str]) -> str:
-    """Return ` (nearest: NODE)` for a name that no node has, or ""; ignore each first `/`."""
+    """Return ` (nearest: NODE)` for a misspelt name of a node, or "" if no node's name is alike.
+
+    The first `/` of each name is left out.
+    """
     return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
 
 
 def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
-    """Return True if a full name lies outside of the robot's namespace."""
+    """Return True if a full name lies outside of the robot's namespace.
+
+    Nothing lies outside of the namespace `/`.
+    """
     return not name.startswith(in_namespace(snapshot.namespace, ""))
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return True if a name was found, or is outside of the robot's namespace and may be tried.
+    """Return True if a full name was found, or if it may be tried without having been found.
 
-    Such a name may be tried from DISCOVERY_TIME seconds after the start.
+    A name outside of the robot's namespace may be tried from DISCOVERY_TIME seconds after the
+    start: the snapshot never has such names, and each is looked up when it is used.
 
     Args:
-        station: The station. Its snapshot has no names outside of the robot's namespace: such a
-            name is looked up when it is used.
+        station: The station, for its age and the robot's namespace.
         name: The full name of a service or an action.
-        found: The names of its kind in the robot's namespace.
+        found: The names of the same sort, services or actions, in the robot's namespace.
     """
     is_out = is_elsewhere(station.robot.snapshot, name)
     return name in found or (is_out and station.age >= DISCOVERY_TIME)
@@ -66,7 +72,7 @@ def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
         found: The types on the graph by full name.
 
     Raises:
-        ValueError: The name has no type, or several.
+        ValueError: The name has no type, which may be a misspelling, or several.
     """
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
@@ -80,12 +86,20 @@ def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
 async def fields_of(
     station: Station, name: str, type_name: str, words: Sequence[str]
 ) -> dict[str, Any]:
-    """Return the values that words give: `FIELD=VALUE ...` by dotted path, or a YAML mapping.
+    """Return the values that typed words give to the fields of a request or a goal.
 
-    Fields that are left out keep the message's defaults.
+    `FIELD=VALUE ...` gives parsed values by dotted path. A single word that begins with `{` is a
+    YAML mapping, which is returned without a check of its fields. Fields that are left out keep
+    the message's defaults.
+
+    Args:
+        station: The station, whose robot knows the types.
+        name: The name of the service or the action, for the error.
+        type_name: The type: `package/kind/Name`.
+        words: The words after the name.
 
     Raises:
-        ValueError: The type has no such field, or a value does not fit.
+        ValueError: The type is not installed or has no such field, or a value does not fit.
     """
     fields = await in_daemon(station.robot.form, type_name)  # Reads files.
     if fields is None:

@@ -46,31 +46,32 @@ class FollowedMessage(NamedTuple):
 
     @property
     def left_out_text(self) -> str:
-        """Return `3 left out`, or "" if no message was."""
+        """The text `3 left out`; "" if no message was left out."""
         return f"{self.left_out} left out" if self.left_out else ""
 
 
 class _TopicVerb(Verb):
-    """The base of the verbs that subscribe to a topic."""
+    """The base of the verbs `echo` and `hz`, which subscribe to a topic while they run."""
 
     tells = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the topic was found, or had time enough to be."""
+        """Return True if the topic was found, or from DISCOVERY_TIME seconds after the start."""
         snapshot = station.robot.snapshot
         found = _topics(snapshot)
         return full_name(snapshot, values["topic"], found) in found or station.age >= DISCOVERY_TIME
 
     @asynccontextmanager
     async def inspect(self, station: Station, topic: str) -> AsyncIterator[Inspection]:
-        """Subscribe to a topic for as long as the context is entered.
+        """Subscribe to a topic inside the `async with` block, whose value counts the messages.
 
         Args:
             station: The station.
-            topic: The name of the topic, as typed.
+            topic: The name of the topic, as typed; its namespace may be left out.
 
         Raises:
-            ArchoError: There is no such topic, or its messages cannot be read.
+            ArchoError: No node publishes the topic or subscribes to it, it has several types, its
+                type is not installed, or the ROS thread does not answer.
         """
         snapshot = station.robot.snapshot
         name = full_name(snapshot, topic, _topics(snapshot))
@@ -92,7 +93,11 @@ class _TopicVerb(Verb):
 
 
 class Echo(_TopicVerb):
-    """The verb that shows the last message of a topic."""
+    """The verb `echo`: show the last message of a topic, or some of its fields.
+
+    It waits WAIT seconds for a message; if none comes, the outcome is TIMEOUT, or NOT_OFFERED for
+    a topic without a publisher. Programs get the message as data unless it is too large.
+    """
 
     id, title = "echo", "Echo"
     help = f"Show the last message of a topic, or fields of it; waits {WAIT:g} s for one"
@@ -117,13 +122,17 @@ class Echo(_TopicVerb):
         for_program: bool,
         has_room: Callable[[], bool],
     ) -> NoReturn:
-        """Show each message, at most one in PERIOD, until the task is cancelled.
+        """Show each new message of a topic, at most one every PERIOD seconds, until cancelled.
+
+        Messages in between are left out and counted. If the publishers' QoS changes, the topic is
+        subscribed to anew.
 
         Args:
             station: The station.
             values: The values of the verb.
             show: Shows a message.
-            note: Called with the reason why no message comes.
+            note: Called with the reason why no message has come for WAIT seconds: before the first
+                message, and later if the topic has no publisher any more; once for each silence.
             for_program: True for messages as data, False for text.
             has_room: Returns False while the reader is behind: messages are left out then.
 
@@ -156,7 +165,10 @@ class Echo(_TopicVerb):
 
 
 class Hz(_TopicVerb):
-    """The verb that counts the messages of a topic for some seconds."""
+    """The verb `hz`: listen to a topic for LISTEN seconds, and tell rate, intervals and bytes/s.
+
+    If no message comes, the outcome is TIMEOUT, or NOT_OFFERED for a topic without a publisher.
+    """
 
     id, title = "hz", "Rate"
     help = f"Listen to a topic for {LISTEN:g} s: rate, shortest and longest interval, bytes/s"
@@ -173,9 +185,17 @@ class Hz(_TopicVerb):
 
 
 def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
-    """Return the last message of a topic, or fields of it.
+    """Return an outcome with the last message of a topic, or with fields of it.
 
-    A large message takes long: not for the UI thread.
+    Programs get it as data, too, unless it is too large for them. A large message takes long: not
+    for the UI thread.
+
+    Args:
+        inspection: The inspection, which has a message.
+        paths: The dotted paths of the fields; empty for the whole message.
+
+    Raises:
+        ArchoError: There is no such field, or the message is too large or not readable.
     """
     message = inspection.decode(inspection.newest[1])
     text = message_text.as_text(message, paths)
@@ -190,6 +210,15 @@ def _text_or_data(
     """Return a message as text for a person and None, or as "" and data for a program.
 
     A large message takes long: not for the UI thread.
+
+    Args:
+        inspection: The inspection that received the message.
+        data: The bytes of the message.
+        paths: The dotted paths of the fields to return; empty for the whole message.
+        for_program: True for data, False for text.
+
+    Raises:
+        ArchoError: There is no such field, or the message is too large or not readable.
     """
     message = inspection.decode(data)
     if for_program:
@@ -202,7 +231,7 @@ def _topics(snapshot: Snapshot) -> list[str]:
 
 
 async def _topic_info(station: Station, topic: str) -> TopicInfo:
-    """Return the publishers and subscriptions of a topic.
+    """Return the publishers and subscriptions of a topic, by its full name.
 
     Raises:
         ArchoError: The console's node does not answer.
@@ -214,7 +243,19 @@ async def _topic_info(station: Station, topic: str) -> TopicInfo:
 
 
 async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outcome:
-    """Return the outcome for a topic on which nothing came, which says why."""
+    """Return the outcome for a topic on which no message came, with the reason.
+
+    The code is NOT_OFFERED if the topic has no publisher, else TIMEOUT; the text names the nodes
+    that publish it.
+
+    Args:
+        station: The station.
+        topic: The full name of the topic.
+        seconds: The time without a message, for the text.
+
+    Raises:
+        ArchoError: The console's node does not answer.
+    """
     info = await _topic_info(station, topic)
     nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
     names = ", ".join(sorted(nodes))

@@ -14,14 +14,21 @@ from archo_tui.verbs.base import DISCOVERY_TIME, Argument, Values, Verb
 
 
 class ShowInterface(Verb):
-    """The verb that shows a type as `ros2 interface show` does."""
+    """The verb `interface`: show the definition of a type, as `ros2 interface show` does.
+
+    A type without its package is looked for on the graph, any other among those installed.
+    """
 
     id, title, tells = "interface", "Interface", True
     help = "Show the definition of a message, service or action type, with its comments"
     arguments = (Argument("type"),)
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return False while the type, or one that is spelled alike, may still be found."""
+        """Return True once the graph tells enough to find the type, or to name one that is alike.
+
+        That is so when a type without its package is on the graph, or for another when any type is;
+        and in any case from DISCOVERY_TIME seconds after the start.
+        """
         known, typed = _types_on_graph(station.robot.snapshot), values["type"]
         is_found = bool(known) if "/" in typed else typed in map(base_name, known)
         return is_found or station.age >= DISCOVERY_TIME
@@ -37,14 +44,14 @@ def _types_on_graph(snapshot: Snapshot) -> list[str]:
 
 
 def _find(typed: str, known: list[str]) -> tuple[str, str]:
-    """Return the full name of a typed type, and its definition.
+    """Return the full name of a typed type, and its definition; files are read.
 
     Args:
         typed: `package/kind/Name`, `package/Name`, or a `Name` that the graph has once.
         known: The types on the graph.
 
     Raises:
-        ArchoError: No type is meant, or several are, or it is not installed here.
+        ArchoError: There is no such type, several fit, or the type is not installed here.
     """
     meant = _candidates(typed, known)
     found = {name: text for name in meant if (text := definition_text(name)) is not None}
@@ -65,7 +72,10 @@ def _find(typed: str, known: list[str]) -> tuple[str, str]:
 
 
 def _candidates(typed: str, known: list[str]) -> list[str]:
-    """Return the full type names `package/kind/Name` that a typed one may stand for."""
+    """Return the full names `package/kind/Name` that a typed type may stand for, existing or not.
+
+    A `Name` alone stands for the known types of that name.
+    """
     if "/" not in typed:
         return [name for name in known if base_name(name) == typed]
     if typed.count("/") == 1:
@@ -75,7 +85,10 @@ def _candidates(typed: str, known: list[str]) -> list[str]:
 
 
 def _nearest(typed: str, known: list[str]) -> str:
-    """Return `nearest_hint` among types in the form that was typed."""
+    """Return ` (nearest: TYPE)` for a misspelt type, or "" if no known type is alike.
+
+    TYPE has as many parts as the typed one: `Name`, `package/Name` or `package/kind/Name`.
+    """
     if "/" in typed:
         parts = [name.split("/") for name in known]
         short = [f"{package}/{name}" for package, _, name in filter(lambda p: len(p) == 3, parts)]

@@ -16,7 +16,11 @@ _FINAL = "finalized"  # The state from which there is no transition.
 
 
 class Lifecycle(Verb):
-    """The verb that shows the state, or changes it by a transition."""
+    """The verb `lifecycle`: show a managed node's state and its transitions, or request one.
+
+    A question comes before a shutdown, and before any transition of a node that serves STOP or the
+    running goal.
+    """
 
     id, title, tells = "lifecycle", "Lifecycle", True
     help = "Show the state of a managed node, or change it: configure, activate, ..."
@@ -75,7 +79,7 @@ class Lifecycle(Verb):
         return {"node": name, "state": None if node is None else node.lifecycle}
 
     def _name(self, station: Station, values: Values) -> str:
-        """Return the node's full name, which may be typed without the namespace."""
+        """Return the full name of the node in the values, where the namespace may be left out."""
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], [node.name for node in snapshot.nodes])
 
@@ -85,9 +89,10 @@ def _managed(snapshot: Snapshot) -> dict[str, NodeState]:
 
 
 def _objections(snapshot: Snapshot, node: str) -> list[str]:
-    """Return why a transition of a node needs a question: it serves STOP or the running goal.
+    """Return the reasons why a transition of a node needs a question; [] if it needs none.
 
-    While the graph does not tell which node serves them, it may be this one.
+    The reasons are that the node serves STOP, or the action of the running goal. Where the graph
+    has the service or action but not its node, any node may be the one.
     """
     reasons, stop, goal = [], snapshot.file.stop, snapshot.running_goal
     if stop is not None and _may_serve(snapshot, node, SERVICE, snapshot.full(stop.service)):

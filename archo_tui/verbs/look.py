@@ -11,7 +11,10 @@ from archo_tui.words.domains import domains_text
 
 
 class Look(Verb):
-    """The verb that joins each ROS 2 domain for some seconds, in a process of its own."""
+    """The verb `look`: list the nodes in the ROS 2 domains 0 to 20, and how to operate them.
+
+    A process of its own joins the domains for some seconds. Only an attached console has the verb.
+    """
 
     id, title, tells = "look", "Look", True
     help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"

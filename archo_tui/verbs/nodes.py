@@ -50,7 +50,10 @@ class Nodes(Verb):
 
 
 class _NodeVerb(Verb):
-    """A verb for one node of this process."""
+    """The base of the verbs that start, stop or copy one node of this process.
+
+    The outcome is also written as an event. Nothing is done if a STOP was read after the verb.
+    """
 
     arguments = (Argument("node"),)
     acts = True
@@ -60,10 +63,10 @@ class _NodeVerb(Verb):
         return {"node": self.find_node(station, values["node"]).name}
 
     def find_node(self, station: Station, name: str) -> Hosted:
-        """Return the node of that name; the namespace may be left out.
+        """Return the node of this process with a name, whose namespace may be left out.
 
         Raises:
-            ArchoError: No node of this process has the name.
+            ArchoError: No node of this process has the name; the message names the nearest.
         """
         hosted = {node.name: node for node in station.host.states()}
         full = full_name(station.robot.snapshot, name, hosted)
@@ -86,7 +89,7 @@ class _NodeVerb(Verb):
         return outcome
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
-        """Return the function that does the work; it gets the node's name on a daemon thread."""
+        """Return the function that `run` calls with the node's full name, on a daemon thread."""
         raise NotImplementedError
 
 
@@ -177,12 +180,12 @@ class LogLevel(Verb):
         return [node.name for node in station.robot.snapshot.nodes]
 
     def _name(self, station: Station, values: Values) -> str:
-        """Return the node's full name, which may be typed without the namespace."""
+        """Return the full name of the node in the values, where the namespace may be left out."""
         return full_name(station.robot.snapshot, values["node"], self._nodes(station))
 
 
 def _served_names(hosted: Hosted) -> list[str]:
-    """Return the services and actions of a node, without the namespace."""
+    """Return the names of the services and actions of a node, without the namespace."""
     return [base_name(name) for name in hosted.serves]
 
 

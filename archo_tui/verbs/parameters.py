@@ -33,42 +33,48 @@ NOBODY = "no node has reported its parameters yet"
 
 
 def are_reported(station: Station) -> bool:
-    """Return True if every node of the robot has reported its parameters, or had time enough."""
+    """Return True once nodes were found and each has reported its parameters.
+
+    True in any case from ROBOT_TIMEOUT seconds after the start.
+    """
     found = bool(station.robot.snapshot.nodes)
     return (found and not _unreported(station)) or station.age >= ROBOT_TIMEOUT
 
 
 def _unreported(station: Station) -> list[str]:
-    """Return the names of the nodes that have not reported their parameters."""
+    """Return the names of the nodes on the graph that have reported no parameters, sorted."""
     snapshot = station.robot.snapshot
     return sorted({n.name for n in snapshot.nodes} - {p.node for p in snapshot.parameters})
 
 
 def is_reported(station: Station, node: str) -> bool:
-    """Return True if the node has reported its parameters, or had time enough."""
+    """Return True if a node, by its full name, has reported its parameters.
+
+    True in any case from ROBOT_TIMEOUT seconds after the start.
+    """
     reported = (parameter.node for parameter in station.robot.snapshot.parameters)
     return node in reported or station.age >= ROBOT_TIMEOUT
 
 
 class _ParameterVerb(Verb):
-    """A verb for one parameter."""
+    """The base of the verbs that show or set one parameter."""
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        return is_reported(station, self.node(station, values))
+        return is_reported(station, self.node_name(station, values))
 
-    def node(self, station: Station, values: Values) -> str:
-        """Return the node's full name, which may be typed without the namespace."""
+    def node_name(self, station: Station, values: Values) -> str:
+        """Return the full name of the node in the values, where the namespace may be left out."""
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
 
     def find_parameter(self, station: Station, values: Values) -> Parameter | None:
-        """Return the parameter that the values name, or None if no node has reported it."""
-        wanted = self.node(station, values), values["name"]
+        """Return the parameter that the values name; None if its node has not reported it."""
+        wanted = self.node_name(station, values), values["name"]
         known = station.robot.snapshot.parameters
         return next((p for p in known if (p.node, p.name) == wanted), None)
 
     def missing_outcome(self, station: Station, values: Values) -> Outcome:
-        node, name = self.node(station, values), values["name"]
+        node, name = self.node_name(station, values), values["name"]
         snapshot = station.robot.snapshot
         nodes = {n.name for n in snapshot.nodes} | {p.node for p in snapshot.parameters}
         if node not in nodes:
@@ -100,7 +106,11 @@ class Set(_ParameterVerb):
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: set NODE NAME VALUE` if only the node is missing and one has the parameter."""
+        """Return `: set NODE NAME VALUE` for the words NAME VALUE if one node has the parameter.
+
+        Returns:
+            "" for any other words, or if no node or several have that parameter.
+        """
         known = station.robot.snapshot.parameters
         nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
         return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
@@ -170,7 +180,7 @@ class Params(Verb):
 
 
 def _for_requester(parameter: Parameter) -> Parameter:
-    """Return the parameter; for an assistant with its value masked if that is a secret."""
+    """Return the parameter, for an assistant with a secret value masked."""
     return parameter.masked if current_requester().is_assistant else parameter
 
 
@@ -178,7 +188,10 @@ _LONGEST = 500  # Characters of a value in a line; --json has all of them.
 
 
 def parameter_line(parameter: Parameter) -> str:
-    """Return `motor_controller max_speed is 0.5, was 0.8 at the start, double`."""
+    """Return a line like `motor_controller max_speed is 0.5, was 0.8 at the start, double`.
+
+    The allowed range or `read-only` follows. A value of more than 500 characters is cut.
+    """
     value = text_of(parameter.value)
     if len(value) > _LONGEST:
         value = f"{value[:_LONGEST]} ... ({len(value)} characters)"
@@ -193,7 +206,10 @@ def parameter_line(parameter: Parameter) -> str:
 
 
 class _FileVerb(Verb):
-    """A verb with a file that is checked before a question is asked."""
+    """The base of `save` and `load`, which take a file and may ask before they change anything.
+
+    They are disabled until a node has reported its parameters.
+    """
 
     arguments = (_FILE,)
     may_ask = True
@@ -205,7 +221,11 @@ class _FileVerb(Verb):
         return are_reported(station)
 
     def path(self, values: Values) -> Path:
-        """Return the path; raise ArchoError for an invalid name."""
+        """Return the path of the typed file, with the home folder for `~`.
+
+        Raises:
+            ArchoError: The text names no file.
+        """
         return typed_path(values["file"])
 
 
@@ -252,7 +272,10 @@ class Load(_FileVerb):
         return {"file": path, "plan": plan}
 
     def question(self, station: Station, values: Values) -> Question | None:
-        """Return the question, whose text lists the changes, or why nothing can be changed."""
+        """Return the question, whose text lists the changes that the file makes.
+
+        If there are none, or the file has problems, the text says so and `go` is "".
+        """
         plan = values["plan"]
         count = len(plan.changes)
         go = f"Change {count} parameter{'' if count == 1 else 's'}"
@@ -275,7 +298,12 @@ class Load(_FileVerb):
 
 
 def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
-    """Return the lines that tell what loading a file would change."""
+    """Return the lines that tell what loading a file would change, or why it cannot be loaded.
+
+    Args:
+        path: The file, which the first line names.
+        plan: The changes, problems and parts left out, as `plan_load` has found them.
+    """
     lines = [str(path), ""]
     if plan.problems:
         return [*lines, "Nothing was changed, because of:", *plan.problems]

@@ -17,14 +17,14 @@ _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 
 
 class UnknownVerbError(ValueError):
-    """The error for a word that is no verb; its text names the nearest verb."""
+    """The error for a word that is no verb; its text names the nearest verb, or `help`."""
 
 
 def named(verbs: Mapping[str, Verb], word: str) -> Verb:
-    """Return the verb that a word names.
+    """Return the verb with a word, which must be spelled exactly.
 
     Raises:
-        UnknownVerbError: No verb has that name.
+        UnknownVerbError: No verb has that word.
     """
     if word in verbs:
         return verbs[word]
@@ -33,13 +33,13 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb.
+    """Parse the words after a verb, in which `--yes` may stand anywhere if the verb may ask.
 
     Returns:
         The values, and True if the words answer the verb's question (`--yes`).
 
     Raises:
-        ValueError: The words do not fit; the message is one line.
+        ValueError: The words do not fit; the message is one line, with a hint at what was meant.
     """
     yes = verb.may_ask and YES in words
     words = [word for word in words if not (yes and word == YES)]
@@ -50,9 +50,10 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
 
 
 def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
-    """Return the values of a verb as JSON Schema; of a verb for many goals, those of one.
+    """Return the JSON Schema of a verb's values, as programs give them.
 
-    Limits that the robot holds are as in the snapshot, and left out while it does not report them.
+    For a verb that takes many goals, it is that of one goal. Limits that are parameters of the
+    robot have their present numbers, and are left out while they are not reported.
     """
     limit = snapshot.limit
     arguments = [a._replace(low=limit(a.low), high=limit(a.high)) for a in verb.arguments]

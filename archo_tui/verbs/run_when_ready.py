@@ -20,10 +20,13 @@ async def run_when_ready(
 ) -> Outcome:
     """Run a verb once the robot is found, earlier requests are answered, and the person agrees.
 
+    The waits end at ROBOT_TIMEOUT seconds after the start, and after ANSWERS seconds: the verb is
+    tried then all the same.
+
     Args:
         station: The station.
         verb: The verb.
-        values: Its values.
+        values: The values of the verb, as parsed.
         until: Waits for a condition, with a deadline.
         ask: Asks a question; None if the person has answered it already, as with `--yes`.
 
@@ -33,7 +36,7 @@ async def run_when_ready(
     Raises:
         ArchoError: A name means nothing, a file is not valid, or the answer is not yes.
         ValueError: A value does not fit.
-        Void: A STOP was read meanwhile.
+        Void: A STOP was read meanwhile; not for verbs that change nothing or survive a STOP.
     """
     acts, gate = verb.acts_with(values), station.robot.stops.gate()
     is_void = acts and not verb.survives_stop

@@ -17,7 +17,10 @@ ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; as
 
 
 class Give(Verb):
-    """The verb for a command of the robot file; a toggle has two, one for each way."""
+    """The verb for a command of the robot file; a toggle has two, one for each way.
+
+    It asks first as the robot file says: always, only while a goal runs, or never.
+    """
 
     acts = True
 
@@ -51,7 +54,11 @@ class Give(Verb):
 
 
 class Call(Verb):
-    """The verb for any service on the graph; its outcome is the response."""
+    """The verb `call`: call any service on the graph; its outcome is the response.
+
+    It waits CALL_WAIT seconds for the response, or longer with `--timeout`. A `change_state`
+    service is refused, since `lifecycle` asks before it calls one.
+    """
 
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
@@ -67,7 +74,10 @@ class Call(Verb):
         return is_known(station, name, snapshot.services)
 
     def tells_with(self, values: Values) -> bool:
-        """Return False: an event has the response; a shell, which reads no events, prints it."""
+        """Return False, since an event shows the response on the screen and in `--plain`.
+
+        A shell reads no events; it goes by `tells`, which is True, and prints the response.
+        """
         return False
 
     async def prepare(self, station: Station, values: Values) -> Values:
@@ -88,11 +98,11 @@ class Call(Verb):
 def refuse_transition(service: str, type_name: str) -> None:
     """Raise ValueError for a `change_state` service, which only the verb `lifecycle` may call.
 
-    A plain call would skip the question that `lifecycle` asks.
+    A plain call would skip the question that `lifecycle` asks. Every other service passes.
 
     Args:
-        service: Its full name.
-        type_name: Its type.
+        service: The full name of the service.
+        type_name: The type of the service.
     """
     if type_name == _CHANGE_STATE:
         node = service.rpartition("/")[0]

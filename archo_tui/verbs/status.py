@@ -40,7 +40,7 @@ class Status(Verb):
         """Create the verb.
 
         Args:
-            ask: How to send a goal, as the line of the goal says while there is none.
+            ask: The hint how to send a goal, which stands in the line `goal` while there is none.
             robot: The robot file.
         """
         self.ask = ask
@@ -48,11 +48,11 @@ class Status(Verb):
         self._typed = {name: f"type {name}" for name in names}
 
     def advice(self, alarm: Alarm, snapshot: Snapshot) -> str:
-        """Return an alarm's text with what can be typed about it now."""
+        """Return the text of an alarm, followed by the verb to type if one helps now."""
         return advice(alarm, remedy_hints(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True once battery and motion were received, or are no longer waited for.
+        """Return True once battery and motion were received, as far as the robot file has them.
 
         Topics without a publisher are waited for until DISCOVERY_TIME seconds after the start,
         others until ROBOT_TIMEOUT seconds after it.
@@ -109,7 +109,10 @@ class Events(Verb):
 
 
 class ShowHistory(Verb):
-    """The verb `history`: the values of the last hour, and the last goals that ended."""
+    """The verb `history`: the measured values of the last hour, and the goals that ended.
+
+    The values are those now, and 1, 10 and 60 minutes ago.
+    """
 
     id, title, tells = "history", "History", True
     help = "Show the measured values of the last hour, and the results of the last goals"
@@ -145,9 +148,9 @@ _PARTS = 60  # Parts of a span; the value of the oldest one is shown.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
-    """Yield an age in s and the value then: now, and at the beginning of each of SPANS.
+    """Yield an age in seconds and the value then: for now, and for the beginning of each of SPANS.
 
-    None stands for a value that was not received, not reported, or no finite number.
+    The value is None if it was not received, not reported, or no finite number.
     """
     now, history = station.clock.monotonic(), station.history
     found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
@@ -157,7 +160,7 @@ def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, flo
 
 
 def _past_line(station: Station, quantity: Quantity) -> str:
-    """Return `speed (m/s): now 0.80, 1 min ago 0.00`, or "" if nothing is known."""
+    """Return a line like `speed (m/s): now 0.80, 1 min ago 0.00`, or "" if no value is known."""
     known = [
         f"{f'{age / 60:.0f} min ago' if age else 'now'} {value:.2f}"
         for age, value in _readings(station, quantity)
@@ -169,7 +172,10 @@ def _past_line(station: Station, quantity: Quantity) -> str:
 
 
 def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
-    """Return the unit in the robot file, or "" if there is none or goals have several."""
+    """Return the unit of a quantity: `%`, `m`, or what the robot file names; "" if it names none.
+
+    For the way left it is also "" if the goals of the file have several units.
+    """
     if quantity == "charge":
         return "%"
     if quantity == "speed":

@@ -10,7 +10,10 @@ from archo_tui.verbs.base import Question, Values, Verb
 
 
 class StopNow(Verb):
-    """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none."""
+    """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none.
+
+    The outcome comes when the robot has answered.
+    """
 
     id, title = "stop", "STOP"
     help = "STOP: software stop, holds until released; does not replace the hardware stop"
@@ -27,7 +30,11 @@ class StopNow(Verb):
 
 
 class ReleaseStop(Verb):
-    """The verb `release`: call the service that allows moves again after a STOP."""
+    """The verb `release`: call the service that allows moves again after a STOP; it always asks.
+
+    If every node that held the STOP has ended and no node offers the release, nothing is called,
+    and the STOP is forgotten.
+    """
 
     id, title = "release", "Release"
     help = "Release the stop (asks first); no goal resumes by itself"
@@ -50,8 +57,8 @@ class ReleaseStop(Verb):
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if the release is offered, and the robot's report of a stop has come.
 
-        The report is awaited only from a robot that reports stops. If every node that held the
-        STOP has ended, return True at once: a release only forgets it.
+        The report is awaited only from a robot that reports stops. If every node that held the STOP
+        has ended, return True at once: a release then only forgets the STOP.
         """
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         is_awaited = stopped is None and described is not None and described.reports_stop

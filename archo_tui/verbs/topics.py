@@ -11,7 +11,7 @@ from archo_tui.words.graph import SILENT, resource_rows
 
 
 class Topics(Verb):
-    """The verb that lists the rows of the Graph panel."""
+    """The verb `topics`: list topics, services and actions, as the Graph panel does."""
 
     id, title, tells = "topics", "Topics", True
     help = "List topics, services and actions: type, nodes, rate, and who receives nothing"
