@@ -508,7 +508,7 @@ FAULTS = [
     Fault("launch/stand_ins/ros_actions.py", "            if full_name and values:", "            if False:", LAUNCH + "/test_plans.py"),
     Fault("launch/stand_ins/parameters.py", "    if kinds == {int, float}:", "    if False:", LAUNCH + "/test_plans.py"),
     Fault("launch/stand_ins/actions.py", "        time = context.time + ", "        time = ", LAUNCH + "/test_plans.py"),
-    Fault("launch/stand_ins/visiting.py", "    except NotHereError as error:", "    except ZeroDivisionError as error:", LAUNCH + "/test_what_is_not_here.py"),
+    Fault("launch/stand_ins/visiting.py", "    except SkipActionError as error:", "    except ZeroDivisionError as error:", LAUNCH + "/test_what_is_not_here.py"),
     Fault("launch/workspace.py", "if real in seen or any(name in files for name in _IGNORED):", "if real in seen:", LAUNCH + "/test_workspace.py"),
     Fault("launch/workspace.py", "    if path.with_suffix(\".py\").is_file()", "    if True", LAUNCH + "/test_what_is_not_here.py"),
     Fault("launch/install_prefix.py", "                if not (package.folder / name).is_file():", "                if False:", LAUNCH + "/test_workspace.py"),

@@ -28,7 +28,7 @@ class Reply(NamedTuple):
 
     Attributes:
         value: The answer, as JSON has it; None if the process ended without one.
-        printed: The output of the code, up to 100 kB.
+        printed: The first 100 kB that the code printed.
         exit_code: The exit code of the process; negative for a signal, such as the kill when its
             time was over.
     """
@@ -46,10 +46,11 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
     Args:
         module: The module, whose `main()` calls `serve`.
         request: The request, as JSON has it.
-        seconds: The time limit for the answer.
+        seconds: The time limit, when `serve` answers that time is over. A process that does not
+            even do that is killed two seconds later, without an answer.
 
     Raises:
-        ArchoError: No process can be started, or its answer is too large.
+        ArchoError: No process can be started, or its answer is larger than 10 MB.
     """
     # The path of this process, so that no file of the current folder is taken for a module.
     code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
@@ -91,7 +92,7 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end, and append its first `limit` + 1 bytes to `kept`.
+    """Read a pipe to its end, and append its first `limit` + 1 bytes to `kept`; drop the others.
 
     The last byte shows that there were too many.
     """
@@ -109,11 +110,14 @@ def _kill_group(process: subprocess.Popen[bytes]) -> None:
 
 
 def serve(answer: Callable[[Any], Any], late: Callable[[FrameType | None, float], Any]) -> None:
-    """Answer the request of `ask`, and end the process.
+    """Answer the request of `ask`, and end the process: this function does not return.
+
+    What the code prints from now on goes to standard error, and Python writes no `__pycache__`.
 
     Args:
         answer: Returns the answer to a request; it raises nothing.
-        late: Returns the answer if time is over, given the frame that runs and the seconds.
+        late: Returns the answer if time is over, given the frame that runs in the main thread and
+            the time limit in seconds. It is called on another thread.
     """
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # What the code prints goes to standard error.

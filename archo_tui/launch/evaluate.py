@@ -16,7 +16,7 @@ _CHILD = "archo_tui.launch.evaluation"
 
 
 class LaunchFileError(UserFileError):
-    """The error for a launch file, or an argument of it, that is wrong."""
+    """The error for a launch file that is missing or wrong, or does not return in time."""
 
 
 def parse_arguments(words: Iterable[str]) -> dict[str, str]:
@@ -43,6 +43,7 @@ def evaluate(
 ) -> LaunchPlan:
     """Return what a launch file would start.
 
+    The file runs in a process of its own; a program that is not here is left out with a note.
     This blocks: not for the UI thread.
 
     Args:
@@ -53,7 +54,8 @@ def evaluate(
         seconds: The time limit.
 
     Raises:
-        LaunchFileError: The file is wrong, or does not return.
+        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
+        ArchoError: No process can be started, or its answer is too large.
     """
     value, printed = _evaluate_in_process(given, workspace, prefix, arguments, False, seconds)
     names = _Names(given)
@@ -72,9 +74,10 @@ def evaluate(
 def launch_arguments(
     given: str, workspace: Workspace, prefix: Path, seconds: float = EVALUATION_TIME
 ) -> Sequence[LaunchArgument]:
-    """Return the arguments that a launch file declares; nothing of it is performed.
+    """Return the arguments that a launch file declares, without performing its actions.
 
-    This blocks: not for the UI thread.
+    The code of the file runs all the same, in a process of its own. This blocks: not for the UI
+    thread.
 
     Args:
         given: The path of the file as the user typed it.
@@ -83,7 +86,8 @@ def launch_arguments(
         seconds: The time limit.
 
     Raises:
-        LaunchFileError: The file is wrong, or does not return.
+        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
+        ArchoError: No process can be started, or its answer is too large.
     """
     value, _ = _evaluate_in_process(given, workspace, prefix, {}, True, seconds)
     return _arguments(value["arguments"])
@@ -101,6 +105,10 @@ def _evaluate_in_process(
 
     Returns:
         Its answer as JSON has it, and what the code of the file printed.
+
+    Raises:
+        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
+        ArchoError: No process can be started, or its answer is too large.
     """
     path = Path(given).resolve()
     if not path.is_file():
@@ -127,7 +135,7 @@ def _evaluate_in_process(
 
 
 class _Names:
-    """The names of files for messages: the launch file as typed, others without their folder."""
+    """The names of files in messages: the launch file as typed, others without their folder."""
 
     def __init__(self, given: str) -> None:
         self._given, self._path = given, str(Path(given).resolve())
@@ -142,6 +150,12 @@ class _Names:
 
 def _program(found: Mapping[str, Any], workspace: Workspace) -> LaunchedProgram:
     """Return a program that the evaluation found, with the function that it runs.
+
+    The first program of a package runs the package's setup.py, and blocks.
+
+    Args:
+        found: The program as JSON has it.
+        workspace: The packages that are here.
 
     Raises:
         ArchoError: There is no such package or executable here.

@@ -27,7 +27,7 @@ _own_folders: list[Path] = []  # Of the packages, whose modules a launch file ma
 
 
 def main() -> None:
-    """Answer the request of `evaluate.evaluate`."""
+    """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
     child_process.serve(evaluate, lambda frame, seconds: {"error": _hang(frame, seconds)})
 
 
@@ -41,7 +41,7 @@ def _is_own(filename: str) -> bool:
 
 
 def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a launch file would start, or the error.
+    """Return what a launch file would start, or the error that it raised.
 
     Args:
         request: `file`, the path of the launch file; `arguments`, values by their names;
@@ -124,7 +124,11 @@ def _as_json(found: DeclaredArgument) -> dict[str, Any]:
 
 
 def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.UserError:
-    """Describe an error by the line in its traceback, or by that of the action being performed."""
+    """Describe an error of a launch file, with the line that is to be mended.
+
+    This is the last line of the person's files in the traceback. For a SubstitutionFailure, or
+    without such a line, it is the place that the error has, else that of the failed action.
+    """
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)
     missing = ament_index.index.missing_package(str(getattr(error, "filename", "")))

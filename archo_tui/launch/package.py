@@ -30,12 +30,12 @@ class Package:
 
     @property
     def has_interfaces(self) -> bool:
-        """True if the package has msg/, srv/ or action/."""
+        """True if the package has a folder msg/, srv/ or action/."""
         return any((self.folder / kind).is_dir() for kind in KINDS)
 
 
 def read_package(folder: Path) -> Package:
-    """Return the package of a folder.
+    """Return the package of a folder; its build_type is `catkin` if package.xml names none.
 
     Raises:
         ArchoError: Its package.xml cannot be read, or has no name; the message has file and line.

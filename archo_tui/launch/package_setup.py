@@ -19,7 +19,7 @@ class PackageSetup:
     """The arguments of a package's `setup()` that say what can be run and found.
 
     Attributes:
-        console_scripts: `module:function` of each executable.
+        console_scripts: `module:function` of each executable, by the name of the executable.
         data_files: Each folder below the install prefix, and the files that go there, whose paths
             begin at the package's folder.
         source: The folder that the package's modules are imported from.
@@ -33,10 +33,11 @@ class PackageSetup:
 def run_setup(package: Package) -> PackageSetup:
     """Run the setup.py of a package in a process of its own, which installs nothing.
 
-    This blocks: not for the UI thread.
+    This blocks, for little more than SETUP_TIME seconds at most: not for the UI thread.
 
     Raises:
-        ArchoError: There is no setup.py, or it has a mistake; the message has file and line.
+        ArchoError: There is no setup.py, it has a mistake, or it does not return in time; the
+            message has the file, and the line if one is known.
     """
     file = package.folder / "setup.py"
     if not file.is_file():

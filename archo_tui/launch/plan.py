@@ -66,7 +66,7 @@ class LaunchArgument:
 
 @dataclass(frozen=True)
 class LaunchNote:
-    """A line for the person who launches.
+    """A line for the person who launches; as text it is `FILE:LINE: TEXT`.
 
     Attributes:
         level: `INFO` for what the launch file says itself, `WARN` for what is left out.
@@ -87,7 +87,7 @@ class LaunchPlan:
     """The processes that a launch file would start, and its messages.
 
     Attributes:
-        programs: The processes, in their order.
+        programs: The processes, in the order in which the launch starts them.
         notes: The messages of the launch file, and what of it is left out.
         arguments: The arguments that the file and those it includes declare.
         environment: The variables that it sets for the whole launch; None for one that is unset.

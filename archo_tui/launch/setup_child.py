@@ -21,7 +21,7 @@ _COMMANDS = ("build", "build_ext", "build_py", "develop", "egg_info", "install",
 
 
 def main() -> None:
-    """Answer the request of `package_setup.run_setup`."""
+    """Answer the request of `package_setup.run_setup`, and end the process."""
     child_process.serve(
         run, lambda frame, seconds: {"error": user_errors.describe_hang(frame, seconds, _is_own)}
     )
@@ -32,10 +32,17 @@ def _is_own(filename: str) -> bool:
 
 
 def run(file: str) -> dict[str, Any]:
-    """Run a setup.py, and return the arguments of its `setup()`, or the error that it raises.
+    """Run a setup.py, and return the arguments of its last `setup()`, or the error.
+
+    An error is also that it calls no `setup()`, or calls it wrongly. The current folder of this
+    process becomes that of the setup.py, and stand-ins take the place of setuptools.
 
     Args:
-        file: The path of the setup.py, in whose folder this process goes on.
+        file: The path of the setup.py.
+
+    Returns:
+        `console_scripts`, `data_files` and `source` as in PackageSetup; or only `error`, the parts
+        of a UserError.
     """
     calls: list[dict[str, Any]] = []
     os.chdir(Path(file).parent)
@@ -80,7 +87,9 @@ def _console_scripts(entry_points: Any) -> dict[str, str]:
 
 
 def _install_stand_ins(calls: list[dict[str, Any]]) -> None:
-    """Put modules in the place of setuptools, whose `setup()` only keeps its arguments.
+    """Put modules in the place of setuptools and distutils, whose `setup()` keeps its arguments.
+
+    Nothing else happens in it, and the modules stay in `sys.modules`.
 
     Args:
         calls: Gets the arguments of each call of `setup()`.
@@ -119,7 +128,15 @@ def _install_stand_ins(calls: list[dict[str, Any]]) -> None:
 def find_packages(
     where: str = ".", exclude: Iterable[str] = (), include: Iterable[str] = ("*",)
 ) -> list[str]:
-    """Return the names of the packages in a folder, as `setuptools.find_packages` does."""
+    """Return the names of the packages in a folder, sorted, as `setuptools.find_packages` does.
+
+    A folder counts if it and each folder above it, below `where`, has an `__init__.py`.
+
+    Args:
+        where: The folder.
+        exclude: Patterns of names that are left out, as for fnmatch.
+        include: Patterns, of which a name must match one.
+    """
     exclude, include = list(exclude), list(include)
     found = []
     for file in sorted(Path(where).glob("**/__init__.py")):

@@ -16,9 +16,9 @@ class UserError(NamedTuple):
 
     Attributes:
         file: The path of the file; "" if no line of it is known.
-        line: The number of the line.
+        line: The number of the line, counted from 1; 0 if none is known.
         text: The mistake, with the text of the line if that helps.
-        report: The traceback, without the frames of the console.
+        report: The traceback, without the frames of the console; "" for code that hangs.
     """
 
     file: str
@@ -29,6 +29,8 @@ class UserError(NamedTuple):
 
 def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
     """Describe an error by the last line of a person's files in its traceback.
+
+    If no line of the traceback is theirs, the file is "" and the line 0.
 
     Args:
         error: The error.
@@ -56,6 +58,8 @@ def describe_hang(
     frame: FrameType | None, seconds: float, is_own: Callable[[str], bool]
 ) -> UserError:
     """Describe code of a person's file that does not return in time, by the line that runs.
+
+    If no line that runs is of a person's file, the file is "" and the line 0.
 
     Args:
         frame: The frame that runs now.

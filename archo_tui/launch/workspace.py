@@ -39,7 +39,10 @@ class EntryPoint:
     source: Path | None
 
     def make_importable(self) -> None:
-        """Add the source folder to `sys.path`, so that this process can import the module."""
+        """Put the source folder first in `sys.path`, so that this process can import the module.
+
+        Nothing changes for an installed package, or if the folder is on the path already.
+        """
         if self.source is not None and str(self.source) not in sys.path:
             sys.path.insert(0, str(self.source))
 
@@ -49,11 +52,14 @@ class Workspace:
 
     Attributes:
         packages: The packages.
-        problems: A line for each package.xml that cannot be used.
+        problems: A line for each package.xml that cannot be used, or whose name is taken already.
     """
 
     def __init__(self, folders: Iterable[Path]) -> None:
-        """Read the package.xml of some folders; of two packages of a name the first is taken."""
+        """Read the package.xml of some folders; of two packages with one name, take the first.
+
+        A package that cannot be used is left out, and told in `problems`.
+        """
         self.packages: dict[str, Package] = {}
         self.problems: list[str] = []
         self._setups: dict[str, PackageSetup] = {}
@@ -70,10 +76,10 @@ class Workspace:
 
     @classmethod
     def below(cls, folder: Path) -> Workspace:
-        """Return the workspace with all packages below a folder.
+        """Return the workspace with all packages at or below a folder.
 
         Raises:
-            ArchoError: The folder has no package, or is too large for a workspace.
+            ArchoError: The folder has no usable package, or more than _MAX_FOLDERS folders.
         """
         found = cls(_package_folders(folder))
         if not found.packages:
@@ -86,10 +92,13 @@ class Workspace:
         """Return the workspace around a file, with the packages that the file can use.
 
         These are the packages of the workspace if the file's package is below its `src/`, else
-        the packages beside it.
+        the packages beside it; the file's own comes first. A file in no package has none.
 
         Args:
             file: A file, such as a launch file; none of its folders needs to be a package.
+
+        Raises:
+            ArchoError: The `src/` has more than _MAX_FOLDERS folders.
         """
         above = file.resolve().parents
         own = next((folder for folder in above if (folder / "package.xml").is_file()), None)
@@ -103,27 +112,31 @@ class Workspace:
 
     @cached_property
     def interface_packages(self) -> dict[str, Path]:
-        """The folders of the packages with messages, services or actions, by name."""
+        """The folders of the packages with messages, services or actions, by the package's name."""
         return {p.name: p.folder for p in self.packages.values() if p.has_interfaces}
 
     def find(self, name: str) -> Package | None:
-        """Return a package of the workspace, or ARCHO's own in a checkout; None for others."""
+        """Return the package with a name: one of the workspace, or ARCHO's own in a checkout.
+
+        Returns:
+            None for any other name.
+        """
         if name == _OWN_PACKAGE and name not in self.packages:
             own = _CHECKOUT / "nodes"
             return read_package(own) if (own / "package.xml").is_file() else None
         return self.packages.get(name)
 
     def nearest_package_hint(self, name: str) -> str:
-        """Return ` (nearest: my_robot)` for a misspelt name, or "" if none is alike."""
+        """Return ` (nearest: my_robot)` for a misspelt name, or "" if no package has one alike."""
         return nearest_hint(name, self.packages, _ALIKE)
 
     def executables(self, package: Package) -> dict[str, EntryPoint]:
         """Return the executables of an ament_python package by name; none for another package.
 
-        The first call runs the setup.py of the package, and blocks: not for the UI thread.
+        The first call for a package runs its setup.py, and blocks: not for the UI thread.
 
         Raises:
-            ArchoError: The setup.py has a mistake; the message has file and line.
+            ArchoError: There is no setup.py, or it has a mistake; the message has the file.
         """
         if package.build_type != AMENT_PYTHON:
             return {}
@@ -138,11 +151,12 @@ class Workspace:
     def entry_point(self, package_name: str, executable: str) -> EntryPoint:
         """Return the function of an executable.
 
-        The first call for a package runs its setup.py, and blocks: not for the UI thread.
+        A package outside of the workspace is looked for among the installed Python packages. The
+        first call for a package runs its setup.py, and blocks: not for the UI thread.
 
         Raises:
-            ArchoError: There is no such package or executable, or it is not written in Python; the
-                message says what is there.
+            ArchoError: There is no such package, executable or module, the setup.py has a mistake,
+                or the executable is not written in Python; the message says what is there.
         """
         package = self.find(package_name)
         installed = _installed_executables(package_name) if package is None else {}
@@ -164,7 +178,13 @@ class Workspace:
 
 
 def _checked(entry_point: EntryPoint, package: Package | None, executable: str) -> EntryPoint:
-    """Return the entry point of a package's executable if the file of its module is there."""
+    """Return an entry point of a package's executable if the file of its module is there.
+
+    Installed packages are not checked.
+
+    Raises:
+        ArchoError: There is no such file; the message names the nearest module.
+    """
     if package is None or entry_point.source is None:
         return entry_point
     path = entry_point.source.joinpath(*entry_point.module.split("."))
@@ -187,8 +207,8 @@ def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
     """Return the console scripts of an installed Python package, by name.
 
     Returns:
-        An empty dictionary if it is not installed; for ARCHO's own package its modules, since its
-        wheel has no scripts for them.
+        An empty dictionary if the package is not installed; for ARCHO's own package, if only the
+        console's wheel has it, an executable for each of its modules.
     """
     try:
         distribution = importlib.metadata.distribution(package_name)
@@ -210,8 +230,11 @@ def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
 def _package_folders(folder: Path) -> Iterator[Path]:
     """Yield each folder at or below a folder that is a package, but none inside another package.
 
+    As in colcon, hidden folders, folders with a COLCON_IGNORE or AMENT_IGNORE file, and `build`,
+    `install` and `log` directly in the folder are left out. Links are followed.
+
     Raises:
-        ArchoError: There are too many folders.
+        ArchoError: There are more than _MAX_FOLDERS folders.
     """
     seen: set[str] = set()
     for root, names, files in os.walk(folder, followlinks=True):

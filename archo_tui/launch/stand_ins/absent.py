@@ -6,7 +6,7 @@ from typing import Any
 
 from archo_tui.launch.stand_ins.action import Action, LaunchDescription
 from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import NotHereError
+from archo_tui.launch.stand_ins.failures import SkipActionError
 from archo_tui.launch.stand_ins.substitution import Substitution
 
 _PROGRAMS = "no other programs are started here: start it in another terminal"
@@ -72,8 +72,9 @@ REASONS: dict[str, dict[str | None, str]] = {
 class Absent(Action, Substitution):
     """The stand-in for a part of launch that is not supported, with any arguments.
 
-    Its objects can be used as an action, substitution, condition or included file, called, and
-    asked for any attribute; using one in the evaluation raises NotHereError.
+    Its objects can be used as an action, substitution, condition or included file. A call of one,
+    and any attribute that it lacks, gives the object itself. Its use in the evaluation raises
+    SkipActionError, except as an action whose condition does not hold.
     """
 
     reason = ""
@@ -88,15 +89,15 @@ class Absent(Action, Substitution):
         raise self._error(is_value=True)
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Raise NotHereError: the object was used as a condition."""
+        """Raise SkipActionError: the object was used as a condition."""
         raise self._error(is_value=True)
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Raise NotHereError: the object was used as an included file."""
+        """Raise SkipActionError: the object was used as an included file."""
         raise self._error()
 
-    def _error(self, is_value: bool = False) -> NotHereError:
-        return NotHereError(f"{type(self).__name__}: {self.reason}", self.place, is_value)
+    def _error(self, is_value: bool = False) -> SkipActionError:
+        return SkipActionError(f"{type(self).__name__}: {self.reason}", self.place, is_value)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name == "place":
@@ -108,7 +109,11 @@ class Absent(Action, Substitution):
 
 
 def absent_class(module: str, name: str) -> type[Absent] | None:
-    """Return the stand-in class for a name in a module; None for a name that launch lacks."""
+    """Return a new subclass of Absent for a name in a module of launch that is not supported.
+
+    Returns:
+        None for a name that the module lacks, or that begins with `_`.
+    """
     reasons = REASONS.get(module, {})
     reason = reasons.get(name, reasons.get(None))
     if reason is None or name.startswith("_"):

@@ -17,6 +17,7 @@ class LaunchDescriptionEntity:
         declares_argument: True for an argument of the launch file.
         resets_arguments: True if arguments that are declared after it get no values.
         is_conditional: True if only the evaluation decides whether it is performed.
+        place: The line of the launch file that made the entity.
     """
 
     declares_argument = resets_arguments = is_conditional = False
@@ -25,20 +26,23 @@ class LaunchDescriptionEntity:
         self.place = calling_place()
 
     def visit(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Perform the entity, and return the entities to perform next."""
+        """Perform the entity, and return the entities to perform next; None for none."""
         raise NotImplementedError
 
     def sub_entities(self) -> Iterable[Any]:
-        """Return the contained entities that are known before the evaluation."""
+        """Return the contained entities that are known before the evaluation; by default none."""
         return ()
 
     def given_names(self) -> set[str]:
-        """Return the names of the arguments that this entity gives to its sub-entities."""
+        """Return the names of the arguments that this entity gives to its sub-entities.
+
+        By default there are none.
+        """
         return set()
 
 
 class Action(LaunchDescriptionEntity):
-    """The base of all actions."""
+    """The base of all actions, which are performed only if their condition holds."""
 
     def __init__(self, *, condition: Condition | None = None) -> None:
         super().__init__()
@@ -51,12 +55,19 @@ class Action(LaunchDescriptionEntity):
         return None
 
     def execute(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Perform the action, whose condition holds, and return the entities to perform next."""
+        """Perform the action, whose condition holds, and return the entities to perform next.
+
+        Returns:
+            None if there are no further entities.
+        """
         raise NotImplementedError
 
 
 class LaunchDescription(LaunchDescriptionEntity):
-    """The entities that `generate_launch_description()` returns."""
+    """The entities that `generate_launch_description()` returns.
+
+    A `deprecated_reason` becomes a warning when the description is performed.
+    """
 
     def __init__(
         self, initial_entities: Iterable[Any] | None = None, *, deprecated_reason: str | None = None
@@ -66,7 +77,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         self._deprecated_reason = deprecated_reason
 
     def add_action(self, action: Any) -> None:
-        """Add an action."""
+        """Append an action or any other entity."""
         self.entities.append(action)
 
     add_entity = add_action

@@ -49,7 +49,11 @@ __all__ = [
 
 
 class DeclareLaunchArgument(Action):
-    """An argument of the launch file, `name:=value`."""
+    """The action that declares an argument of the launch file, and sets its default if need be.
+
+    SubstitutionFailure is raised if there is neither a value nor a default, or if one of them is
+    not among the choices.
+    """
 
     declares_argument = True
 
@@ -93,7 +97,10 @@ class DeclareLaunchArgument(Action):
 
 
 class _SetVariable(Action):
-    """The base of the actions that set a launch configuration or an environment variable."""
+    """The base of the actions that set a launch configuration or an environment variable.
+
+    Name and value may be substitutions. A value that is set already is replaced.
+    """
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -110,7 +117,10 @@ class _SetVariable(Action):
 
 
 class _UnsetVariable(Action):
-    """The base of the actions that remove a launch configuration or an environment variable."""
+    """The base of the actions that remove a launch configuration or an environment variable.
+
+    Nothing happens if it is not set.
+    """
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -123,19 +133,19 @@ class _UnsetVariable(Action):
 
 
 class SetLaunchConfiguration(_SetVariable):
-    """The action that sets a launch configuration."""
+    """The action that sets a launch configuration, until the scope ends."""
 
     _variables = attrgetter("launch_configurations")
 
 
 class UnsetLaunchConfiguration(_UnsetVariable):
-    """The action that removes a launch configuration."""
+    """The action that removes a launch configuration, until the scope ends."""
 
     _variables = attrgetter("launch_configurations")
 
 
 class ResetLaunchConfigurations(Action):
-    """The action that removes every launch configuration but those given."""
+    """The action that replaces all launch configurations by those given, by default by none."""
 
     resets_arguments = True
 
@@ -152,54 +162,60 @@ class ResetLaunchConfigurations(Action):
 
 
 class PushLaunchConfigurations(Action):
-    """The action that begins a scope of launch configurations."""
+    """The action that begins a scope of launch configurations, with a copy of those around it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.push_configurations()
 
 
 class PopLaunchConfigurations(Action):
-    """The action that ends a scope of launch configurations."""
+    """The action that ends a scope of launch configurations, and restores those from before it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_configurations()
 
 
 class PushEnvironment(Action):
-    """The action that begins a scope of environment variables."""
+    """The action that begins a scope of environment variables, with a copy of those around it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.push_environment()
 
 
 class PopEnvironment(Action):
-    """The action that ends a scope of environment variables."""
+    """The action that ends a scope of environment variables, and restores those from before it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_environment()
 
 
 class ResetEnvironment(Action):
-    """The action that restores the environment of the start."""
+    """The action that restores the environment variables of the start of the launch."""
 
     def execute(self, context: LaunchContext) -> None:
         context.reset_environment()
 
 
 class SetEnvironmentVariable(_SetVariable):
-    """The action that sets an environment variable of the programs that are started afterwards."""
+    """The action that sets an environment variable, until the scope ends.
+
+    Substitutions and the programs that are started afterwards see it.
+    """
 
     _variables = attrgetter("environment")
 
 
 class UnsetEnvironmentVariable(_UnsetVariable):
-    """The action that removes an environment variable."""
+    """The action that removes an environment variable, until the scope ends."""
 
     _variables = attrgetter("environment")
 
 
 class AppendEnvironmentVariable(Action):
-    """The action that appends to an environment variable, or sets it if there is none."""
+    """The action that appends to an environment variable, or sets it if there is none.
+
+    With `prepend` the value comes first. The separator is that of PATH unless another is given.
+    """
 
     def __init__(
         self,
@@ -226,7 +242,11 @@ class AppendEnvironmentVariable(Action):
 
 
 class GroupAction(Action):
-    """Several actions, in a scope of their own unless `scoped` is false."""
+    """The action that performs several actions, in a scope of their own unless `scoped` is false.
+
+    The given launch configurations are set before. If `forwarding` is false, the scope has only
+    them, and the environment of the start.
+    """
 
     def __init__(
         self,
@@ -256,7 +276,12 @@ class GroupAction(Action):
 
 
 class IncludeLaunchDescription(Action):
-    """Everything that another launch file describes."""
+    """The action that sets the given arguments, and performs everything in another launch file.
+
+    Both the arguments and ThisLaunchFile stay as they are after the included file, as in launch. An
+    argument without a value raises SubstitutionFailure; `launch_arguments` are pairs, and a mapping
+    raises TypeError.
+    """
 
     def __init__(
         self,
@@ -306,7 +331,7 @@ class IncludeLaunchDescription(Action):
 
 
 class LogInfo(Action):
-    """The action that prints a message for the person who launches."""
+    """The action that adds a note of level INFO, for the person who launches."""
 
     def __init__(self, *, msg: SomeSubstitutionsType, condition: Condition | None = None) -> None:
         super().__init__(condition=condition)
@@ -317,7 +342,11 @@ class LogInfo(Action):
 
 
 class OpaqueFunction(Action):
-    """A function of the launch file that returns further actions."""
+    """The action that calls a function of the launch file, and performs the actions it returns.
+
+    The function gets the context first. It may return None; anything else that is not iterable
+    raises SubstitutionFailure. What cannot be called raises TypeError at once.
+    """
 
     def __init__(
         self,
@@ -342,7 +371,10 @@ class OpaqueFunction(Action):
 
 
 class TimerAction(Action):
-    """Actions that are performed later, with the launch configurations that there are then."""
+    """The action that performs others later, with the launch configurations that there are then.
+
+    Nothing waits: the evaluation performs them at its end, and gives programs a start delay.
+    """
 
     def __init__(
         self,

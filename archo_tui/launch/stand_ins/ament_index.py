@@ -21,7 +21,8 @@ class PackageIndex:
 
     Attributes:
         workspace: The packages of the workspace.
-        prefix: The install prefix that this process makes, with a share folder for each package.
+        prefix: The install prefix that this process makes, with a share folder for each package
+            that was asked for.
         missing: The packages that the launch file needs and that are not here, each with the first
             line that needs it.
     """
@@ -37,9 +38,11 @@ class PackageIndex:
         self.missing: dict[str, Place] = {}
 
     def prefix_of(self, name: str) -> Path:
-        """Return the install prefix of a package, or an empty one if the package is not here.
+        """Return the install prefix of a package; for a missing package a path that does not exist.
 
-        So a launch file that also needs packages of other workspaces is evaluated all the same.
+        So a launch file that also needs packages of other workspaces is evaluated all the same. A
+        missing package is added to `missing`. For a package of the workspace, the share folder is
+        filled, as by `share_folder`.
 
         Raises:
             ArchoError: The package has a mistake in its setup.py.
@@ -55,14 +58,18 @@ class PackageIndex:
         return self._absent / name
 
     def missing_package(self, path: str) -> str:
-        """Return the missing package that has a path, by the prefix that it got; "" for none."""
+        """Return the name of the missing package whose prefix a path is below.
+
+        Returns:
+            "" for any other path.
+        """
         try:
             return Path(path).relative_to(self._absent).parts[0]
         except (ValueError, IndexError):
             return ""
 
     def why_missing(self, path: str) -> str:
-        """Return the reason why there is no file at a path, and what to do."""
+        """Return the reason why there is no file at a path, and what to do if that is known."""
         known = (
             missing_file_text(self.prefix, package, Path(path))
             for package in self.workspace.packages.values()
@@ -78,32 +85,42 @@ index = PackageIndex(Workspace(()), Path(os.devnull))
 
 
 def use(packages: PackageIndex) -> None:
-    """Set the index in which launch files find their packages."""
+    """Set the index in which all launch files of this process find their packages."""
     global index
     index = packages
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return the install prefix of a package."""
+    """Return the install prefix of a package; a missing one raises nothing, see `prefix_of`."""
     return str(index.prefix_of(package_name))
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:  # noqa: ARG001
-    """Return the share folder of a package."""
+    """Return the share folder of a package; a missing one raises nothing, see `prefix_of`."""
     return str(get_package_share_path(package_name))
 
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:  # noqa: ARG001
-    """Return the share folder of a package as a path."""
+    """Return the share folder of a package as a Path.
+
+    A missing package raises nothing, see `prefix_of`.
+    """
     return index.prefix_of(package_name) / "share" / package_name
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
-    """Return the install prefix of each package of the workspace, without AMENT_PREFIX_PATH."""
+    """Return the install prefix of each package of the workspace, by the package's name.
+
+    Packages on AMENT_PREFIX_PATH are left out.
+    """
     return {name: get_package_prefix(name) for name in index.workspace.packages}
 
 
 def has_resource(resource_type: str, resource_name: str) -> str | bool:
-    """Return the prefix of a package that is here; False if it is not, or for other resources."""
+    """Return the prefix of a package for the resource type `packages`, if the package is here.
+
+    Returns:
+        False for a package that is missing, which is noted, and for other types of resources.
+    """
     found = get_package_prefix(resource_name) if resource_type == "packages" else ""
     return found if found and resource_name not in index.missing else False

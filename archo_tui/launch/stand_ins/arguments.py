@@ -23,12 +23,19 @@ class DeclaredArgument(NamedTuple):
 
     @property
     def is_required(self) -> bool:
-        """True if a value must be given: there is no default, and no condition decides."""
+        """True if a value must be given: there is no default, and no condition decides.
+
+        An include around the argument may give the value.
+        """
         return self.argument.default_value is None and not self.is_conditional
 
 
 def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
-    """Return the arguments that entities declare; of several with the same name, the first."""
+    """Return the arguments that entities declare, in their order; of several of a name, the first.
+
+    What is declared after a ResetLaunchConfigurations is left out. The files that the entities
+    include are loaded, which runs the code in them.
+    """
     found: dict[str, DeclaredArgument] = {}
     for declared in _walk(entities, False, frozenset()):
         found.setdefault(declared.argument.name, declared)

@@ -23,7 +23,7 @@ __all__ = [
 
 
 class Condition:
-    """A rule that decides whether an action is performed."""
+    """A rule, given as a function of the context, that decides whether an action is performed."""
 
     def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
         self.place = calling_place()
@@ -35,7 +35,10 @@ class Condition:
 
 
 class IfCondition(Condition):
-    """The condition that an expression is `true` or `1`, and not `false` or `0`."""
+    """The condition that an expression is `true` or `1`; it does not hold for `false` or `0`.
+
+    Upper or lower case makes no difference. Any other text raises SubstitutionFailure.
+    """
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
         super().__init__(predicate=self._holds)
@@ -50,14 +53,20 @@ class IfCondition(Condition):
 
 
 class UnlessCondition(IfCondition):
-    """The opposite of IfCondition."""
+    """The opposite of IfCondition: it holds for `false` and `0`.
+
+    Any text but `true`, `1`, `false` and `0` raises SubstitutionFailure.
+    """
 
     def _holds(self, context: LaunchContext) -> bool:
         return not super()._holds(context)
 
 
 class LaunchConfigurationEquals(Condition):
-    """The condition that a launch configuration has a value; for None, that it is not set."""
+    """The condition that a launch configuration has a value; for None, that it is not set.
+
+    The launch configuration counts as read.
+    """
 
     def __init__(
         self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None
@@ -72,7 +81,7 @@ class LaunchConfigurationEquals(Condition):
 
 
 class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
-    """The opposite of LaunchConfigurationEquals."""
+    """The opposite of LaunchConfigurationEquals; for None, that a launch configuration is set."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return not super()._holds(context)

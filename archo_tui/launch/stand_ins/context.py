@@ -11,7 +11,14 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 class Delayed(NamedTuple):
-    """The actions of a timer; objects sort by their time."""
+    """The actions of a timer; objects sort by their time, then by their number.
+
+    Attributes:
+        time: Seconds after the start of the launch.
+        number: A number that keeps timers of the same time in their order.
+        actions: The actions to perform then.
+        local_values: The `locals` of the context when the timer began.
+    """
 
     time: float  # Seconds after the start.
     number: int
@@ -20,9 +27,10 @@ class Delayed(NamedTuple):
 
 
 class LaunchContext:
-    """The launch configurations, environment and locals that actions read and change.
+    """The state that actions read and change: launch configurations, environment, locals, results.
 
     Attributes:
+        argv: The arguments that the context was created with.
         locals: The path and the folder of the launch file, as ThisLaunchFile reads them.
         programs: A JSON object for each program to start, as `LaunchedProgram` has it.
         notes: A JSON object for each note, as `LaunchNote` has it.
@@ -48,12 +56,12 @@ class LaunchContext:
 
     @property
     def launch_configurations(self) -> dict[str, Any]:
-        """The launch configurations of the innermost scope."""
+        """The launch configurations of the innermost scope, which callers may change in place."""
         return self._configurations
 
     @property
     def environment(self) -> dict[str, str]:
-        """The environment variables of the innermost scope."""
+        """The environment variables of the innermost scope, which callers may change in place."""
         return self._environment
 
     def perform_substitution(self, substitution: Any) -> str:
@@ -78,7 +86,10 @@ class LaunchContext:
         self._environment = dict(os.environ)
 
     def changed_environment(self) -> dict[str, str | None]:
-        """Return the variables that differ from this process's; None for those that are unset."""
+        """Return the variables of the innermost scope that differ from this process's, by name.
+
+        Those that are unset have the value None.
+        """
         now = self._environment
         changed: dict[str, str | None] = {
             name: value for name, value in now.items() if os.environ.get(name) != value

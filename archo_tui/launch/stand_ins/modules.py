@@ -93,7 +93,10 @@ _SPLIT = (
 
 @contextmanager
 def importable_stand_ins() -> Iterator[None]:
-    """Let imports inside this context find the stand-ins instead of installed packages."""
+    """Let imports inside this context find the stand-ins instead of installed packages.
+
+    Afterwards the modules that were imported before are in `sys.modules` again.
+    """
     modules = {name: _module(name, name) for name in dict.fromkeys([*_CONTENTS, *REASONS])}
     for package in _SPLIT:
         for name in vars(modules[package])["__all__"]:
@@ -124,7 +127,15 @@ def _snake_case(name: str) -> str:
 
 
 def _module(name: str, contents_of: str) -> ModuleType:
-    """Return a stand-in with the contents of a module of this or another name."""
+    """Return a new module with a name, and with the stand-ins of a module of this or another name.
+
+    A name that is not supported is a subclass of Absent; one that launch lacks raises
+    AttributeError.
+
+    Args:
+        name: The name of the new module.
+        contents_of: The name of the module in launch whose contents it has.
+    """
     module = ModuleType(name)
 
     def __getattr__(attribute: str) -> Any:  # PEP 562: what is not here, by its name.

@@ -31,7 +31,10 @@ _AS_TEXT = "is a text meant? ParameterValue(..., value_type=str)"
 
 
 class ParameterValue:
-    """The value of a parameter, and the type that its text is to become."""
+    """The value of a parameter, and the type that its text is to become.
+
+    Without a type, the text is read as YAML 1.1.
+    """
 
     def __init__(self, value: Any, *, value_type: Any = None) -> None:
         check_typed(value, value_type)
@@ -39,7 +42,11 @@ class ParameterValue:
         self.value, self.value_type = value, value_type
 
     def evaluate(self, context: LaunchContext) -> Any:
-        """Return the value."""
+        """Return the value, with its substitutions performed.
+
+        Raises:
+            SubstitutionFailure: The text is not of the wanted type.
+        """
         try:
             return perform_typed(context, self.value, self.value_type)
         except ValueError as error:
@@ -47,19 +54,26 @@ class ParameterValue:
 
 
 class Parameter:
-    """A parameter by its name and value."""
+    """A parameter by its name and value, and the type that its text is to become."""
 
     def __init__(self, name: SomeSubstitutionsType, value: Any, *, value_type: Any = None) -> None:
         self.name = normalize_to_list_of_substitutions(name)
         self._value = ParameterValue(value, value_type=value_type)
 
     def evaluate(self, context: LaunchContext) -> tuple[str, Any]:
-        """Return the name and the value."""
+        """Return the name and the value, with their substitutions performed.
+
+        Raises:
+            SubstitutionFailure: The text of the value is not of the wanted type.
+        """
         return perform_substitutions(context, self.name), self._value.evaluate(context)
 
 
 class ParameterFile:
-    """A parameter file."""
+    """A parameter file; `allow_substs` tells that `$(var name)` in it is to be replaced.
+
+    Here nothing is replaced: a Node leaves such a file out, with a note.
+    """
 
     def __init__(
         self,
@@ -73,7 +87,7 @@ class ParameterFile:
         self._allow_substs = allow_substs
 
     def evaluate(self, context: LaunchContext) -> str:
-        """Return the path."""
+        """Return the absolute path of the file, which need not exist."""
         return os.path.abspath(perform_substitutions(context, self._path))
 
     def is_substituted(self, context: LaunchContext) -> bool:
@@ -84,8 +98,11 @@ class ParameterFile:
 def evaluate_parameters(context: LaunchContext, given: Mapping[Any, Any]) -> dict[str, Any]:
     """Return the parameters of a mapping by their full names: `{"pid": {"p": 1}}` is `pid.p`.
 
+    Substitutions are performed, and their texts read as YAML 1.1, as launch_ros does.
+
     Raises:
         TypeError: A value cannot be the value of a parameter.
+        SubstitutionFailure: A substitution has no value.
     """
     return {name: _evaluate(context, name, value) for name, value in _flat(context, given, "")}
 
@@ -134,7 +151,15 @@ def _evaluate_list(context: LaunchContext, name: str, values: Sequence[Any]) -> 
 
 
 def _parse_yaml(name: str, text: str) -> Any:
-    """Parse the text of a parameter as YAML 1.1: `1.5` becomes a float, `true` a bool."""
+    """Parse the text of a parameter as YAML 1.1: `1.5` becomes a float, `true` a bool.
+
+    Args:
+        name: The name of the parameter, for the error.
+        text: The text; "" stays an empty text.
+
+    Raises:
+        TypeError: The text is not YAML, or stands for null, a mapping or a list of mixed types.
+    """
     try:
         value = yaml.safe_load(text or "''")
     except yaml.YAMLError:

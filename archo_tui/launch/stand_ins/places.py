@@ -18,7 +18,7 @@ class Place(NamedTuple):
 
 
 def calling_place() -> Place:
-    """Return the line of the nearest caller outside of the stand-ins."""
+    """Return the line of the nearest caller outside of the stand-ins; `Place("", 0)` for none."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and frame.f_code.co_filename.startswith(_STAND_INS):
         frame = frame.f_back

@@ -13,7 +13,7 @@ from archo_tui.launch.stand_ins import ament_index
 from archo_tui.launch.stand_ins.action import Action
 from archo_tui.launch.stand_ins.conditions import Condition
 from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import NotHereError, SubstitutionFailure
+from archo_tui.launch.stand_ins.failures import SkipActionError, SubstitutionFailure
 from archo_tui.launch.stand_ins.parameters import Parameter, ParameterFile, evaluate_parameters
 from archo_tui.launch.stand_ins.substitution import (
     SomeSubstitutionsType,
@@ -49,7 +49,12 @@ _NOT_FOLLOWED = ("cwd", "on_exit", "prefix", "respawn_max_retries", "shell")
 
 
 class Node(Action):
-    """A node in a process of its own."""
+    """The action that adds a program of a package, with one node as a rule, to those to start.
+
+    Options that are not followed here, such as `prefix`, get a note; an option that launch_ros does
+    not have raises TypeError, a wrong name or namespace SubstitutionFailure. A Node without a
+    package is left out.
+    """
 
     def __init__(
         self,
@@ -96,7 +101,7 @@ class Node(Action):
         if self._package is None:
             path = perform(context, self._executable)
             text = f"a Node without package runs {path}, which is not started here"
-            raise NotHereError(text, self.place)
+            raise SkipActionError(text, self.place)
         name = None if self._name is None else perform(context, self._name)
         namespace = _namespace(context, self._namespace)
         self._check_names(name, namespace)
@@ -136,7 +141,10 @@ class Node(Action):
     def _ros_args(
         self, context: LaunchContext, name: str | None, namespace: str | None
     ) -> Iterator[str]:
-        """Yield the words after `--ros-args`, in the order in which launch_ros writes them."""
+        """Yield the words after `--ros-args`, in the order in which launch_ros writes them.
+
+        Some parameters are written to a file for it. A parameter file that is missing gets a note.
+        """
         yield from [perform_substitutions(context, part) for part in self._ros_arguments]
         if name is not None:
             yield from ("-r", f"__node:={name}")
@@ -161,11 +169,13 @@ class Node(Action):
     ) -> Iterator[str]:
         """Yield the arguments for an entry of `parameters`.
 
+        The values of a mapping are written to a file in the prefix if the full name is given.
+
         Args:
             context: The state of the evaluation.
             given: The entry.
             full_name: The name of the node with its namespace; "" if one of them is not given.
-            number: The number of the entry.
+            number: The number of the entry, for the name of that file.
         """
         if isinstance(given, ParameterFile):
             yield from self._file_args(context, given.evaluate(context), given)
@@ -188,7 +198,15 @@ class Node(Action):
     def _file_args(
         self, context: LaunchContext, path: str, given: ParameterFile | None = None
     ) -> Iterator[str]:
-        """Yield the arguments for a parameter file; if there is no such file, only add a note."""
+        """Yield the arguments for a parameter file, or only add a note why it is left out.
+
+        A file is left out if it is missing, or has a `$(...)` that `given` wants to be replaced.
+
+        Args:
+            context: The state of the evaluation.
+            path: The path of the file.
+            given: The entry of `parameters`; None for a file of SetParametersFromFile.
+        """
         missing = ament_index.index.missing_package(path)
         place = self.place if given is None else given.place
         if missing:
@@ -209,7 +227,7 @@ _KNOWN_OPTIONS = ("executable", *(Node.__init__.__kwdefaults__ or ()))
 
 
 class LifecycleNode(Node):
-    """A node with a lifecycle, which starts unconfigured."""
+    """A Node that must have a name and a namespace; nothing here configures or activates it."""
 
     def __init__(
         self, *, name: SomeSubstitutionsType, namespace: SomeSubstitutionsType, **options: Any
@@ -218,7 +236,10 @@ class LifecycleNode(Node):
 
 
 class PushROSNamespace(Action):
-    """A namespace for the nodes that follow in the scope."""
+    """The action that sets the namespace of the nodes that follow in the scope.
+
+    A namespace without a leading `/` is added to that of the scope.
+    """
 
     def __init__(self, namespace: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
@@ -232,7 +253,7 @@ PushRosNamespace = PushROSNamespace
 
 
 class SetParameter(Action):
-    """A parameter for all nodes that follow in the scope."""
+    """The action that sets a parameter of all nodes that follow in the scope."""
 
     def __init__(self, name: SomeSubstitutionsType, value: Any, **options: Any) -> None:
         super().__init__(**options)
@@ -247,7 +268,7 @@ class SetParameter(Action):
 
 
 class SetParametersFromFile(Action):
-    """A parameter file for all nodes that follow in the scope."""
+    """The action that gives a parameter file to all nodes that follow in the scope."""
 
     def __init__(self, filename: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
@@ -259,7 +280,7 @@ class SetParametersFromFile(Action):
 
 
 class SetRemap(Action):
-    """A remapping for all nodes that follow in the scope."""
+    """The action that remaps a name for all nodes that follow in the scope."""
 
     def __init__(
         self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, **options: Any
@@ -275,12 +296,23 @@ class SetRemap(Action):
 
 
 def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
-    """Add entries to a list in the launch configurations, which inner scopes inherit."""
+    """Add entries to a list in the launch configurations, which is made if there is none.
+
+    As in launch, a scope shares the lists of the scope around it, which gets the entries, too.
+    """
     context.launch_configurations.setdefault(name, []).extend(entries)
 
 
 def _namespace(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:
-    """Return the full namespace of a node or scope; None if neither it nor its scopes give one."""
+    """Return the full namespace of a node or scope, with a leading `/` and none at its end.
+
+    Args:
+        context: The state of the evaluation, with the namespace of the scope.
+        given: The node's own namespace; without a leading `/` it is added to that of the scope.
+
+    Returns:
+        None if neither the node nor its scope has a namespace.
+    """
     around: str | None = context.launch_configurations.get("ros_namespace")
     own = None if given is None else perform(context, given)
     if own is None:
@@ -320,7 +352,13 @@ def _in_one_line(value: Any) -> str:
 
 
 def _output(context: LaunchContext, given: Any) -> str:
-    """Return where the output of a program goes: `log`, `screen` or `both`."""
+    """Return where the output of a program goes: `log`, `screen` or `both`.
+
+    Args:
+        context: The context of the substitutions.
+        given: The option `output` of a Node: a text, or a mapping for stdout and stderr, which is
+            `both` if their values differ.
+    """
     if isinstance(given, Mapping):
         words = {perform(context, word) for word in given.values()}
         return "both" if {"both"} & words or len(words) > 1 else "".join(words)

@@ -18,14 +18,14 @@ __all__ = ["FindPackagePrefix", "FindPackageShare", "Parameter"]
 
 
 class FindPackagePrefix(Substitution):
-    """The install prefix of a package."""
+    """The install prefix of a package; for a missing package a folder that does not exist."""
 
     def __init__(self, package: SomeSubstitutionsType) -> None:
         super().__init__()
         self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:
-        """Return the folder that the substitution stands for: the install prefix."""
+        """Return the folder that the substitution stands for: here the install prefix."""
         return ament_index.get_package_prefix(package_name)
 
     def perform(self, context: LaunchContext) -> str:
@@ -40,14 +40,17 @@ class FindPackagePrefix(Substitution):
 
 
 class FindPackageShare(FindPackagePrefix):
-    """The share folder of a package."""
+    """The share folder of a package; for a missing package a folder that does not exist."""
 
     def find(self, package_name: str) -> str:
         return ament_index.get_package_share_directory(package_name)
 
 
 class Parameter(Substitution):
-    """The value of a parameter that SetParameter has set."""
+    """The value, as text, of a parameter that SetParameter has set, else the default.
+
+    Without a default SubstitutionFailure is raised. Of several values the first counts.
+    """
 
     def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
         super().__init__()

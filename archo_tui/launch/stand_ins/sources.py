@@ -11,7 +11,7 @@ from archo_tui import regular_files
 from archo_tui.launch.stand_ins import ament_index
 from archo_tui.launch.stand_ins.action import LaunchDescription
 from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError, NotHereError
+from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError, SkipActionError
 from archo_tui.launch.stand_ins.places import Place, calling_place
 from archo_tui.launch.stand_ins.substitution import (
     SomeSubstitutionsType,
@@ -27,7 +27,7 @@ loaded_files: set[str] = set()  # The paths of the launch files, which errors ar
 
 
 class PythonLaunchDescriptionSource:
-    """A launch file in Python."""
+    """A launch file in Python that another launch file includes."""
 
     def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
         self.place = calling_place()
@@ -35,20 +35,20 @@ class PythonLaunchDescriptionSource:
         self._loaded: dict[str, LaunchDescription] = {}
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Return the path of the file, and what it describes; each file is loaded once.
+        """Return the path of the file, and what it describes; run each file once only.
 
         Raises:
-            NotHereError: Its package is not here, or it is not in Python: it is to be left out.
-            InvalidLaunchFileError: There is no such file.
+            SkipActionError: The package of the file is not here, or the file is not in Python.
+            InvalidLaunchFileError: There is no such file, or it describes nothing.
         """
         path = os.path.abspath(perform_substitutions(context, self._path))
         missing = ament_index.index.missing_package(path)
         if missing:
             text = f"{missing} is not here: start its {os.path.basename(path)} with ROS 2"
-            raise NotHereError(text, self.place)
+            raise SkipActionError(text, self.place)
         if not path.endswith(".py"):
             text = f"{os.path.basename(path)} is left out: only launch files in Python are read"
-            raise NotHereError(text, self.place)
+            raise SkipActionError(text, self.place)
         if not os.path.isfile(path):
             raise InvalidLaunchFileError(ament_index.index.why_missing(path), self.place)
         if path not in self._loaded:
@@ -57,11 +57,13 @@ class PythonLaunchDescriptionSource:
 
 
 class AnyLaunchDescriptionSource(PythonLaunchDescriptionSource):
-    """A launch file in any language, of which Python is read here."""
+    """A launch file in any language, of which only Python is read: others are left out."""
 
 
 def load_launch_file(path: str) -> LaunchDescription:
-    """Run a launch file, and return what it describes.
+    """Run a launch file, and return what it describes; add its path to `loaded_files`.
+
+    Any error of its code is passed on.
 
     Args:
         path: The path of the file.

@@ -46,7 +46,11 @@ __all__ = [
 
 
 def _as_texts(default: Any) -> list[Substitution] | None:
-    """Return a default value as the parts of a text; it may hold numbers and booleans."""
+    """Return a default as the parts of a text, numbers and booleans as Python writes them.
+
+    Returns:
+        None for None.
+    """
     if default is None:
         return None
     parts = default if isinstance(default, Iterable) else (default,)
@@ -59,7 +63,10 @@ def _as_texts(default: Any) -> list[Substitution] | None:
 
 
 class LaunchConfiguration(Substitution):
-    """The value of a launch configuration, such as an argument of the launch file."""
+    """The value of a launch configuration, such as an argument of the launch file, or the default.
+
+    Without a default SubstitutionFailure is raised. The launch configuration counts as read.
+    """
 
     def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None) -> None:
         super().__init__()
@@ -83,7 +90,10 @@ class LaunchConfiguration(Substitution):
 
 
 class EnvironmentVariable(Substitution):
-    """The value of an environment variable."""
+    """The value of an environment variable in the scope, else the default.
+
+    Without a default SubstitutionFailure is raised.
+    """
 
     def __init__(
         self, name: SomeSubstitutionsType, *, default_value: SomeSubstitutionsType | None = None
@@ -108,7 +118,7 @@ class EnvironmentVariable(Substitution):
 
 
 class PathJoinSubstitution(Substitution):
-    """Parts of a path, joined as by `os.path.join`."""
+    """Parts of a path, joined as by `os.path.join`; the operator `/` adds a part."""
 
     def __init__(self, substitutions: Iterable[SomeSubstitutionsType]) -> None:
         super().__init__()
@@ -125,14 +135,19 @@ class PathJoinSubstitution(Substitution):
 
 
 class PathSubstitution(PathJoinSubstitution):
-    """The beginning of a path, to which `/` adds parts."""
+    """A path, to which the operator `/` adds parts."""
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
         super().__init__([path])
 
 
 class PythonExpression(Substitution):
-    """The result of a Python expression as text."""
+    """The result of a Python expression as text.
+
+    The expression can use the given modules by their names, and if `math` is one of them, as by
+    default, what `math` contains without that name. An error in the expression raises
+    SubstitutionFailure.
+    """
 
     def __init__(
         self, expression: SomeSubstitutionsType, python_modules: Iterable[Any] = ("math",)
@@ -161,7 +176,10 @@ class PythonExpression(Substitution):
 
 
 class _Boolean(Substitution):
-    """The base of the substitutions that are `true` or `false`."""
+    """The base of the substitutions that compute with booleans, most to `true` or `false`.
+
+    They read YAML's words for booleans, `1` and `0`; any other text raises SubstitutionFailure.
+    """
 
     def perform(self, context: LaunchContext) -> str:
         return str(self._holds(context)).lower()
@@ -177,7 +195,7 @@ class _Boolean(Substitution):
 
 
 class NotSubstitution(_Boolean):
-    """The opposite of a boolean."""
+    """The text `true` if a boolean is false, else `false`; a text of another kind is an error."""
 
     def __init__(self, value: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -188,7 +206,10 @@ class NotSubstitution(_Boolean):
 
 
 class AnySubstitution(_Boolean):
-    """A boolean that is true if one of several is."""
+    """The text `true` if at least one of several booleans is true, else `false`.
+
+    All of them are evaluated: a text that is no boolean raises SubstitutionFailure.
+    """
 
     def __init__(self, *args: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -199,28 +220,35 @@ class AnySubstitution(_Boolean):
 
 
 class AllSubstitution(AnySubstitution):
-    """A boolean that is true if all of several are."""
+    """The text `true` if all of several booleans are true, else `false`.
+
+    All of them are evaluated: a text that is no boolean raises SubstitutionFailure.
+    """
 
     def _holds(self, context: LaunchContext) -> bool:
         return all([self._as_bool(context, part) for part in self.args])
 
 
 class OrSubstitution(AnySubstitution):
-    """A boolean that is true if one of two is."""
+    """The text `true` if at least one of two booleans is true, else `false`."""
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
 
 
 class AndSubstitution(AllSubstitution):
-    """A boolean that is true if both of two are."""
+    """The text `true` if both of two booleans are true, else `false`."""
 
     def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType) -> None:
         super().__init__(left, right)
 
 
 class EqualsSubstitution(_Boolean):
-    """A boolean that is true if two values are equal, as numbers or booleans if both are such."""
+    """The text `true` if two values are equal, else `false`.
+
+    They are compared as booleans or numbers if both are such, else as texts. Numbers may differ by
+    a rounding error. None counts as an empty text.
+    """
 
     def __init__(self, left: Any, right: Any) -> None:
         super().__init__()
@@ -239,7 +267,7 @@ class EqualsSubstitution(_Boolean):
 
 
 class NotEqualsSubstitution(EqualsSubstitution):
-    """A boolean that is true if two values differ."""
+    """The text `true` if two values differ by the rules of EqualsSubstitution, else `false`."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return not super()._holds(context)
@@ -253,7 +281,7 @@ def _compared(value: Any) -> list[Substitution]:
 
 
 class IfElseSubstitution(_Boolean):
-    """The first of two texts if a boolean is true, else the second."""
+    """The first of two texts if a boolean is true, else the second; both are empty by default."""
 
     def __init__(
         self,
@@ -272,7 +300,7 @@ class IfElseSubstitution(_Boolean):
 
 
 class FileContent(Substitution):
-    """The text of a file."""
+    """The text of a file; if the file cannot be opened, SubstitutionFailure is raised."""
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -288,7 +316,10 @@ class FileContent(Substitution):
 
 
 class AnonName(Substitution):
-    """A unique name that begins with a given name: always the same for the same name."""
+    """A unique name that begins with a given name; in a scope, always the same for the same name.
+
+    The scope keeps it as a launch configuration.
+    """
 
     def __init__(self, name: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -302,14 +333,14 @@ class AnonName(Substitution):
 
 
 class ThisLaunchFile(Substitution):
-    """The path of the launch file."""
+    """The path of the launch file that is performed, or was included last."""
 
     def perform(self, context: LaunchContext) -> str:
         return str(context.locals.current_launch_file_path)
 
 
 class ThisLaunchFileDir(Substitution):
-    """The folder of the launch file."""
+    """The folder of the launch file that is performed, or was included last."""
 
     def perform(self, context: LaunchContext) -> str:
         return str(context.locals.current_launch_file_directory)

@@ -8,19 +8,19 @@ from typing import Any
 
 from archo_tui.launch.stand_ins.action import LaunchDescriptionEntity
 from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import NotHereError, SubstitutionFailure
+from archo_tui.launch.stand_ins.failures import SkipActionError, SubstitutionFailure
 from archo_tui.launch.stand_ins.places import Place
 
 
 def visit(entity: Any, context: LaunchContext, within: Place) -> None:
-    """Perform an entity, then the entities that it returns.
+    """Perform an entity, then the entities that it returns, and so on.
 
-    A part of launch that is not done here is left out, with a note.
+    What is not supported or not here is left out, with a note in the context.
 
     Args:
         entity: The entity.
         context: The state of the evaluation.
-        within: The line of the entity that contains it.
+        within: The line of the entity that contains it, for the error.
 
     Raises:
         SubstitutionFailure: The launch file is wrong.
@@ -31,7 +31,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
         raise SubstitutionFailure(text, within)
     try:
         found = entity.visit(context)
-    except NotHereError as error:
+    except SkipActionError as error:
         is_elsewhere = error.is_value and error.place != entity.place
         needed_by = f" (line {entity.place.line})" if is_elsewhere else ""
         context.note(error.place, f"{error}{needed_by}")
@@ -44,7 +44,10 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
 
 
 def visit_delayed(context: LaunchContext) -> None:
-    """Perform the actions of timers, each at its time."""
+    """Perform the actions of timers in the order of their times, without waiting.
+
+    `context.time` is the time of each then. Timers that these actions start are performed, too.
+    """
     while context.delayed:
         delayed = heapq.heappop(context.delayed)
         context.time = delayed.time
