@@ -79,15 +79,19 @@ def completion_script(shell: str) -> str:
 
 
 def _with_repeated_words(script: str) -> str:
-    """Let zsh complete each word of an argument that takes several, as the shelves of `go`.
+    """Return a zsh script that completes each word of an argument that takes several.
 
-    shtab writes such an argument as `(*)`, with which zsh completes the first word only.
+    An example is the shelves of `go`. shtab writes such an argument as `(*)`, with which zsh
+    completes the first word only.
+
+    Args:
+        script: The script that shtab wrote.
     """
     return script.replace('"(*)::', '"*:').replace('"(*):', '"*:')
 
 
 def _add_completers(parser: argparse.ArgumentParser) -> None:
-    """Tell shtab how the values of this program's own options are completed."""
+    """Tell shtab how the values of a parser's options are completed: files, recordings, engines."""
     for action in parser._actions:
         if action.metavar in ("FILE", "PATH"):
             action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -26,7 +26,10 @@ _MOST_FAILURES = 3  # Crashes of the screen after which the program ends.
 
 
 def run_console(options: Namespace, ros_args: list[str], launch: Launch | None = None) -> int:
-    """Run a console until it is left.
+    """Run a console until it is left; with `--version`, only print the versions.
+
+    The standard input and error of this process are replaced, so that a node cannot read keys or
+    write escape sequences.
 
     Args:
         options: The options of the command line.
@@ -34,7 +37,11 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
         launch: The launch file whose programs run beside it; None for none.
 
     Returns:
-        The exit code: FAILED also if a node did not stop, or if `--record` lost something.
+        The exit code: FAILED also if a node did not stop, or if `--record` lost something; RESTART
+        of `shutdown` if the program is to start again.
+
+    Raises:
+        ArchoError: An option or a file is wrong, or no screen can be shown here.
     """
     if options.version:
         return _print_version(options.engine)
@@ -94,7 +101,21 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
-    """Take commands line by line from `stdin`, until its end or `quit`; return the exit code."""
+    """Start the session, and take commands line by line from `stdin`, until its end or `quit`.
+
+    What nodes print on standard output becomes events.
+
+    Args:
+        session: The session, which the caller closes.
+        options: The options of the command line.
+        stdin: The lines; None if standard input is closed.
+
+    Returns:
+        The exit code.
+
+    Raises:
+        ArchoError: A key in the robot file is wrong.
+    """
     from archo_tui.hosting.node_output import NodeOutput
     from archo_tui.imports import OF_ALL, import_the_rest
     from archo_tui.plain import plain
@@ -115,7 +136,21 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
 
 
 def _run_screen(session: Session, stdin: TextIO | None) -> int:
-    """Show the screen, restart it after a crash, and return the exit code."""
+    """Start the session and show the screen until it is left; after a crash, show it again.
+
+    A crash is written to the events and the journal. After the third one, the running goal is
+    cancelled or left, as `--on-disconnect` says, and the screen is not shown again.
+
+    Args:
+        session: The session, which the caller closes.
+        stdin: The standard input that the process had; None if it is closed.
+
+    Returns:
+        The exit code; FAILED after the third crash.
+
+    Raises:
+        ArchoError: No screen can be shown here, or the keymap is wrong.
+    """
     require_terminal(stdin)
     import asyncio
 
@@ -152,7 +187,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
 
 def _print_version(engine: str) -> int:
-    """Print what a bug report should say."""
+    """Print the versions, the engine and TERM, for a bug report, and return 0."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
     print(safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
@@ -162,7 +197,8 @@ def _print_version(engine: str) -> int:
 def _textual_version() -> str:
     """Return Textual's version, by the name of the folder that its installation left.
 
-    importlib.metadata reads the same there, and takes longer to load than all the rest.
+    Without such a folder, a text says so. importlib.metadata reads the same there, and takes longer
+    to load than all the rest.
     """
     for folder in sys.path:
         try:

@@ -35,6 +35,8 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
 def run_words(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand or the verb that the words name, else the console.
 
+    If the words are no command line but one of them is a STOP, the STOP is sent, with a complaint.
+
     Args:
         words: The words of the command line, without ROS's own.
         ros_args: The words that stood behind `--ros-args`.

@@ -21,7 +21,15 @@ _SUFFIX = ".launch.py"  # As the names of ROS 2's launch files end.
 
 
 def launch(options: Namespace) -> int:
-    """Run the console with a launch file, or print the arguments that the file declares."""
+    """Run the console with a launch file, or print the arguments that the file declares.
+
+    Returns:
+        The exit code; FAILED, with the reasons as complaints, if nothing of the file can run here.
+
+    Raises:
+        ArchoError: The launch file or an argument is wrong, or a given folder has no launch file or
+            several.
+    """
     from archo_tui.hosting.launch_file import NothingRunsError
     from archo_tui.launch.evaluate import launch_arguments, parse_arguments
     from archo_tui.launch.workspace import Workspace
@@ -45,7 +53,7 @@ def launch(options: Namespace) -> int:
 
 
 def _launch_file(given: Path) -> Path:
-    """Return the launch file itself, or the only one of a workspace.
+    """Return a given file as it is, or for a folder the only launch file of that workspace.
 
     Raises:
         ArchoError: The workspace has none, or several.

@@ -31,7 +31,7 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
     """Return the parser of the console's options; `split_ros_args` takes off ROS's own before.
 
     Args:
-        takes_command: If True, a command and the words behind it are taken, too.
+        takes_command: If True, a command or a verb may follow, with all words behind it.
     """
     commands = "".join(f"  {name:<12} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
     parser = OneLineErrorParser(
@@ -58,7 +58,10 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
 
 
 def _add_verb(parser: argparse._ActionsContainer) -> None:
-    """Have a parser take a verb with its words, and options of verbs that stand before it."""
+    """Have a parser take a verb with its words as `command`, and options of verbs before it.
+
+    These options are hidden from `--help`.
+    """
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     for name in (*VERB_VALUES, *VERB_FLAGS):
         parser.add_argument(
@@ -183,7 +186,10 @@ def _about_options(group: argparse._ArgumentGroup) -> None:
 
 
 class _VerbOption(argparse.Action):
-    """A verb's option that is typed before the verb; it is added to `verb_options` as typed."""
+    """The argparse action for an option of a verb that is typed before the verb.
+
+    It appends the option, and its value if it has one, to `verb_options`.
+    """
 
     def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
         given = [value] if isinstance(value, str) else []
@@ -191,7 +197,11 @@ class _VerbOption(argparse.Action):
 
 
 def _megabytes(text: str) -> int:
-    """Return a number of megabytes for recordings, 1 to a million."""
+    """Return the number in the text of `--recordings-limit`, which is 1 to a million megabytes.
+
+    Raises:
+        ArgumentTypeError: The text is no such number.
+    """
     if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
         raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
     return int(text)
@@ -321,7 +331,10 @@ def _mcp_options(parser: argparse._ActionsContainer) -> None:
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the words that are ours, and those between `--ros-args` and `--`."""
+    """Return the words for this program, and those between `--ros-args` and `--` or the end.
+
+    Several such groups are joined. `--ros-args` and the `--` of a group are in neither list.
+    """
     own: list[str] = []
     ros: list[str] = []
     inside = False

@@ -13,19 +13,25 @@ FAILED, MISUSED = 1, 2  # Exit codes.
 
 
 def complain(text: str) -> None:
-    """Print a line on standard error, if that is open."""
+    """Print a line on standard error, if that is open, as `archo-tui: ...`.
+
+    Control characters in the text are made visible.
+    """
     if sys.stderr is not None:
         print(f"archo-tui: {safe(text)}", file=sys.stderr)
 
 
 class ClosedOutput(TextIOBase):
-    """A stand-in for a closed standard output: a write raises OSError, so that no text is lost."""
+    """A stand-in for a closed standard output: each write raises OSError."""
 
     def write(self, text: str) -> int:
         raise OSError(errno.EBADF, os.strerror(errno.EBADF))
 
 
 def report_lost_output() -> None:
-    """Have an error raised from now on when something is printed to a closed standard output."""
+    """Replace a closed standard output, so that printing raises OSError instead of losing text.
+
+    Nothing changes if standard output is open.
+    """
     if sys.stdout is None:
         sys.stdout = ClosedOutput()

@@ -11,15 +11,17 @@ _added: list[str] = []  # Options that take the place of those that were typed.
 
 
 def use_namespace(namespace: str) -> None:
-    """Set the namespace that `command_line` gives the console when it starts itself again."""
+    """Set the namespace that `command_line` adds when the console starts itself again."""
     _added[:] = ["--namespace", namespace]
 
 
 def command_line(given: Sequence[str]) -> list[str]:
-    """Return the command line for another start.
+    """Return the command line that starts the console again, from Python's path on.
+
+    It has the namespace of the last `use_namespace`, if any; `--ros-args` stands at the end.
 
     Args:
-        given: The words of this one.
+        given: The words of the present command line.
     """
     own, ros_args = split_ros_args(given)
     ros = ["--ros-args", *ros_args] if ros_args else []
@@ -27,7 +29,7 @@ def command_line(given: Sequence[str]) -> list[str]:
 
 
 def _this_program() -> list[str]:
-    """Return the arguments with which Python runs this program: a zip file, or the module."""
+    """Return the arguments with which Python runs this program: its zip file, or `-m archo_tui`."""
     from zipfile import is_zipfile
 
     return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]

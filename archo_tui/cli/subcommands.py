@@ -12,7 +12,14 @@ from archo_tui.safe_text import safe
 
 
 def check(options: Namespace) -> int:
-    """Run the checks of the textbook's chapter."""
+    """Run the checks of the textbook's chapter on files, and print a line for each.
+
+    Returns:
+        The exit code: 0 if a check passed and none failed; FAILED if ctrl+c ends them.
+
+    Raises:
+        ArchoError: A file cannot be hosted.
+    """
     from pathlib import Path
 
     from archo_tui.chapter.run import run
@@ -32,7 +39,14 @@ def check(options: Namespace) -> int:
 
 
 def print_keys(options: Namespace) -> int:
-    """Print the current keymap, in the form of its file."""
+    """Print the key of each command, in the form of keymap.yaml, and return 0.
+
+    Commands without a key are commented out. A complaint names those in the user's keymap that the
+    robot does not have.
+
+    Raises:
+        ArchoError: The robot file or the keymap is not valid.
+    """
     from pathlib import Path
 
     from archo_tui.commands import keymap, registry
@@ -58,7 +72,7 @@ def print_keys(options: Namespace) -> int:
 
 
 def print_completions(options: Namespace) -> int:
-    """Print the completion script of a shell."""
+    """Print the completion script of a shell, and return 0."""
     from archo_tui.cli.completions import completion_script
 
     print(completion_script(options.shell))
@@ -66,14 +80,24 @@ def print_completions(options: Namespace) -> int:
 
 
 def list_consoles(options: Namespace) -> int:
-    """List the consoles that can be reached."""
+    """Print the consoles that run here, one a line, with `--json` as JSON objects.
+
+    Returns:
+        The exit code; it is not 0 if none runs, or one of them does not answer properly.
+    """
     from archo_tui.remote.shell import print_consoles
 
     return print_consoles(["--json"] if options.json else [])
 
 
 def serve_assistant(options: Namespace) -> int:
-    """Serve an assistant on standard input and output."""
+    """Serve an assistant on standard input and output until the input ends, and return 0.
+
+    At a terminal it complains first that an assistant's program is to start it.
+
+    Raises:
+        ArchoError: The package `mcp` is not installed, or standard input or output is closed.
+    """
     try:
         from archo_tui.assistant.server import serve
     except ImportError:  # The SDK is missing or too old.
@@ -88,7 +112,16 @@ def serve_assistant(options: Namespace) -> int:
 
 
 def look(_options: Namespace) -> int:
-    """Look for nodes in other ROS 2 domains."""
+    """Print the nodes in other ROS 2 domains, a line for each domain with nodes.
+
+    If no domain has any, a line says so.
+
+    Returns:
+        The exit code: FAILED if no node was found, or the domains could not be looked at.
+
+    Raises:
+        ArchoError: ROS 2 is not installed.
+    """
     import asyncio
     import importlib.util
 
@@ -108,7 +141,13 @@ def look(_options: Namespace) -> int:
 
 
 def recordings(options: Namespace) -> int:
-    """List or delete the recordings of the black box."""
+    """Print a line for each recording of the black box, or delete those named; return 0.
+
+    With `--json` a line is a JSON object.
+
+    Raises:
+        ArchoError: A name to delete is unknown, so that none is deleted, or the disk refuses it.
+    """
     from archo_tui.recording.listing import delete_named, list_recordings
 
     if options.delete:
@@ -121,7 +160,7 @@ def recordings(options: Namespace) -> int:
 
 
 def print_journal_path(_options: Namespace) -> int:
-    """Print where the journal is."""
+    """Print the path of the journal, and return 0."""
     from archo_tui.paths import journal_file
 
     print(safe(str(journal_file())))
