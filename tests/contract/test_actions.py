@@ -79,6 +79,24 @@ def test_a_goal_is_accepted_gives_feedback_and_a_result(ros: Ros) -> None:
     wait_until(lambda: handle.status == GoalStatus.STATUS_SUCCEEDED)
 
 
+def test_a_client_that_spins_late_has_the_last_status_with_the_result(ros: Ros) -> None:
+    robot = Robot(ros)
+    node = ros.node("late")
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    client = ActionClient(node, MoveToShelf, "move")
+    ros.spin_here(executor, client.server_is_ready)
+    sent = client.send_goal_async(MoveToShelf.Goal())
+    ros.spin_here(executor, sent.done)
+    handle = sent.result()
+    answer = handle.get_result_async()
+    robot.end("succeed")
+    wait_until(lambda: robot.goals and robot.goals[0].status == GoalStatus.STATUS_SUCCEEDED)
+    pass_time(0.5)  # The result is on its way.
+    ros.spin_here(executor, answer.done)
+    assert handle.status == GoalStatus.STATUS_SUCCEEDED
+
+
 def test_when_the_result_is_there_the_goals_status_is_too(ros: Ros) -> None:
     node = ros.node()
     executor = SingleThreadedExecutor(context=ros.context)
