@@ -65,8 +65,9 @@ class PublishedRecord(NamedTuple):
 def to_json(console: str, record: AuditRecord, text: str) -> str:
     """Return a record as one JSON object, in the form of this module; nothing is sent.
 
-    If the JSON would be longer than MAX_LENGTH, the values in arguments that are mappings become
-    null: their names remain.
+    If the JSON would be longer than MAX_LENGTH, arguments that are lists become null, and so do the
+    values in those that are mappings: their names remain. If that is too long, too, there are no
+    arguments.
 
     Args:
         console: The name of this console.
@@ -75,14 +76,22 @@ def to_json(console: str, record: AuditRecord, text: str) -> str:
     """
     verb, arguments, code = record.json_safe()
     form = {"console": console, "verb": verb, "code": code.value, "text": text}
-    as_json = json.dumps({**form, "arguments": arguments})
-    if len(as_json) <= MAX_LENGTH:
-        return as_json
-    names = {
-        name: dict.fromkeys(value) if isinstance(value, Mapping) else value
+    for kept in (arguments, _without_contents(arguments)):
+        as_json = json.dumps({**form, "arguments": kept})
+        if len(as_json) <= MAX_LENGTH:
+            return as_json
+    return json.dumps({**form, "arguments": {}})
+
+
+def _without_contents(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return arguments with null for lists, and for the values of mappings."""
+    lists = {name: None for name, value in arguments.items() if isinstance(value, list)}
+    mappings = {
+        name: dict.fromkeys(value)
         for name, value in arguments.items()
+        if isinstance(value, Mapping)
     }
-    return json.dumps({**form, "arguments": names})
+    return {**arguments, **lists, **mappings}
 
 
 def parse(form: str) -> PublishedRecord | None:

@@ -77,3 +77,14 @@ def test_of_more_values_than_are_read_the_names_are_told() -> None:
     assert told is not None
     assert told.record.arguments["node"] == "/motor"
     assert told.record.arguments["values"] == dict.fromkeys(values)
+
+
+def test_a_record_with_more_than_is_read_says_at_least_what_was_done() -> None:
+    many = ["x" * 400] * 100
+    for arguments, kept in (
+        ({"names": many, "speed": 1.0}, {"names": None, "speed": 1.0}),
+        ({f"name_{number}": "x" * 400 for number in range(100)}, {}),
+    ):
+        told = parse(to_json("anna", AuditRecord("go", arguments, Code.ACCEPTED), "go"))
+        assert told is not None
+        assert told.record == AuditRecord("go", kept, Code.ACCEPTED)
