@@ -20,24 +20,24 @@ _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 def is_stop(line: bytes) -> bool:
     """Return True if the first word of a line is `stop`.
 
-    Upper case, punctuation before and after it, escape sequences, and bytes that are not UTF-8 do
-    not matter: a person who types STOP in a hurry must not be refused for the spelling. `stopped`
-    is no STOP.
+    Upper case, NULs (of UTF-16), the escape sequences of keys, punctuation around the word and,
+    around it, bytes that are not UTF-8 do not matter: a person who types STOP in a hurry must not
+    be refused for the spelling. `stopped` is no STOP.
 
     Args:
         line: The line, of any length, without its end.
     """
     line = line.replace(b"\0", b"")  # ASCII text that was encoded in UTF-16.
-    if b"stop" not in line.lower():  # Most lines end here: decoding is slower.
+    # Most lines end here: decoding is slower. A key's sequence may stand within the word.
+    if b"stop" not in line.lower() and b"\x1b" not in line:
         return False
     return is_stop_text(line.decode(errors="replace"))
 
 
 def is_stop_text(text: str) -> bool:
     """Return True if the first word of a text is `stop`, by the rule of `is_stop`."""
-    if "stop" not in text.lower():
-        return False
-    return _STOP.match(text) is not None or _STOP.match(_KEY.sub("", text)) is not None
+    spellings = (text, _KEY.sub("", text)) if "\x1b" in text else (text,)
+    return any("stop" in spelling.lower() and _STOP.match(spelling) for spelling in spellings)
 
 
 def shell_words(line: bytes) -> list[str]:

@@ -83,6 +83,7 @@ def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
             b"\xff\xfes\0t\0o\0p\0",
             b"\tstop",
         ),
+        *(b"st\x1b[D\x1b[Cop", b"\x1bOCst\x1b[0mop now"),
         *(b"\x1b[Astop", b"\x1b[200~stop\x1b[201~", b"\xa0stop\xff", b"stop " + b"x" * 100_000),
     ],
 )
