@@ -113,7 +113,7 @@ class Lifecycles:
         Returns:
             The words; () if it does not answer or can make none.
         """
-        return tuple(harmless(found.label) for found in await self._available(node))
+        return tuple(harmless(found.label) for found in await self._available(node) or ())
 
     async def change(
         self, node: str, word: str, gate: Gate, late: Callable[[Outcome], None]
@@ -139,11 +139,11 @@ class Lifecycles:
         if node not in self._words:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
         available = await self._available(node)
-        if not available:
+        if available is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
         found = next((transition for transition in available if transition.label == word), None)
         if found is None:
-            words = ", ".join(dict.fromkeys(transition.label for transition in available))
+            words = ", ".join(dict.fromkeys(transition.label for transition in available)) or "none"
             state = self._words.get(node) or "this state"
             return Outcome(Code.REFUSED, f"not possible in {state}: there are {words}")
         request = ChangeState.Request(transition=Transition(id=found.id, label=found.label))
@@ -179,14 +179,15 @@ class Lifecycles:
             self._silent.add(node)
             self._on_change()
 
-    async def _available(self, node: str) -> list[Any]:
-        """Ask a node for the transitions that it can make now; [] if it does not answer."""
+    async def _available(self, node: str) -> list[Any] | None:
+        """Ask a node for the transitions that it can make now; None if it does not answer."""
         name = f"{node}/get_available_transitions"
         answer = await self._services.call(
             GetAvailableTransitions, name, GetAvailableTransitions.Request(), once=True
         )
-        found = [] if answer is None else answer.available_transitions
-        return [description.transition for description in found]
+        if answer is None:
+            return None
+        return [description.transition for description in answer.available_transitions]
 
     def _set(self, node: str, word: str) -> None:
         if node in self._words and (self._words[node] != word or node in self._silent):

@@ -93,6 +93,9 @@ async def test_what_the_node_rejects_is_said() -> None:
         outcome = await op.session.station.robot.change_lifecycle("/navigator", "deactivate")
         assert outcome.code is Code.REFUSED
         assert outcome.text.startswith("not possible in inactive: there are ")
+        assert (await op.session.station.robot.change_lifecycle("/navigator", "shutdown")).ok
+        outcome = await op.session.station.robot.change_lifecycle("/navigator", "activate")
+        assert outcome == (Code.REFUSED, "not possible in finalized: there are none")
 
 
 async def test_a_transition_under_a_running_goal_asks() -> None:
