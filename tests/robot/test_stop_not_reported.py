@@ -10,6 +10,7 @@ import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from rclpy.action import ActionServer, CancelResponse
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -47,7 +48,8 @@ class Base(Node):
         super().__init__("base", **options)
         self.is_moving = self.is_silent = False
         self.status = self.create_publisher(MotorStatus, "motor_status", 10)
-        self.create_timer(0.1, self.tell)
+        # Of its own group: it wakes the executor while a service of the other one waits.
+        self.create_timer(0.1, self.tell, callback_group=MutuallyExclusiveCallbackGroup())
         for name in ("e_stop", "e_release"):
             self.create_service(Trigger, name, self.obey)
         self.server = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
