@@ -159,8 +159,8 @@ class Host:
 
         Returns:
             The outcome; REFUSED if the node runs, is starting, or raises in its constructor;
-            NOT_CONFIRMED if it spins now without having confirmed the STOP; DONE also for a late
-            node, which starts by itself.
+            NOT_CONFIRMED if it spins now without having confirmed the STOP; DONE also for a node
+            whose constructor takes long: it starts by itself.
         """
         program = self.programs.find(name)
         if program is not None:

@@ -212,7 +212,10 @@ class HostedNode:
         return "" if self._is_over.is_set() else self.lateness_text()
 
     def _run(self) -> None:
-        """Construct the node, and spin it once `start` allows that; record a late node's crash."""
+        """Construct the node, and spin it once `start` allows that.
+
+        An error of the constructor is left to `wait`, or is a crash if `wait` has given up.
+        """
         global_executor.use(self._global)
         with contextlib.suppress(Interrupted):  # It was stopped while it was constructed.
             try:

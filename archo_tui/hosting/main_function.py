@@ -154,9 +154,10 @@ class MainFunction(ast.NodeVisitor):
             self.visit(statement)
 
     def visit_Call(self, node: ast.Call) -> None:
-        """Add a call to `made` or `not_run`, or read the function of the file that it calls.
+        """Add a call that makes a node to `made`, and another one about a node to `not_run`.
 
-        Its arguments are read first. After a call of `spin`, nothing is added to `not_run`.
+        Of a call of the file's own function, that function is read. The arguments of the call are
+        read first. After a call of `spin`, nothing is added to `not_run`.
 
         Raises:
             ComputedError: The call makes a node, and only `main()` could tell a value of it.

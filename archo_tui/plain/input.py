@@ -189,7 +189,8 @@ class Input:
     def _keep(self, lines: list[bytes]) -> None:
         """Count each line that is a STOP; keep each other line with the number of STOPs before.
 
-        Lines beyond MAX_WAITING and, unless a person types, blank lines are dropped.
+        A `call` of the STOP's own service is a STOP, too. Once MAX_WAITING bytes wait, lines are
+        dropped until half of them are taken; blank lines are dropped unless a person types.
         """
         stops = self._stops.count
         entries = []  # Each with the bytes of its text.

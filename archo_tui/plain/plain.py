@@ -538,7 +538,7 @@ class Plain:
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print the reason if a goal of the queue was refused, and refresh the station's view."""
+        """Print the outcome of a goal of the queue as a failure unless it is ok, and refresh."""
         if not outcome.ok:
             self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()

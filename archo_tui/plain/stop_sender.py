@@ -50,9 +50,10 @@ class StopSender:
         self._sent_up_to = self._confirmed_up_to = 0
 
     async def run(self) -> None:
-        """Send STOPs for ever, each without waiting for the answer to the one before.
+        """Send the typed STOPs as they are read, until the task is cancelled.
 
-        At most two a second are sent, unless something else was requested since the last one.
+        One is sent for all that were read since the last, without waiting for its answer. At most
+        two a second are sent, unless something else was requested since the last one.
         """
         unsent = self._typed.unanswered
         limit = RateLimit()

@@ -219,6 +219,9 @@ class Robot:
     def get(self, node: str, name: str, timeout: float | None = None) -> Any:
         """Return the value of a parameter: a bool, number, text, or list of these.
 
+        Of a list the first 100 items are returned, of a text some 500 characters; NaN and infinity
+        are texts.
+
         Args:
             node: The name of the node: `motor_controller`.
             name: The name of the parameter: `max_speed`.

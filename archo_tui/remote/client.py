@@ -142,7 +142,10 @@ class Connection:
 
     @property
     def description(self) -> str:
-        """The console in a line: process, robot, namespace, engine; or all that is known."""
+        """The console in a line: `pid 7: ROBOT NAMESPACE, ENGINE domain 0`, with `, watching`.
+
+        Before its hello it is what is known of it, at least the pid.
+        """
         identity = self.identity
         if not identity:
             return self.short_description.removeprefix("the console of ")

@@ -184,9 +184,9 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _read_services(self) -> None:
-        """Read the types of all services, and those of the robot's services and actions.
+        """Read the types of all services, and those of the robot's own services and actions.
 
-        The latter are without the services that every node has.
+        The robot's own services are without those that every node has.
         """
         services = dict(self._node.get_service_names_and_types())
         if services == self.services:

@@ -153,10 +153,11 @@ class TrackedGoal:
     def forget_period(self, old: object, new: object) -> None:
         """Measure the period of the feedback again, since a parameter has changed.
 
-        Until then the present period holds.
+        Until then the present period holds or, if it is about `old`, the value `new` if that is
+        longer: the parameter seems to set the period.
 
         Args:
-            old: The parameter's value before; None if it is not of the goal's server.
+            old: The parameter's value before; None if the parameter is not of the goal's server.
             new: Its present value.
         """
         self._feedback_period = self._feedback_period.measured_again(old, new)

@@ -194,6 +194,8 @@ class AlarmBoard:
     def _flapping(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
         """Return the diagnostics alarms that were found within their delay, and are not now.
 
+        Those for which a graver alarm of the same part is found are left out.
+
         A part that is bad again and again is not well, though never for the whole delay; so are two
         publishers that contradict each other. The diagnostics in `found` are remembered for the
         next calls.

@@ -288,7 +288,8 @@ _GRAVITY = (
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
     """Yield an alarm for each part that is not OK, the worst first.
 
-    All diagnostics that are silent get one alarm together, and so do the parts beyond the worst 20.
+    If every diagnostic is silent, the parts have one alarm together; the parts beyond the worst 20
+    have one, too.
     """
     bad = [s for s in diagnostics_worst_first(snapshot, now) if s.level is not DiagnosticLevel.OK]
     is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)

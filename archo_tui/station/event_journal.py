@@ -20,7 +20,10 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class EventJournal:
-    """The part that chooses the important events of a console and writes them to the journal."""
+    """The part that writes a console's events to the operator's log on the disk (`Journal`).
+
+    Events of level DEBUG and INFO are left out, and repeated ones are written only now and then.
+    """
 
     def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
         """Create the part for one console.

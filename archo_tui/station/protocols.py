@@ -34,7 +34,7 @@ class Frontend(Protocol):
         """Close the questions to the operator, because another console sent a STOP."""
 
     def restart(self, why: str) -> None:
-        """End the process and start it again with the same arguments.
+        """Start the process again with the same arguments, or say that this is left to a person.
 
         May be called on any thread.
 

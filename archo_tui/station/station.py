@@ -192,9 +192,10 @@ class Station:
             self._frontend.close_questions()
 
     def restart(self, why: str) -> None:
-        """End the process and start it again with the same arguments, if there is a frontend.
+        """Have the frontend, if there is one, start the process again with the same arguments.
 
-        May be called on any thread.
+        The screen does; `--plain` only logs that the changes count from the next start on. May be
+        called on any thread.
 
         Args:
             why: The reason in words, for the operator.
@@ -203,7 +204,7 @@ class Station:
             self._frontend.restart(why)
 
     def operate(self, namespace: str) -> None:
-        """Start the console again for the robot of another namespace, if there is a frontend."""
+        """Have the frontend, if there is one, start again for the robot of another namespace."""
         self.next_namespace = namespace
         self.restart(f"operate the robot in {namespace}")
 
