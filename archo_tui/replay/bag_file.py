@@ -23,7 +23,7 @@ from archo_tui.replay.summary import read_summary
 
 
 class BagMessage(NamedTuple):
-    """A message of a bag, decoded."""
+    """A decoded message of a bag."""
 
     time: float  # Unix time of its recording, in s.
     topic: str
@@ -34,15 +34,18 @@ class BagFile:
     """A ROS bag: a folder with .mcap files, or one such file.
 
     Attributes:
-        count: The number of messages, readable or not.
-        robot: The text of the robot file that is attached; "" if there is none.
-        types: The type of each readable topic, as `package/kind/Name`.
+        path: The path that was given.
+        count: The number of messages in the files that were accepted, decodable or not.
+        robot: The text of the first robot file that is attached; "" if there is none.
+        types: The type of each topic that can be decoded, as `package/kind/Name`, by full names.
         start: Unix time of the first message, in s; 0 if there is none.
-        end: Unix time of the last message.
+        end: Unix time of the last message, in s; 0 if there is none.
     """
 
     def __init__(self, path: Path) -> None:
-        """Index the bag's files.
+        """Index the bag's files, without keeping them open or decoding messages.
+
+        Files and topics that cannot be read are left out and reported by `faults`.
 
         Raises:
             ArchoError: The path is no bag, or none of its files can be read.
@@ -74,17 +77,21 @@ class BagFile:
 
     @property
     def faults(self) -> list[str]:
-        """Return a line for each thing that could not be read so far."""
+        """Return the faults found so far, a line each; those of a topic's messages share a line.
+
+        At most 100 lines of either kind.
+        """
         return self._faults.lines()
 
     def messages(self, begin: float, end: float, wanted: Container[str]) -> Iterator[BagMessage]:
-        """Yield messages in the order of time.
+        """Yield decoded messages in the order of time.
 
-        What cannot be read is left out and reported by `faults`.
+        All of them are loaded before the first is yielded: at most 500,000 or 100 MB; the rest is
+        left out. Whatever is left out is reported by `faults`.
 
         Args:
-            begin: Unix time of the first message.
-            end: Unix time of the last message.
+            begin: Unix time of the first message, in s; itself included.
+            end: Unix time of the last message, in s; itself included.
             wanted: The topics, by full names.
         """
         from rclpy.serialization import deserialize_message
@@ -105,16 +112,25 @@ class BagFile:
     ) -> tuple[list[EncodedMessage], Faults]:
         """Return the messages of a topic as bytes, in the order of time, and what was left out.
 
+        At most 500,000 messages or 100 MB are returned. `faults` does not report what this call
+        left out.
+
         Args:
-            begin: Unix time of the first message.
-            end: Unix time of the last message.
+            begin: Unix time of the first message, in s; itself included.
+            end: Unix time of the last message, in s; itself included.
             topic: The full name of the topic.
         """
         faults = Faults()
         return read_messages(self._ranges, begin, end, (topic,), faults), faults
 
     def _index_file(self, path: Path, budget: ReadBudget) -> Index:
-        """Index a file and collect its message ranges; raise ArchoError if it is no MCAP file."""
+        """Index a file, and add its message ranges and topics to those of the bag.
+
+        What is found before a read error or the end of the budget counts; the rest is a fault.
+
+        Raises:
+            ArchoError: The file cannot be opened, is no MCAP file, or is not of ROS 2.
+        """
         fault = partial(self._add_fault, path)
         index = Index(fault)
         with bag_paths.opened(path) as file:
@@ -135,7 +151,13 @@ class BagFile:
         return index
 
     def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
-        """Return the topics that can be decoded, by channel; raise ArchoError for a ROS 1 file."""
+        """Return the topics of a file that can be decoded, by channel, and note their types.
+
+        The others are reported as faults.
+
+        Raises:
+            ArchoError: None of the file's messages is encoded as ROS 2's are.
+        """
         encodings = {channel.encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
             raise bag_paths.foreign_system_error(path, index.profile, min(encodings))

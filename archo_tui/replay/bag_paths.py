@@ -24,10 +24,12 @@ _OTHER_MAGIC = {b"SQLite format 3": _SQLITE, b"\x28\xb5\x2f\xfd": _ZSTD, b"#ROSB
 
 
 def mcap_files(path: Path) -> list[Path]:
-    """Return the .mcap files of a bag.
+    """Return the .mcap files of a folder, sorted by name, or the path itself if it is no folder.
+
+    Hidden files are left out. A path that is no folder is not looked at.
 
     Raises:
-        ArchoError: None is there; the message says what the folder holds instead.
+        ArchoError: The folder has no .mcap file or cannot be read; the message says what it holds.
     """
     try:
         if not path.is_dir():
@@ -46,10 +48,11 @@ def mcap_files(path: Path) -> list[Path]:
 
 @contextmanager
 def opened(path: Path) -> Iterator[BinaryIO]:
-    """Open an MCAP file, and close it at the end of the block.
+    """Open an MCAP file for the block of a `with`, positioned after its first bytes.
 
     Raises:
-        ArchoError: It cannot be opened or is no MCAP file; the message says what it is.
+        ArchoError: The file cannot be opened or is no MCAP file; the message says what it is, and
+            how to convert it.
     """
     try:
         descriptor = open_regular(path, os.O_RDONLY)
@@ -67,7 +70,13 @@ def opened(path: Path) -> Iterator[BinaryIO]:
 
 
 def foreign_system_error(path: Path, profile: str, encoding: str) -> ArchoError:
-    """Return the error for a file whose messages are not encoded as ROS 2's are."""
+    """Return the error for a file whose messages are not encoded as ROS 2's are.
+
+    Args:
+        path: The file.
+        profile: The profile in its header; `ros1` gets the advice to convert the bag.
+        encoding: The encoding of its messages.
+    """
     if profile == "ros1":
         return _error(path, _ROS1)
     reason = f"not of ROS 2: its messages are encoded as {encoding or 'nothing known'}"

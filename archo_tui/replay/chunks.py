@@ -19,15 +19,18 @@ FRAME = Struct("<BQ")  # Opcode and length, before each record.
 
 
 class Unreadable(Exception):
-    """An error in a part of a file; the rest may be readable."""
+    """The error for a part of a file that cannot be read; the rest may be readable.
+
+    Its text is the reason, in a few words.
+    """
 
 
 class BudgetExceeded(Exception):
-    """The error of a pass over a recording that would take too long."""
+    """The error that ends a pass over a recording when its ReadBudget is used up."""
 
 
 class ReadBudget:
-    """The records and bytes that one pass over a recording may still read."""
+    """The records and bytes that one pass over a recording may still read: 3 million and 4 GB."""
 
     def __init__(self) -> None:
         self._records, self._bytes = _MAX_RECORDS, _MAX_BYTES
@@ -56,6 +59,8 @@ class ReadBudget:
 def iter_records(data: bytes, budget: ReadBudget) -> Iterator[tuple[int, int, int]]:
     """Yield opcode, begin and end of each record in the bytes.
 
+    Begin and end are the offsets of the record's content, behind its opcode and length.
+
     Raises:
         Unreadable: After the last whole record, if more bytes follow.
         BudgetExceeded: There are too many records.
@@ -74,15 +79,17 @@ def iter_records(data: bytes, budget: ReadBudget) -> Iterator[tuple[int, int, in
 
 
 def decompress_chunk(content: bytes, budget: ReadBudget, *, is_cut: bool) -> bytes:
-    """Return the records of a chunk.
+    """Return the records of a chunk, decompressed, after a check of their size and CRC.
 
     Args:
         content: The chunk record without its frame.
         budget: The budget that the decompressed bytes count against.
-        is_cut: True if the file ends within the chunk: as much as is there is returned.
+        is_cut: True if the file ends within the chunk: the bytes that are there are returned
+            unchecked.
 
     Raises:
-        Unreadable: The chunk is damaged, too large, or compressed by an unknown method.
+        Unreadable: The chunk is damaged, larger than MAX_RECORD, or compressed by a method that is
+            unknown or not installed.
         BudgetExceeded: The budget is used up.
     """
     from mcap.data_stream import ReadDataStream
@@ -114,7 +121,11 @@ def decompress_chunk(content: bytes, budget: ReadBudget, *, is_cut: bool) -> byt
 
 
 def _decompress_zstd(data: bytes, max_bytes: int) -> bytes:
-    """Return the first `max_bytes` decompressed bytes."""
+    """Return the first `max_bytes` decompressed bytes.
+
+    Raises:
+        Unreadable: The data are damaged, or zstandard is not installed.
+    """
     try:
         import zstandard
     except ImportError:
@@ -128,7 +139,11 @@ def _decompress_zstd(data: bytes, max_bytes: int) -> bytes:
 
 
 def _decompress_lz4(data: bytes, max_bytes: int) -> bytes:
-    """Return the first `max_bytes` decompressed bytes."""
+    """Return the first `max_bytes` decompressed bytes.
+
+    Raises:
+        Unreadable: The data are damaged, or lz4 is not installed.
+    """
     try:
         from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
     except ImportError:

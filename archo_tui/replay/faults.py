@@ -12,10 +12,12 @@ _MAX_REASON = 200  # Characters.
 
 
 class Faults:
-    """A collector of faults; equal ones count once.
+    """A collector of fault lines, without repetitions: at most 100, then one line `and more`.
+
+    Messages that cannot be read are counted apart, by topic.
 
     Attributes:
-        is_cut: True if something was too much, and the rest is left out.
+        is_cut: True once `add_cut` was called: a limit was reached, and the rest was left out.
     """
 
     def __init__(self) -> None:
@@ -25,30 +27,36 @@ class Faults:
         self._reasons: dict[str, str] = {}  # By topic, for its first message.
 
     def add(self, text: str) -> None:
-        """Add a line; it is made safe for a terminal."""
+        """Add a line, made safe for a terminal, unless it is there already."""
         text = harmless(text)
         if text not in self._lines:
             self._lines[text if len(self._lines) < _MAX_LINES else "and more"] = None
 
     def add_cut(self, text: str) -> None:
-        """Add a line that says what was too much, so that the rest is left out."""
+        """Set `is_cut`, and add a line that names the limit and says that the rest is left out."""
         self.is_cut = True
         self.add(f"{text}: the rest is left out")
 
     def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
         """Count a message that cannot be read; it counts once, however often it is tried.
 
+        Of a topic, the reason of the first message is kept. After 100,000 messages, no more are
+        counted.
+
         Args:
             topic: Its topic.
             order: The number of its file range and its offset there, which identify it.
-            reason: Why it cannot be read.
+            reason: Why it cannot be read; cut at 200 characters.
         """
         if len(self._unreadable) < _MAX_MESSAGES:
             self._unreadable[order] = topic
             self._reasons.setdefault(topic, reason[:_MAX_REASON])
 
     def lines(self) -> list[str]:
-        """Return all lines; unreadable messages make one line for each topic."""
+        """Return the added lines, then a line for each topic with unreadable messages.
+
+        Of these topics, at most 100 get a line; it has the number of messages and a reason.
+        """
         counts = Counter(self._unreadable.values())
         messages = [
             harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({reason})")

@@ -31,14 +31,14 @@ _Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name
 
 
 class InstalledTypes:
-    """A cache of classes by type and definition, which the files of a bag repeat."""
+    """A cache of installed message classes by type and definition, for all files of one bag."""
 
     def __init__(self) -> None:
         self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
         self._text_left = _MAX_TEXT
 
     def find_class(self, type_name: str, encoding: str, text: str) -> Any:
-        """Return the class of a type.
+        """Return the installed class of a type, if it has the same fields as in the file.
 
         Args:
             type_name: The type, as `package/kind/Name`.
@@ -46,7 +46,8 @@ class InstalledTypes:
             text: The definition in the file.
 
         Raises:
-            Unreadable: The type is not installed, has other fields, or there are too many types.
+            Unreadable: The type is not installed or has other fields, or the bag has more than
+                2,000 types or 16 MB of definitions.
         """
         given = "\0".join((type_name, encoding, text)).encode()
         key = hashlib.sha256(given).digest()
@@ -73,13 +74,15 @@ def _find_class(type_name: str, encoding: str, text: str) -> Any:
     if encoding != "ros2msg":  # Other encodings cannot be compared.
         return made
     root = f"{parts.package}/{parts.name}"
-    if not _have_same_bytes(_parse_layout(definition(made), root), _parse_layout(text, root), root):
+    if not _have_same_fields(
+        _parse_layout(definition(made), root), _parse_layout(text, root), root
+    ):
         raise Unreadable(f"{type_name} has other fields here than in the file")
     return made
 
 
 def _load_class(parts: InterfaceType) -> Any:
-    """Return the class of a message, an action's feedback included, or None."""
+    """Return the class of a message or of an action's feedback message; None if not installed."""
     made = message_classes.load(str(parts))
     if made is None and parts.kind == "action" and parts.name.endswith(_FEEDBACK):
         action = message_classes.load(str(parts).removesuffix(_FEEDBACK))
@@ -87,8 +90,16 @@ def _load_class(parts: InterfaceType) -> Any:
     return made if hasattr(made, "get_fields_and_field_types") else None
 
 
-def _have_same_bytes(ours: _Layout, theirs: _Layout, root: str) -> bool:
-    """Return True if both layouts encode alike; the walk follows ours, which has no circle."""
+def _have_same_fields(ours: _Layout, theirs: _Layout, root: str) -> bool:
+    """Return True if `root`, and each message within it, has the same fields in both layouts.
+
+    Their names, types, array lengths and order have to be equal.
+
+    Args:
+        ours: The installed layout, whose messages contain none of themselves.
+        theirs: The layout in the file.
+        root: The `package/Name` of the outermost message.
+    """
     wanted, seen = [root], set[str]()
     while wanted:
         name = wanted.pop()
@@ -104,7 +115,7 @@ def _have_same_bytes(ours: _Layout, theirs: _Layout, root: str) -> bool:
 def _parse_layout(text: str, root: str) -> _Layout:
     """Return the fields of each message of a definition, by `package/Name`.
 
-    Constants, defaults and bounds are left out, since they take no bytes.
+    Constants, defaults, and the bounds of strings and sequences are left out: they take no bytes.
 
     Args:
         text: The definition of a message, followed by those of the messages in it.
@@ -134,6 +145,11 @@ def _parse_fields(text: str, owner: str) -> list[_Field]:
 
 
 def _full_name(name: str, owner: str) -> str:
-    """Return `package/Name` of a message type, which may be written as `pkg/msg/Name` or `Name`."""
+    """Return a message type as `package/Name`.
+
+    Args:
+        name: The type, as `package/Name`, `package/msg/Name`, or `Name` alone.
+        owner: A type of the package that is meant if `name` has none.
+    """
     package = package_of(name if "/" in name else owner)
     return f"{package}/{base_name(name)}"

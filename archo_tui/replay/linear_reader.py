@@ -33,7 +33,11 @@ _NAME_END = 16 + 4 + len(ROBOT_ATTACHMENT)  # Offset at which the name of that a
 
 
 class LinearReader:
-    """A pass over a file that seeks over the content of records whose head tells enough."""
+    """A pass over a file from its beginning that fills an index.
+
+    It skips the content of a chunk if the message index behind the chunk tells enough. `run` reads
+    the whole file; `read_record_at` a single record.
+    """
 
     def __init__(self, file: BinaryIO, size: int, index: Index, budget: ReadBudget) -> None:
         self._file, self._size = file, size
@@ -45,11 +49,11 @@ class LinearReader:
         self._open_run: MessageRange | None = None
 
     def run(self) -> None:
-        """Fill the index.
+        """Fill the index from the whole file; a cut or damaged end is reported as a fault.
 
         Raises:
             OSError: The file cannot be read; the index holds what was found until then.
-            BudgetExceeded: The file is too large; likewise.
+            BudgetExceeded: The file is too large; the index holds what was found until then.
         """
         try:
             self._read_records()
@@ -58,7 +62,10 @@ class LinearReader:
         self._end_chunk()
 
     def _read_records(self) -> None:
-        """Read the head of each record up to the end of the messages, or to where it is cut."""
+        """Read the head of each record up to the end of the messages, or to where the file is cut.
+
+        A cut is reported; the readable part of a cut chunk is kept.
+        """
         offset = len(MAGIC)
         while True:
             self._budget.count_record()
@@ -83,7 +90,11 @@ class LinearReader:
         self._fault(f"cut off or damaged after {offset} bytes: what stands before is read")
 
     def _on_record(self, opcode: int, offset: int, length: int) -> None:
-        """Take a record into the index, or begin or end a chunk with it."""
+        """Take a record into the index, or begin a chunk with it.
+
+        Any record but a message or a message index ends the chunk before it. Records of no use here
+        are ignored.
+        """
         if opcode == MESSAGE:
             self._on_message(offset, length)
             return
@@ -108,7 +119,10 @@ class LinearReader:
         return self._file.read(count)
 
     def _on_message(self, offset: int, length: int) -> None:
-        """Add a message outside of chunks to the range that it continues, or to a new one."""
+        """Add a message outside of chunks to the range that it continues, or to a new one.
+
+        A message that is damaged or too large is reported and left out.
+        """
         head = self._file.read(min(length, MESSAGE_HEAD.size))
         if len(head) < MESSAGE_HEAD.size or length > MAX_RECORD:
             self._fault("messages that are damaged or too large are left out")
@@ -124,13 +138,13 @@ class LinearReader:
         self._open_run = MessageRange(time, time, offset, size, False)
 
     def _end_run(self) -> None:
-        """Add the messages outside of chunks that follow each other as one range."""
+        """Add to the index the open range of messages outside of chunks, if there is one."""
         if self._open_run:
             self._index.add_range(self._open_run)
         self._open_run = None
 
     def _begin_chunk(self, offset: int, length: int, *, is_cut: bool) -> None:
-        """Remember a chunk until the message index behind it is read.
+        """End the chunk before, and remember this one until the message index behind it is read.
 
         Args:
             offset: The offset of the chunk's record in the file.
@@ -153,7 +167,11 @@ class LinearReader:
             self._count += min(size, length) // _ENTRY_BYTES
 
     def _end_chunk(self) -> None:
-        """Add the last chunk, after its message index, or scan it if that does not tell enough."""
+        """Add the remembered chunk, if any, to the index.
+
+        It is decompressed if its message index does not tell enough; if that fails, the chunk is
+        reported and left out.
+        """
         chunk, self._chunk = self._chunk, None
         if chunk is None:
             return
@@ -169,7 +187,13 @@ class LinearReader:
                 self._fault(f"the chunk at {chunk.offset} bytes: {error}")
 
     def _scan_chunk(self, chunk: MessageRange) -> None:
-        """Decompress a chunk to find its channels, its times and the number of its messages."""
+        """Decompress a chunk, and add it to the index with its channels, times and message count.
+
+        A chunk without messages is not added.
+
+        Raises:
+            Unreadable: The chunk is damaged; the messages before the damage are in the index.
+        """
         start, end, count = 2**64, 0, 0
         data = read_range(self._file, chunk, self._budget)
         try:
@@ -185,10 +209,11 @@ class LinearReader:
                 self._index.add_range(chunk._replace(start=start, end=end))
 
     def read_record_at(self, opcode: int, offset: int) -> None:
-        """Read a single record into the index if it has that opcode.
+        """Read a single record into the index; do nothing if it has another opcode or is not whole.
 
         Raises:
             OSError: The file cannot be read.
+            BudgetExceeded: The budget is used up.
         """
         self._file.seek(min(offset, self._size))
         head = self._file.read(FRAME.size)
@@ -197,7 +222,10 @@ class LinearReader:
             self._on_record(opcode, offset, length)
 
     def _on_attachment(self, length: int) -> None:
-        """Read the attachment at the file's position into the index, if it is the robot file."""
+        """Read the attachment at the file's position into the index, if it is the robot file.
+
+        A robot file that is too large is reported and left out.
+        """
         name = self._file.read(min(length, _NAME_END))
         if name[16:] != len(ROBOT_ATTACHMENT).to_bytes(4, "little") + ROBOT_ATTACHMENT.encode():
             return
@@ -211,7 +239,7 @@ _HANDLERS = {HEADER: Index.add_header, SCHEMA: Index.add_schema, CHANNEL: Index.
 
 
 def read_range(file: BinaryIO, messages: MessageRange, budget: ReadBudget) -> bytes:
-    """Return the records of a range, decompressed.
+    """Return the records of a range as bytes, decompressed if it is a chunk.
 
     Raises:
         OSError: The file cannot be read.

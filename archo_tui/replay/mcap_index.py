@@ -22,10 +22,10 @@ class MessageRange(NamedTuple):
     """A part of a file that holds messages: a chunk, or messages outside of chunks.
 
     Attributes:
-        start: Log time of its first message, in ns since the epoch.
-        end: Log time of its last message.
+        start: The earliest log time of its messages, in ns since the epoch.
+        end: The latest log time of its messages, in ns since the epoch.
         offset: Where it begins in the file, in bytes.
-        size: Its size, in bytes.
+        size: Its size in the file, in bytes.
         is_chunk: True for a chunk.
         is_cut: True if the file ends within it.
     """
@@ -39,7 +39,7 @@ class MessageRange(NamedTuple):
 
 
 class Channel(NamedTuple):
-    """A channel of an MCAP file: a topic with the id of its schema."""
+    """A channel of an MCAP file: a topic, the encoding of its messages, its schema's id."""
 
     topic: str
     encoding: str
@@ -47,7 +47,13 @@ class Channel(NamedTuple):
 
 
 class Schema(NamedTuple):
-    """A schema of an MCAP file: a message type with its definition."""
+    """A schema of an MCAP file: a message type with its definition.
+
+    Attributes:
+        name: The type, as `package/kind/Name`.
+        encoding: The format of the definition, `ros2msg` for instance.
+        text: The definition.
+    """
 
     name: str
     encoding: str
@@ -58,6 +64,17 @@ class Index:
     """The index of a file, filled record by record from the content of records.
 
     What is damaged or too large is left out and reported by `fault`.
+
+    Attributes:
+        profile: The profile in the file's header, `ros2` for instance; "" before that is read.
+        channels: The channels by their ids.
+        schemas: The schemas by their ids.
+        ranges: The ranges of messages, in the order of their addition.
+        start: The earliest log time, in ns since the epoch; 2**64 before `add_times`.
+        end: The latest log time, in ns since the epoch; 0 before `add_times`.
+        count: The number of messages.
+        robot: The text of the robot file; "" if none was read.
+        fault: Called with the text of each fault.
     """
 
     def __init__(self, fault: Callable[[str], None]) -> None:
@@ -75,40 +92,46 @@ class Index:
         self._try("its header", self._read_header, content)
 
     def add_schema(self, content: bytes) -> None:
-        """Add a schema record; the first one with an id counts."""
+        """Add a schema record; one whose id is known already is ignored."""
         if int.from_bytes(content[:2], "little") not in self.schemas:
             self._try("a definition", self._read_schema, content)
 
     def add_channel(self, content: bytes) -> None:
-        """Add a channel record; the first one with an id counts."""
+        """Add a channel record; one whose id is known already is ignored."""
         if int.from_bytes(content[:2], "little") not in self.channels:
             self._try("a channel", self._read_channel, content)
 
     def add_robot(self, content: bytes) -> None:
-        """Read the robot file from an attachment record; the first one counts."""
+        """Read the robot file from an attachment record, unless one was read already."""
         if not self.robot:
             self._try(ROBOT_ATTACHMENT, self._read_robot, content)
 
     def add_range(self, messages: MessageRange) -> None:
-        """Add a range of messages, unless there are too many."""
+        """Add a range of messages; report it instead if MAX_RANGES are there already."""
         if len(self.ranges) < MAX_RANGES:
             self.ranges.append(messages)
         else:
             self.fault(f"more than {MAX_RANGES:,} chunks: the rest is left out")
 
     def add_times(self, start: int, end: int, count: int) -> None:
-        """Count messages, and widen the time of the whole file.
+        """Add to the number of messages, and widen the time of the whole file.
 
         Args:
-            start: Log time of the first of them, in ns.
-            end: Log time of the last of them.
+            start: The earliest log time of the messages, in ns since the epoch.
+            end: Their latest log time, in ns since the epoch.
             count: Their number.
         """
         self.start, self.end = min(self.start, start), max(self.end, end)
         self.count += count
 
     def _try(self, what: str, add: Callable[[bytes, Any], None], content: bytes) -> None:
-        """Call `add` with a record's content, and report what it cannot read as `what`."""
+        """Call `add` with a record's content and a stream of it; report any exception as a fault.
+
+        Args:
+            what: What the record is called in the report.
+            add: Reads the record.
+            content: The content of the record.
+        """
         from mcap.data_stream import ReadDataStream
 
         try:
@@ -132,7 +155,11 @@ class Index:
         self.schemas[number] = Schema(name, encoding, text)
 
     def _read_channel(self, _: bytes, stream: Any) -> None:
-        """Read a channel without its metadata, which may have millions of entries."""
+        """Add a channel without its metadata, which may have millions of entries.
+
+        Raises:
+            Unreadable: There are too many channels, or a name is too long.
+        """
         if len(self.channels) >= MAX_CHANNELS:
             raise Unreadable(f"more than {MAX_CHANNELS:,}")
         number, schema = stream.read2(), stream.read2()

@@ -37,7 +37,7 @@ class FileRange(NamedTuple):
     Attributes:
         messages: Where the range is in the file.
         path: The file.
-        topics: The file's topics by channel number.
+        topics: The topics of the file that can be decoded, by channel id.
     """
 
     messages: MessageRange
@@ -50,7 +50,8 @@ class EncodedMessage(NamedTuple):
 
     Attributes:
         time: Its log time, in ns since the epoch.
-        order: The number of its range and its offset there, for messages of the same time.
+        order: The number of its range in the bag and its offset in the range; they identify the
+            message, and sort those of the same time.
         topic: Its topic.
         data: Its CDR bytes.
     """
@@ -66,12 +67,14 @@ def read_messages(
 ) -> list[EncodedMessage]:
     """Return the messages of some topics within a time, sorted; what is unreadable is left out.
 
+    Not more than MAX_MESSAGES or MAX_BYTES are returned; the ranges after that are not read.
+
     Args:
         ranges: The ranges of the bag, sorted by their start.
-        begin: Unix time of the first message, in s.
-        end: Unix time of the last message.
+        begin: Unix time of the first message, in s; itself included.
+        end: Unix time of the last message, in s; itself included.
         wanted: The topics, by full names.
-        faults: Receives what could not be read, and whether messages were too many.
+        faults: Receives what could not be read; its `is_cut` is set if messages were too many.
     """
     found: list[EncodedMessage] = []
     budget, left = ReadBudget(), MAX_BYTES
@@ -114,15 +117,15 @@ def _split_range(
     budget: ReadBudget,
     faults: Faults,
 ) -> Iterator[EncodedMessage]:
-    """Yield the messages of some channels in a range.
+    """Yield the messages of some channels in a range, in the order of the file, at any time.
 
     Args:
         file: The file, which is open.
         messages: Where the range is.
         number: The number of the range in the bag, for the order of messages.
-        topics: The wanted topics, by channel number.
+        topics: The wanted topics, by channel id.
         budget: The budget that the range counts against.
-        faults: Receives the messages that are too large.
+        faults: Receives the messages larger than 4 MB, which are left out.
 
     Raises:
         OSError: The file cannot be read.

@@ -24,10 +24,22 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 class Player:
-    """The player of one bag. Event loop only; the bag is read on a thread of its own."""
+    """The player of one bag: a position in it, its speed, and what the console showed there.
+
+    It is used on one thread, and reads an hour of the bag at a time on another.
+
+    Attributes:
+        start: Unix time of the first message, in s.
+        end: Unix time of the last message, in s.
+        speed: One of SPEEDS, in recorded seconds for each second.
+        is_playing: True while the position moves; False while paused.
+    """
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
-        """Begin to read the first hour, on a thread; the player is paused at the start.
+        """Find the robot's namespace in the bag, and begin to read the first hour.
+
+        The namespace is read by the call itself, the hour on another thread. The player is paused
+        at the start.
 
         Args:
             bag: The bag.
@@ -49,7 +61,7 @@ class Player:
         return ReplayState(self.file, self.bag.types, self._namespace)
 
     def _start_reading(self, window: Window) -> None:
-        """Fill a window on a thread of its own, which ends early if another window replaces it."""
+        """Fill a window on a thread of its own, which ends early once another window is current."""
 
         def read() -> None:
             state = self._new_state()
@@ -65,14 +77,18 @@ class Player:
 
     @property
     def position(self) -> float:
-        """Return the Unix time of what is shown."""
+        """Return the Unix time that is shown; while playing it moves on, up to the end."""
         if not self.is_playing:
             return self._base
         passed = self._clock.monotonic() - self._base_time
         return min(self._base + passed * self.speed, self.end)
 
     def go_to(self, time: float) -> None:
-        """Move the position to a Unix time, bounded by the recording."""
+        """Move the position to a Unix time, bounded by the recording; playing goes on from there.
+
+        Outside of the hour that is loaded, begin to read the hour around the position, on another
+        thread.
+        """
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
@@ -82,16 +98,20 @@ class Player:
             self._start_reading(self._window)
 
     def close(self) -> None:
-        """End the reading of a player that is not shown any more."""
+        """End the reading; the player is of no use afterwards."""
         self._window = Window(self.start, self.start)
 
     def play(self, *, on: bool) -> None:
-        """Play or pause; at the end, playing begins again from the start."""
+        """Play if `on`, else pause; at the end, playing begins again from the start."""
         self.go_to(self.start if on and self.position >= self.end else self.position)
         self.is_playing = on
 
     def refresh(self) -> None:
-        """Pause at the end, or wait at the last position for messages that are still being read."""
+        """Keep up with the time that has passed while playing.
+
+        Begin to read the next hour where the loaded one ends, hold the position while its messages
+        are still being read, and pause at the end of the recording.
+        """
         position = self.position
         if position > self._window.end:
             self.go_to(position)
@@ -102,26 +122,29 @@ class Player:
         self._last_position = self.position
 
     def change_speed(self, step: int) -> None:
-        """Change the speed by that many entries of SPEEDS, up or down."""
+        """Move the speed by `step` entries of SPEEDS, not beyond its first or last entry."""
         self.go_to(self.position)
         index = SPEEDS.index(self.speed) + step
         self.speed = SPEEDS[min(max(index, 0), len(SPEEDS) - 1)]
 
     def step_message(self, step: int) -> None:
-        """Pause, and move to the next message (1) or the one before (-1)."""
+        """Pause, and move to the time of the next message (1) or of the one before (-1).
+
+        The position stays if the messages that are loaded have none there.
+        """
         self.play(on=False)
         neighbour = self._window.neighbour(self.position, step)
         self.go_to(self.position if neighbour is None else neighbour)
 
     @property
     def marks(self) -> list[TimelineMark]:
-        """Return the events and alarms of the window in the order of time."""
+        """Return the events and alarms of the loaded hour read so far, in the order of time."""
         return sorted(self._window.marks, key=lambda mark: mark.time)
 
     def step_mark(self, step: int) -> TimelineMark | None:
         """Pause, move to the next mark (1) or the one before (-1), and return it.
 
-        If there is none in what is read, return None and do not pause.
+        If the loaded hour has none there, return None, and neither pause nor move.
         """
         here, marks = self.position, self.marks
         neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
@@ -139,16 +162,19 @@ class Player:
 
     @property
     def is_complete(self) -> bool:
-        """Return True when the window around the position is read in full."""
+        """Return True when the loaded hour is read in full, or its reading has failed halfway."""
         return self._window.is_complete
 
     @property
     def unreadable(self) -> int:
-        """Return how many messages of the window could not be applied so far."""
+        """Return how many messages of the loaded hour could not be applied so far."""
         return self._window.unreadable
 
     async def follow(self, update: Callable[[], None]) -> None:
-        """Call `update` for each frame while the bag is played or read; never return."""
+        """Call `update` ten times a second while the bag is played or read; never return.
+
+        After the reading or playing ends, `update` is called at most once more.
+        """
         showed_all = False
         while True:
             whole = self.is_complete  # A jump may begin to read another hour.
@@ -158,18 +184,21 @@ class Player:
             await self._clock.sleep(_FRAME)
 
     def snapshot(self) -> Snapshot:
-        """Return the state of the robot at the position."""
+        """Return the state of the robot at the position; an empty one until that is read."""
         return self._state_at(self.position).snapshot
 
     def _state_at(self, now: float) -> ReplayState:
-        """Return the state at a time, or an empty one while that time is still being read."""
+        """Return the state at a time, or an empty one while that time is still being read.
+
+        The next call changes the state that is returned.
+        """
         if not self._window.covers(now):
             return self._new_state()
         self._window.advance(self._state, now)
         return self._state
 
     def view(self) -> View:
-        """Return everything that the console showed at the position."""
+        """Return what the console showed at the position; an empty view until that is read."""
         now = self.position
         replay_state = self._state_at(now)
         snapshot, state = replay_state.snapshot, replay_state.console
@@ -195,7 +224,10 @@ class Player:
 
 
 def namespace_of(bag: BagFile, file: RobotFile) -> str:
-    """Return the robot's namespace, as the recorded console state says or as the topics suggest."""
+    """Return the robot's namespace, as the recorded console state says or as the topics suggest.
+
+    It reads the first second of the bag from the disk, where the black box writes its first state.
+    """
     state = ReplayState(file, bag.types, "/")
     for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
         try:

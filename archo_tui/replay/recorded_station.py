@@ -30,7 +30,10 @@ _NOT_RECORDED = "not in the recording"
 
 
 class RecordedRobot:
-    """The recorded robot; any verb but `emergency_stop` raises AttributeError."""
+    """A stand-in for `Robot` that shows the recorded robot and cannot command it.
+
+    STOP is refused; a verb that is not defined here raises AttributeError.
+    """
 
     watching = True
 
@@ -44,7 +47,7 @@ class RecordedRobot:
         return self._player.snapshot()
 
     def subscribe(self, receiver: Callable[[Snapshot], None]) -> None:
-        """Call `receiver` once; the time line tells of later changes."""
+        """Call `receiver` once, at once; it is not told of later changes."""
         receiver(self.snapshot)
 
     def note(self, *_: Any, **__: Any) -> None:
@@ -63,11 +66,20 @@ class RecordedRobot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Show a topic at the position, several times a second, until the task is cancelled."""
+        """Call `show` with a view of a topic at the position, five times a second, until cancelled.
+
+        Args:
+            topic: The full name of the topic.
+            request: Returns what the next view has to have.
+            show: Called with each view.
+        """
         await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node published and served, as far as it was recorded."""
+        """Return what a node published and served, as far as it was recorded.
+
+        A node that was not recorded is refused. Log levels are never recorded.
+        """
         found = self.snapshot.resources
 
         def of_kind(kind: str) -> Names:
@@ -91,18 +103,18 @@ class RecordedRobot:
 
 
 class RecordedHost:
-    """The recorded nodes of the console's process."""
+    """A stand-in for the host: the nodes that ran in the process of the recorded console."""
 
     def __init__(self, player: Player) -> None:
         self._player = player
 
     def states(self) -> tuple[Hosted, ...]:
-        """Return the states of the recorded nodes at the position."""
+        """Return the states of these nodes at the position."""
         return self._player.view().hosted
 
 
 class NullRecorder:
-    """A journal and black box that record nothing."""
+    """A stand-in for the journal and for the black box of a replay: it records nothing."""
 
     failure = trouble = kept = ""
 
@@ -113,7 +125,7 @@ class NullRecorder:
         """Ignore a view."""
 
     def keep(self, *_: Any) -> Outcome:
-        """Refuse, since this is a recording already."""
+        """Refuse to record, since this is a recording already."""
         return Outcome(Code.REFUSED, "this is a recording")
 
 
@@ -143,15 +155,18 @@ class RecordedStation(Station):
         )
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Show the player's position; the snapshot is not needed."""
+        """Do the same as `refresh`; the snapshot is not used."""
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Refresh, once a second; return no alarm, since none changes by that."""
+        """Do the same as `refresh`; the station is ticked once a second."""
         return self.refresh()
 
     def refresh(self) -> list[Alarm]:
-        """Show the player's position; no alarm changes by that."""
+        """Refresh the player, and set `view` to what it shows; return no alarms.
+
+        No alarm counts as changed, so that a replay neither rings nor records.
+        """
         self.player.refresh()
         self.view = self._view()
         return []

@@ -27,7 +27,7 @@ _SPANS = (SPAN, 6.0, 1.0)
 
 
 class RecordedTopicFollower:
-    """A follower of one topic of a recording, which shows it until its task is cancelled."""
+    """A follower of one topic of a recording that passes on views of it until it is cancelled."""
 
     def __init__(
         self,
@@ -43,8 +43,8 @@ class RecordedTopicFollower:
             player: The player, whose position is shown.
             clock: The machine's clock.
             topic: The full name of the topic.
-            request: Returns what the next view has to have.
-            show: Called with each view.
+            request: Returns what the next view has to have; called before each view.
+            show: Called with each view, on the event loop.
         """
         self._player, self._clock, self._topic = player, clock, topic
         self._request, self._show = request, show
@@ -57,7 +57,11 @@ class RecordedTopicFollower:
         self._watch: TopicWatch | None = None  # None before the first view.
 
     async def run(self) -> NoReturn:
-        """Follow the topic."""
+        """Show a view five times a second, less often if decoding takes long; never return.
+
+        Messages are read and decoded on another thread. A topic that the recording lacks is shown
+        with the reason as its fault.
+        """
         spent = 0.0
         while True:
             now, snapshot = self._player.position, self._player.snapshot()
@@ -69,7 +73,7 @@ class RecordedTopicFollower:
             await self._clock.sleep(max(PERIOD, spent / SHARE))
 
     def _unreadable_reason(self) -> str:
-        """Return why a topic cannot be read from the recording."""
+        """Return why the topic cannot be read from the recording."""
         begin = f"{self._topic}: "
         faults = (fault.removeprefix(begin) for fault in self._player.bag.faults if begin in fault)
         return next(faults, "it was not recorded")
@@ -77,7 +81,11 @@ class RecordedTopicFollower:
     def _update(
         self, request: TopicRequest, now: float, snapshot: Snapshot
     ) -> tuple[TopicView, float]:
-        """Return the view at a Unix time, and the processor time in seconds that it took."""
+        """Return the view at a Unix time, and the processor time in seconds that it took.
+
+        It reads the file if the messages around that time are not loaded, so not on the event loop.
+        After a jump of the position it begins anew with the messages before the position.
+        """
         begun = time.thread_time()
         watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
         if is_jump or now > self._read_until:
@@ -101,7 +109,10 @@ class RecordedTopicFollower:
         return view, time.thread_time() - begun
 
     def _read_around(self, now: float) -> None:
-        """Load the messages of the topic before a Unix time and shortly after it."""
+        """Load the messages of the topic before a Unix time and shortly after it.
+
+        If they are too many, load those of a shorter time.
+        """
         for span in _SPANS:
             self._read_until = now + span / 4
             self._messages, faults = self._player.bag.encoded_messages(
@@ -119,7 +130,10 @@ class RecordedTopicFollower:
 
 
 def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
-    """Return who published a topic and what did not fit, as far as it was recorded."""
+    """Return which nodes published a topic, and the QoS mismatches, as far as they were recorded.
+
+    Its subscribers are not recorded. Return None for a topic that the recorded graph does not have.
+    """
     resource = next((r for r in snapshot.resources if r.name == topic), None)
     if resource is None:
         return None

@@ -43,7 +43,10 @@ MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
 
 
 class RecordingClock(Clock):
-    """A clock that shows the time of the last message, as Unix time also for durations."""
+    """A clock that stands at `time`, the Unix time of the last message.
+
+    `monotonic` returns the same as `now`.
+    """
 
     time = 0.0
 
@@ -55,10 +58,12 @@ class RecordingClock(Clock):
 
 
 class Checkpoint(NamedTuple):
-    """Everything that a ReplayState needs to continue from a moment.
+    """A copy of everything that a ReplayState needs to continue from a moment.
 
     Attributes:
-        state_json: The console state as JSON, which takes far less memory than the parsed one.
+        state_json: The console state as JSON, which takes far less memory than the parsed one; ""
+            if none was applied.
+        nodes: For each node, when it was last heard (Unix time), and the period of its messages.
         evaluated_until: Unix time of the last evaluation of alarms.
     """
 
@@ -73,7 +78,14 @@ class Checkpoint(NamedTuple):
 
 
 class ReplayState:
-    """The state after the messages applied so far; `snapshot` and `alarms` show it."""
+    """The state of robot and console after the messages applied so far.
+
+    `snapshot` and `alarms` show it; `checkpoint` and `restore` move it to another moment.
+
+    Attributes:
+        console: The last recorded state of the console, without its events.
+        goal: The goal as the console state and later feedback tell it; None if there is none.
+    """
 
     def __init__(self, file: RobotFile, types: Mapping[str, str], namespace: str) -> None:
         """Create the state before the first message.
@@ -109,17 +121,17 @@ class ReplayState:
 
     @property
     def has_console_state(self) -> bool:
-        """Return True once a console's own state was applied; a bag of another tool has none."""
+        """Return True if a console's own state was applied; a bag of another tool has none."""
         return bool(self._state_json)
 
     @property
     def topics(self) -> frozenset[str]:
-        """Return the full names of the topics whose messages matter here."""
+        """Return the full names of the topics that `apply` uses; it ignores messages of others."""
         own = (ROSOUT, JOURNAL, STATE)
         return frozenset((*own, *self._topics.callbacks, *self._feedback))
 
     def checkpoint(self) -> Checkpoint:
-        """Return a checkpoint of this state."""
+        """Return a copy of this state, for `restore`."""
         return Checkpoint(
             self._telemetry.saved(),
             self._state_json,
@@ -132,7 +144,10 @@ class ReplayState:
         )
 
     def restore(self, checkpoint: Checkpoint) -> None:
-        """Continue from a checkpoint, which may be of another ReplayState of the same recording."""
+        """Replace this state with a checkpoint's.
+
+        It may be a checkpoint of another ReplayState of the same recording.
+        """
         self._telemetry.restore(checkpoint.readings)
         if checkpoint.state_json != self._state_json:
             self._state_json = checkpoint.state_json
@@ -145,10 +160,13 @@ class ReplayState:
         self._evaluated_until = checkpoint.evaluated_until
 
     def apply(self, time: float, topic: str, message: Any) -> None:
-        """Apply the next message.
+        """Apply the next message; one of an unknown topic only moves the time.
+
+        If no console state was applied yet, the alarms of each second until then are evaluated
+        first.
 
         Args:
-            time: Its Unix time, in s.
+            time: Its Unix time, in s; not before that of the last message.
             topic: Its full topic name.
             message: The message; a hostile one may raise any exception.
         """
@@ -167,7 +185,10 @@ class ReplayState:
             self._topics.callbacks[topic](message)
 
     def _evaluate_alarms_until(self, time: float) -> None:
-        """Evaluate the alarms of each second up to a time, if no console recorded its alarms."""
+        """Evaluate the alarms of each second up to a Unix time, if no console recorded its alarms.
+
+        Of a silence longer than MAX_SILENCE, only the first seconds and the last are evaluated.
+        """
         if self.has_console_state:
             return
         first = floor(self._evaluated_until) + 1 if self._evaluated_until else floor(time)
@@ -182,7 +203,12 @@ class ReplayState:
             )
 
     def _apply_state(self, state: ConsoleState) -> None:
-        """Replace the console's state, keeping what messages have told since it was made."""
+        """Replace the console's state, keeping what messages have told since it was made.
+
+        Raises:
+            KeyError: It has an alarm of an unknown kind.
+            ValueError: One of its times is out of range.
+        """
         before = self.goal
         for alarm in state.alarms:
             assert alarm.priority  # Raises KeyError for an unknown kind of alarm.
@@ -212,14 +238,14 @@ class ReplayState:
         return goal._replace(kind=self.goal_kind(goal.kind))
 
     def goal_kind(self, recorded: RecordedAction | GoalKind) -> GoalKind:
-        """Return the robot file's goal of that id and action, or one made of the recorded words."""
+        """Return the robot file's goal of the same id and action, or one of the recorded words."""
         known = self._kinds.get((recorded.id, recorded.action))
         return known or GoalKind(
             recorded.id, recorded.title, recorded.action, recorded.type, noun=recorded.noun
         )
 
     def _on_journal(self, message: Any) -> None:
-        """Add the event of a console that a recorded log message holds."""
+        """Add to the events the event of a console that a recorded log message holds."""
         level, source, text = level_word(message.level), message.name, message.msg
         own, _, rest = text.partition(": ")
         if own in OWN_LEVELS:
@@ -260,14 +286,14 @@ class ReplayState:
 
     @property
     def curve_snapshot(self) -> Snapshot:
-        """Return the part of the snapshot that trends need, cheap enough for each message."""
+        """Return a snapshot of battery, motion and goal only, which is cheap to make."""
         return Snapshot(
             battery=self._telemetry.battery, motion=self._telemetry.motion, goal=self.goal
         )
 
     @property
     def snapshot(self) -> Snapshot:
-        """Return the state of the robot as the console knew it."""
+        """Return the state of the robot after the last applied message, as the console knew it."""
         state, telemetry = self.console, self._telemetry
         return Snapshot(
             file=self._file,
@@ -306,7 +332,15 @@ class ReplayState:
         return node._replace(heard=heard, rate=None if rate is None else rate.hertz)
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Return the alarms with their texts at a Unix time."""
+        """Return the alarms at a Unix time, with their texts of that time.
+
+        They are those that the console recorded; without a console state they are evaluated up to
+        `now`, which changes this state.
+
+        Args:
+            snapshot: The state's snapshot.
+            now: Unix time in s.
+        """
         found = conditions(snapshot, now, self.console.hosted)
         self._evaluate_alarms_until(now)
         alarms = self.console.alarms if self.has_console_state else self._board.all()

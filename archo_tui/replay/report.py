@@ -17,7 +17,11 @@ from archo_tui.words.event import event_text
 
 
 def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
-    """Yield what the bag is, its events and alarms with their times, and what was unreadable."""
+    """Yield the lines of the report: the bag, its events and alarms in order of time, its faults.
+
+    Alarms get a line when they come and when they are over. The last lines say how many messages
+    were unreadable, and what else was left out.
+    """
     seconds = bag.end - bag.start
     begin = datetime.fromtimestamp(bag.start)
     yield f"{bag.path.name}: {file.name}, {begin:%Y-%m-%d %H:%M:%S}, {seconds:.0f} s"
@@ -53,12 +57,18 @@ def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
 
 
 def _active_alarms(state: ReplayState, now: float) -> dict[str, Alarm]:
-    """Return the alarms whose condition holds at a Unix time, by name."""
+    """Return the alarms that are not over at a Unix time, by name."""
     return {alarm.name: alarm for alarm in state.alarms(state.snapshot, now) if not alarm.is_over}
 
 
 def _alarm_changes(before: frozenset[str], found: dict[str, Alarm], time: float) -> Iterator[str]:
-    """Yield a line for each alarm that has come or gone since `before`."""
+    """Yield a line for each alarm that is new and unacknowledged, and for each that is over.
+
+    Args:
+        before: The names of the alarms that were active before.
+        found: The alarms that are active now, by name.
+        time: Unix time of the change.
+    """
     now = time_of_day(time)
     for name, alarm in found.items():
         if name not in before and alarm.state == AlarmState.UNACKNOWLEDGED:

@@ -23,10 +23,11 @@ def find_recording(given: str) -> Path:
     """Return the path of a recording.
 
     Args:
-        given: A recording's name or a bag's path; "" means the newest recording.
+        given: A bag's path or a recording's name; an existing path goes before a name, and one with
+            a `/` is returned unchecked. "" means the newest recording.
 
     Raises:
-        ArchoError: There is no such recording.
+        ArchoError: There is no such recording, or the folder of recordings cannot be read.
     """
     folder = state_file("recordings")
     # Unlike Path.exists, os.path.exists returns False for names that are too long.
@@ -50,7 +51,7 @@ def open_bag(given: str) -> BagFile:
     """Open the bag that `find_recording` finds.
 
     Raises:
-        ArchoError: It is no bag, or has no message.
+        ArchoError: There is no such recording, it is no bag, or has no message.
     """
     bag = BagFile(find_recording(given))
     if not bag.count:
@@ -60,11 +61,12 @@ def open_bag(given: str) -> BagFile:
 
 
 def opening_time(path: Path, start: float) -> float:
-    """Return where the replay of a bag opens: shortly before what triggered the recording.
+    """Return the Unix time at which the replay of a bag opens: 5 s before its first trigger.
 
     Args:
         path: The bag.
-        start: Unix time of its first message, in s, where a bag without a trigger opens.
+        start: Unix time of its first message, in s: the earliest that is returned, and the result
+            for a bag whose trigger is unknown.
     """
     try:
         at = read_info(path).at
@@ -74,14 +76,14 @@ def opening_time(path: Path, start: float) -> float:
 
 
 def load_robot_file(bag: BagFile, given: str) -> RobotFile:
-    """Return the robot of a bag.
+    """Return the robot of a bag: the given one, else the one attached to the bag, else ARCHO.
 
     Args:
-        bag: The bag, whose attached robot file is taken if none is given.
-        given: The path of a robot file; "" means none. ARCHO is the last resort.
+        bag: The bag.
+        given: The path of a robot file; "" for none.
 
     Raises:
-        ArchoError: The robot file is not valid.
+        ArchoError: The robot file cannot be read or is not valid.
     """
     if given:
         return load.load(Path(given))
@@ -91,7 +93,7 @@ def load_robot_file(bag: BagFile, given: str) -> RobotFile:
 
 
 def make_player(bag: BagFile, robot: RobotFile, clock: Clock) -> Player:
-    """Return the player of a bag, paused shortly before what triggered the recording.
+    """Return the player of a bag, paused 5 s before what triggered the recording.
 
     It reads the disk, so a console that runs calls it on another thread.
     """

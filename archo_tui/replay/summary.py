@@ -29,6 +29,8 @@ _STATISTICS_RECORD = Struct("<QHIIIIQQ")
 def read_summary(file: BinaryIO, size: int, index: Index, budget: ReadBudget) -> bool:
     """Fill the index from the summary, the header and the attached robot file.
 
+    Parts that are damaged are reported by the index.
+
     Returns:
         False if the summary is missing, damaged or incomplete; the index is of no use then.
 
@@ -76,7 +78,7 @@ def read_summary(file: BinaryIO, size: int, index: Index, budget: ReadBudget) ->
 
 
 def _summary_section(file: BinaryIO, size: int) -> bytes | None:
-    """Return the records of the summary, or None if it is missing or damaged."""
+    """Return the records of the summary, or None if it is missing, damaged or above MAX_RECORD."""
     end = size - _FOOTER.size
     if end < len(MAGIC):
         return None
@@ -97,7 +99,15 @@ def _summary_section(file: BinaryIO, size: int) -> bytes | None:
 def _read_header_and_robot(
     file: BinaryIO, size: int, index: Index, attached: list[tuple[int, int]], budget: ReadBudget
 ) -> None:
-    """Read the header and the robot file, which the summary only points to."""
+    """Read into the index the header and the robot file, which the summary only points to.
+
+    Args:
+        file: The file.
+        size: Its size, in bytes.
+        index: The index.
+        attached: Offset and size of each attachment.
+        budget: The budget that their bytes count against.
+    """
     reader = LinearReader(file, size, index, budget)
     for opcode, offset in [(HEADER, len(MAGIC)), *((ATTACHMENT, offset) for offset, _ in attached)]:
         reader.read_record_at(opcode, offset)

@@ -15,7 +15,10 @@ _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=Durabi
 
 
 class RecordedTopics:
-    """A stand-in for the console's node, on which every recorded topic has a publisher."""
+    """A stand-in for the console's node, on which every recorded topic has a publisher.
+
+    It receives nothing by itself: the caller calls `callbacks` with recorded messages.
+    """
 
     def __init__(self, types: Mapping[str, str], namespace: str) -> None:
         """Create the stand-in.
@@ -28,11 +31,11 @@ class RecordedTopics:
         self.callbacks: dict[str, Callable[[Any], None]] = {}  # By full topic names.
 
     def resolve_topic_name(self, name: str) -> str:
-        """Return the full name of a topic."""
+        """Return the full name of a topic; one without a leading `/` is below the namespace."""
         return in_namespace(self._namespace, name)
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        """Return one publisher of a recorded topic, none of another one."""
+        """Return one nameless publisher of a recorded topic, or an empty list for another one."""
         kind = self._types.get(self.resolve_topic_name(topic))
         if kind is None:
             return []
@@ -42,19 +45,25 @@ class RecordedTopics:
     def listen_quietly(
         self, _kind: Any, topic: str, callback: Callable[[Any], None], _qos: Any
     ) -> Callable[[Any], None]:
-        """Register a callback for a topic; return it, as the subscription to be destroyed."""
+        """Register a callback for a topic, and return it as the subscription.
+
+        It replaces the callback that was registered for the topic before.
+        """
         self.callbacks[self.resolve_topic_name(topic)] = callback
         return callback
 
     def destroy_subscription(self, callback: Callable[[Any], None]) -> None:
-        """Stop calling the callback."""
+        """Remove a callback from `callbacks`; an unknown one is ignored."""
         self.callbacks = {
             name: known for name, known in self.callbacks.items() if known != callback
         }
 
 
 def guess_namespace(types: Mapping[str, str], robot: RobotFile) -> str:
-    """Return the namespace in which the robot's topics are recorded; `/` if none is."""
+    """Return the namespace in which a topic of the robot is recorded; `/` if none is.
+
+    The first topic of the robot file that the recording has, in whatever namespace, decides.
+    """
     for topic in robot.topics:
         for name in types:
             if name.endswith(f"/{topic.lstrip('/')}"):

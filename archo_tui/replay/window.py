@@ -29,6 +29,14 @@ class Window:
     """The messages of a time span, with a checkpoint of the state at every few hundred.
 
     One thread fills it while another one reads.
+
+    Attributes:
+        begin: Unix time, in s.
+        end: Unix time, in s; earlier than was asked for if the messages are too many.
+        is_complete: True when `fill` is through, or `abort` was called after messages were read.
+        unreadable: The number of messages that could not be applied.
+        marks: The events and alarms read so far, in the order of reading.
+        history: The samples of the trends.
     """
 
     def __init__(self, begin: float, end: float) -> None:
@@ -45,10 +53,13 @@ class Window:
         self._last_time = begin  # The Unix time of the last `advance`.
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
-        """Take all messages, yielding after each few hundred so that the caller can give up.
+        """Take all messages, and record their marks and trends; set `is_complete` at the end.
+
+        It is a generator that yields after each few hundred messages, so that the caller can give
+        up. A message that cannot be applied is counted in `unreadable`.
 
         Args:
-            state: A state of its own, not used by anything else.
+            state: A state before the first message, which nothing else uses.
             messages: The messages of the window, in the order of time.
         """
         second, alarms = self.begin, frozenset[str]()
@@ -78,12 +89,15 @@ class Window:
         self.is_complete = True
 
     def abort(self) -> None:
-        """Count an error that ended the reading; what was read so far is shown."""
+        """End a reading that an error has stopped: what was read so far counts as everything.
+
+        The error counts as one unreadable message. If nothing was read, `is_complete` stays False.
+        """
         self.unreadable += 1
         self.is_complete = bool(self._checkpoints)
 
     def _mark_event(self, snapshot: Snapshot, time: float) -> None:
-        """Mark what somebody commanded, and how a goal ended."""
+        """Mark the last event if it is a command of somebody or the end of a goal."""
         event = snapshot.events[-1] if snapshot.events else None
         if event is not None and event.level in OWN_LEVELS:
             self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
@@ -93,7 +107,7 @@ class Window:
 
         Args:
             alarms: All alarms at that time.
-            before: The names of the alarms that were unacknowledged before.
+            before: The names that the last call returned.
 
         Returns:
             The names of the alarms that are active and unacknowledged, for the next call.
@@ -105,13 +119,19 @@ class Window:
         return frozenset(alarm.name for alarm in new)
 
     def covers(self, time: float) -> bool:
-        """Return True if all messages up to a Unix time are read."""
+        """Return True if a Unix time is in the window and all messages up to it are read."""
         return self.begin <= time <= self.end and (
             self.is_complete or bool(self._times and time < self._times[-1])
         )
 
     def advance(self, state: ReplayState, time: float) -> None:
-        """Bring a state to a Unix time, from where it is or from the nearest checkpoint."""
+        """Bring a state to a Unix time, forwards or backwards, which `covers` has to be true for.
+
+        Args:
+            state: The same state at each call; it is restored from a checkpoint where that is
+                nearer.
+            time: Unix time, in s.
+        """
         count = bisect_right(self._times, time)
         # Backwards, alarms evaluated during a later silence must be undone.
         is_back, self._last_time = time < self._last_time, time
@@ -127,7 +147,10 @@ class Window:
         self._applied = count
 
     def neighbour(self, time: float, step: int) -> float | None:
-        """Return the time of the next message (1) or the one before (-1); None if there is none."""
+        """Return the time of the next message (1) or the one before (-1), of those read so far.
+
+        Messages at `time` itself do not count. Return None if there is none.
+        """
         after, before = bisect_right(self._times, time), bisect_left(self._times, time) - 1
         place = after if step > 0 else before
         return self._times[place] if 0 <= place < len(self._times) else None
