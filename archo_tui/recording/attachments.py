@@ -15,11 +15,13 @@ _MAX_JOURNAL_BYTES = 1_000_000  # Read from the end of the journal.
 
 
 def attachments(robot: RobotFile, journal: Path, begin: float, end: float) -> dict[str, str]:
-    """Return the text of each attachment by its file name.
+    """Return the text of each attachment by its file name: robot file, journal and versions.
+
+    It reads at most the last megabyte of the journal.
 
     Args:
         robot: The robot, written as a robot file.
-        journal: The journal's file; a missing one counts as empty.
+        journal: The journal's file; one that is missing or cannot be read counts as empty.
         begin: Unix time of the first journal line that is included.
         end: Unix time of the last one.
     """

@@ -32,7 +32,7 @@ _YIELD_EVERY = 32  # Messages after which other threads get a turn.
 
 
 class WriteResult(NamedTuple):
-    """The outcome of writing a bag.
+    """The messages that writing a bag has left out.
 
     Attributes:
         left_out: The number of messages that could not be encoded.
@@ -46,11 +46,11 @@ class WriteResult(NamedTuple):
 def write(
     folder: Path, messages: Sequence[ReceivedMessage], about: Mapping[str, str], **attached: str
 ) -> WriteResult:
-    """Write a whole bag into an empty folder.
+    """Write a whole bag into an empty folder; messages that cannot be encoded are left out.
 
     Args:
         folder: The folder, which exists.
-        messages: The messages, in any order of time.
+        messages: The messages, which are written in this order.
         about: The bag's custom data in `metadata.yaml`.
         attached: The text of each attachment by its name.
 
@@ -66,10 +66,13 @@ def write(
 
 
 class BagWriter:
-    """A bag that grows on the disk; `metadata.yaml` is written when it ends."""
+    """A bag that grows on the disk; `finish` writes its `metadata.yaml`, `close` closes it.
+
+    Messages are compressed if zstandard is installed.
+    """
 
     def __init__(self, folder: Path) -> None:
-        """Create the MCAP file in an empty folder.
+        """Create the MCAP file in an empty folder, readable by its owner only.
 
         Raises:
             OSError: The disk refuses it, or the file exists.
@@ -96,7 +99,13 @@ class BagWriter:
         self._result = WriteResult(0, "")
 
     def add(self, messages: Sequence[ReceivedMessage]) -> None:
-        """Write messages, some of which may stay in memory until `flush` or `finish`."""
+        """Write messages, some of which may stay in memory until `flush` or `finish`.
+
+        Those that cannot be encoded are left out and counted for `finish`.
+
+        Raises:
+            OSError: The disk refuses it.
+        """
         for index, message in enumerate(messages):
             if index % _YIELD_EVERY == 0:
                 time.sleep(0)  # Let the threads of keys and STOP run.
@@ -128,24 +137,28 @@ class BagWriter:
         )
 
     def attach(self, attached: Mapping[str, str]) -> None:
-        """Write attachments, each a text by its name."""
+        """Write attachments, each a text by its name, with the time of the last added message."""
         at = self._newest
         for name, text in attached.items():
             data = text.encode("utf-8", "replace")
             self._writer.add_attachment(at, at, name, "text/plain", data)
 
     def flush(self) -> None:
-        """Put all messages on the disk, so that a process that is killed loses none of them."""
+        """Put all messages on the disk, so that a process that is killed loses none of them.
+
+        Raises:
+            OSError: The disk refuses it.
+        """
         # The mcap library ends a chunk by its size only, and keeps an open one in memory.
         self._writer._Writer__finalize_chunk()  # type: ignore[attr-defined]
         self._stream.flush()
         os.fsync(self._stream.fileno())
 
     def finish(self, about: Mapping[str, str], attached: Mapping[str, str]) -> WriteResult:
-        """Finish the MCAP file and write `metadata.yaml`.
+        """Write the attachments and the end of the MCAP file, close it, and write `metadata.yaml`.
 
         Args:
-            about: The bag's custom data.
+            about: The bag's custom data; the number of messages left out is added to it.
             attached: The text of each further attachment by its name.
 
         Raises:
@@ -188,7 +201,7 @@ class BagWriter:
         return self._result
 
     def close(self) -> None:
-        """Close the file without finishing it; harmless after `finish`."""
+        """Close the file without finishing it; do nothing after `finish`. Errors are ignored."""
         with suppress(OSError):  # A full disk refuses the last bytes; what is there stays.
             self._stream.close()
 
@@ -204,7 +217,7 @@ def _encode(message: Any, *, first: bool) -> tuple[Any, str, bytes]:
 
     Args:
         message: The message, or the LazyMessage that makes it.
-        first: True for the first message of its topic in the bag.
+        first: True until a message of its topic is in the bag.
     """
     from rclpy.serialization import serialize_message
 
@@ -218,7 +231,17 @@ def type_name(kind: Any) -> str:
 
 
 class BagInfo(NamedTuple):
-    """The description of a bag in its `metadata.yaml`."""
+    """The description of a bag in its `metadata.yaml`.
+
+    Attributes:
+        start: Unix time of the first message, in s.
+        seconds: The time from the first message to the last.
+        messages: Their number.
+        why: What triggered the recording; "" if another tool wrote the bag.
+        kept: True if the operator asked for the recording.
+        number: The place in the order of writing; 0 if another tool wrote the bag.
+        at: Unix time of the first trigger, in s; None if there was none.
+    """
 
     start: float  # Unix time, in s.
     seconds: float
@@ -230,7 +253,7 @@ class BagInfo(NamedTuple):
 
 
 def read_info(folder: Path) -> BagInfo:
-    """Return the description of the bag in a folder.
+    """Return what `metadata.yaml` says of the bag in a folder; another tool's bag is read, too.
 
     Raises:
         OSError: `metadata.yaml` cannot be read.
@@ -255,7 +278,7 @@ def read_info(folder: Path) -> BagInfo:
 
 
 def _checked_count(value: Any) -> int:
-    """Return a number of nanoseconds or messages; raise ValueError for anything else."""
+    """Return a count of nanoseconds or messages; raise ValueError if it is none or too large."""
     if not isinstance(value, int) or not 0 <= value < _MAX_COUNT:
         raise ValueError(value)
     return value

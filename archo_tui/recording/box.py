@@ -33,7 +33,19 @@ _RETRY = 10.0  # Seconds between two tries after a failure.
 
 
 class _EventRecording:
-    """A recording in memory, from its first trigger until a few seconds after its last."""
+    """A recording in memory, from its first trigger until a few seconds after its last.
+
+    It begins with the messages in the ring.
+
+    Attributes:
+        at: Unix time of the first trigger, in s.
+        begun: Monotonic time of the first trigger, in s.
+        ends: Monotonic time at which the recording ends, in s.
+        why: The reasons of the triggers, each once.
+        kept: True if the operator asked for it.
+        on_written: Called when the recording is written, or cannot be.
+        messages: The messages, in the order of receiving.
+    """
 
     def __init__(self, ring: Ring, clock: Clock, why: str) -> None:
         now, self.at = clock.monotonic(), clock.now()
@@ -46,13 +58,18 @@ class _EventRecording:
         self.messages[:0] = ring.subscribe(self._on_message)
 
     def _on_message(self, message: ReceivedMessage, weight: int) -> None:
-        """Add a message, or drop it if MAX_BYTES are reached: `is_full` ends the recording then."""
+        """Add a message, or drop it if MAX_BYTES are reached; `is_full` is True from then on."""
         self._bytes += weight
         if self._bytes < MAX_BYTES:
             self.messages.append(message)
 
     def extend(self, now: float, why: str) -> None:
-        """Record on for another trigger, up to MAX_SECONDS in all."""
+        """Prolong the recording to SECONDS_AFTER from now, but to MAX_SECONDS in all at most.
+
+        Args:
+            now: Monotonic time, in s.
+            why: The reason, which is added if it is a new one.
+        """
         self.ends = min(now + SECONDS_AFTER, self.begun + MAX_SECONDS)
         if why not in self.why:
             self.why.append(why)
@@ -68,16 +85,16 @@ class _EventRecording:
 
 
 class _ContinuousBag:
-    """A bag to which every message is written as it comes.
+    """A bag to which every message is written as it comes, beginning with those in the ring.
 
     Attributes:
         ends: Monotonic time at which the next bag begins, in s.
-        flushed: Monotonic time of the last writing, in s.
+        flushed: Monotonic time of the last order to write, in s.
         writer: The bag's writer, once the first messages are written.
-        begun: Unix time of its first message.
+        begun: Unix time of its first message, in s.
         failed: Monotonic time at which writing failed; None while it works.
         is_waiting: True while a job for this bag waits for the writing thread.
-        folder: The bag's folder while nothing in it is of use yet.
+        folder: The bag's folder while nothing in it is of use yet; None before and afterwards.
         left_out: True if messages were dropped because the disk was too slow.
     """
 
@@ -106,13 +123,13 @@ class _ContinuousBag:
                 self.left_out = True
 
     def take_messages(self) -> list[ReceivedMessage]:
-        """Return the messages received since the last call."""
+        """Return the messages received since the last call, and forget them."""
         with self._lock:
             messages, self._messages, self._bytes = self._messages, [], 0
         return messages
 
     def stop_collecting(self) -> None:
-        """Stop collecting messages. Any thread."""
+        """Stop collecting messages; a second call does nothing. Any thread."""
         with self._lock:
             listens, self._listens = self._listens, False
         if listens:
@@ -120,10 +137,14 @@ class _ContinuousBag:
 
 
 class BlackBox:
-    """The recorder of a console.
+    """The recorder of a console: the last minute in memory, and bags written from it.
 
     `receive` may be called on any thread, everything else on the event loop. Files are written on a
     thread of its own, which begins with the first recording.
+
+    Attributes:
+        ring: The messages of the last minute.
+        failure: Why the last recording could not be written; "" if it was, or the disk works again.
     """
 
     def __init__(
@@ -135,16 +156,18 @@ class BlackBox:
         budget: int = BUDGET,
         record_all_to: Path | None = None,
     ) -> None:
-        """Create the recorder; it collects messages at once.
+        """Create the recorder; messages are collected at once, files written only after a trigger.
 
         Args:
             folder: The folder of recordings; it is made when the first one is written.
             clock: The clock of all times here.
-            note: Called with level, source and text of an event for the operator.
-            attached: Called with the Unix times of begin and end; returns attachments by name.
-            budget: The bytes that all recordings may take together.
-            record_all_to: A folder to which every message is recorded besides; each bag after the
-                first has a number behind this name. None: only events are recorded.
+            note: Called on any thread with level, source and text of an event for the operator.
+            attached: Called on the writing thread with the Unix times of begin and end; returns the
+                text of each attachment by its name.
+            budget: The bytes that all recordings in `folder` may take together.
+            record_all_to: A folder to which every message is recorded besides, from the first
+                `tick` on; each bag after the first has a number behind this name. None: only events
+                are recorded.
         """
         self._folder, self._clock, self._add_event, self._budget = folder, clock, note, budget
         self._get_attachments = attached
@@ -160,20 +183,22 @@ class BlackBox:
         self._thread: threading.Thread | None = None
 
     def receive(self, topic: str, message: Any) -> None:
-        """Keep a message that was received now."""
+        """Add to the last minute a message that was received now."""
         now = self._clock.monotonic()
         self.ring.add(ReceivedMessage(int(self._clock.now() * 1e9), topic, message), now)
 
     @property
     def trouble(self) -> str:
-        """Return what the operator must know about recordings, or ""."""
+        """Return a warning that recordings are not written or fill their budget; "" for none."""
         failure = self.failure or self._continuous_failure
         return f"RECORDING NOT WRITTEN: {failure}" if failure else self._budget_warning
 
     def trigger(
         self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
     ) -> None:
-        """Record the last minute and the next seconds, or prolong the recording that runs.
+        """Record the last minute and the next 5 s, or prolong the recording that runs.
+
+        A recording ends 300 s after its first trigger at the latest. `tick` and `finish` end it.
 
         Args:
             why: The reason, in a few words.
@@ -191,7 +216,10 @@ class BlackBox:
             self._event.on_written.append(on_written)
 
     def tick(self) -> None:
-        """Hand what is complete to the writing thread; called about each second."""
+        """Let the writing thread write what is complete, and try a failed disk again each 10 s.
+
+        Call it about each second.
+        """
         now = self._clock.monotonic()
         if self._event is not None and (now >= self._event.ends or self._event.is_full):
             self._finish_event(self._event)
@@ -204,7 +232,14 @@ class BlackBox:
             self._tick_continuous(now, self._continuous_to)
 
     def _tick_continuous(self, now: float, to: Path) -> None:
-        """Hand the messages of the last second to the writing thread, or begin the next bag."""
+        """Hand the messages of the last second to the writing thread, or begin the next bag.
+
+        A bag that failed is replaced by a new one after 10 s.
+
+        Args:
+            now: Monotonic time, in s.
+            to: The path of the first bag's folder.
+        """
         if self._continuous is not None and self._continuous.failed is not None:
             if now - self._continuous.failed < _RETRY:
                 return
@@ -251,14 +286,14 @@ class BlackBox:
             job()
 
     def _append(self, current: _ContinuousBag, to: Path, *, is_last: bool = False) -> None:
-        """Write the messages that came since the last call, on the writing thread.
+        """Write the messages that came since the last call, on the writing thread; never raise.
 
-        The first call creates the bag. A failure is kept for the operator, and abandons the bag.
+        The first call creates the bag. A failure is reported by `trouble`, and ends the bag.
 
         Args:
             current: The bag.
             to: The path of the bag's folder; if that exists, a number is put behind its name.
-            is_last: True to end the bag after these messages.
+            is_last: True to end the bag after these messages, and tell the operator of it.
         """
         from archo_tui.recording import bag, store
 
@@ -299,7 +334,7 @@ class BlackBox:
         return {name: attached[name] for name in attached if name.startswith("journal")}
 
     def _abandon(self, current: _ContinuousBag) -> None:
-        """Give up a bag that cannot be written; `_tick_continuous` begins a new one later.
+        """End a bag that cannot be written; `_tick_continuous` begins a new one later.
 
         Its folder stays, but is deleted if it holds nothing of use yet.
         """
@@ -318,7 +353,8 @@ class BlackBox:
     def _write_event(self, recording: _EventRecording) -> None:
         """Write a recording to the disk, then delete the oldest ones beyond the budget.
 
-        Writing thread only. A failure is kept and told to `on_written`, never raised.
+        Writing thread only. `on_written` and an event tell the operator. A failure is kept and
+        passed to `on_written`, never raised.
         """
         from archo_tui.recording import bag, store
 
@@ -347,9 +383,9 @@ class BlackBox:
             self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _retry_disk(self) -> None:
-        """Try the disk again, on the writing thread: clear the failure if it can be written.
+        """Clear `failure` if the disk takes data again, on the writing thread; renew it otherwise.
 
-        If so, also delete the oldest recordings beyond the budget.
+        If it does, also delete the oldest recordings beyond the budget.
         """
         from archo_tui.recording import store
 
@@ -365,7 +401,9 @@ class BlackBox:
             self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _make_room(self, written: Path | None = None) -> None:
-        """Delete the oldest recordings beyond the budget, and warn if little of it is left.
+        """Delete the oldest recordings beyond the budget, with an event for each.
+
+        From 90 % of the budget on, set the warning that `trouble` returns, else clear it.
 
         Args:
             written: The recording that was written last, which is not deleted; None for none.
@@ -388,20 +426,24 @@ class BlackBox:
         return in_one_line(error)
 
     def finish(self) -> None:
-        """Hand the recordings that still go on to the writing thread, complete or not."""
+        """Hand the recordings that still go on to the writing thread, complete or not.
+
+        `close` waits until they are written.
+        """
         if self._event is not None:
             self._finish_event(self._event)
         if self._continuous is not None and self._continuous_to is not None:
             self._end_continuous(self._continuous, self._continuous_to)
 
     def close(self, seconds: float) -> str:
-        """Wait until everything is written.
+        """Wait until all that was handed to the writing thread is written, and end that thread.
 
         Args:
             seconds: The longest wait.
 
         Returns:
-            Why the last recording was not written, or "".
+            Why the last recording was not written, or that the disk was too slow; "" if all is
+            well.
         """
         if self._thread is None:
             return ""

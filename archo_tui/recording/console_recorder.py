@@ -31,9 +31,12 @@ _MAX_STATE_AGE = 10.0  # Seconds after which an unchanged state is recorded agai
 
 
 class ConsoleRecorder:
-    """The recorder of what the console did and showed.
+    """The recorder of what the console did and showed, which also triggers recordings.
 
     `record_event` is called on the robot's thread, everything else on the event loop.
+
+    Attributes:
+        kept: The name of the last recording on the disk that the operator asked for; "" for none.
     """
 
     def __init__(self, box: BlackBox) -> None:
@@ -45,16 +48,21 @@ class ConsoleRecorder:
 
     @property
     def trouble(self) -> str:
-        """Return what the operator must know about recordings, or ""."""
+        """Return a warning that recordings are not written or fill their budget; "" for none."""
         return self._box.trouble
 
     def record_event(self, event: Event) -> None:
-        """Record an event if it tells what this console or another one did."""
+        """Record an event that tells what a console did; ignore all others.
+
+        The robot's own log lines are recorded as messages of `/rosout`.
+        """
         if event.level in OWN_LEVELS or event.source == "console":
             self._box.receive(JOURNAL, LazyMessage(partial(_to_log, event), _EVENT_WEIGHT))
 
     def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record the view if it changed, and begin or end recordings.
+        """Record the view if it changed or 10 s have passed, and begin or end recordings.
+
+        A STOP, an alarm of high priority or a failed goal since the last call begins a recording.
 
         Args:
             view: The station's view of now.
@@ -71,10 +79,13 @@ class ConsoleRecorder:
         self._box.tick()
 
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Record the last minute and the next seconds, because the operator asked for it.
+        """Record the last minute and the next 5 s, because the operator asked for it.
+
+        The outcome that is returned says only that the recording has begun.
 
         Args:
-            written: Called on the event loop with the outcome when the recording is on the disk.
+            written: Called on the event loop when the recording is on the disk or could not be
+                written, with the outcome; not called if the console has ended by then.
         """
         loop = None if written is None else asyncio.get_running_loop()
 

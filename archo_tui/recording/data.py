@@ -16,7 +16,10 @@ _MAX_DEPTH = 4  # Of nested lists.
 
 
 def to_data(value: Any) -> Any:
-    """Return a value as JSON has it: a dataclass or named tuple as an object, an Enum by name."""
+    """Return a value as JSON has it: a dataclass or named tuple as an object, an Enum by name.
+
+    Sets become sorted lists. NaN, infinity and too large integers become texts.
+    """
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, tuple) and hasattr(value, "_fields"):
@@ -35,12 +38,12 @@ def to_data(value: Any) -> Any:
 def from_data(kind: Any, data: Any) -> Any:
     """Build a value of a type from JSON data; missing fields get their defaults.
 
-    Texts are made harmless to print.
+    Unknown fields are ignored. Texts are made harmless to print.
 
     Raises:
-        TypeError: A part of the data is of another type.
+        TypeError: A part of the data is of another type, or a required field is missing.
         ValueError: A tuple has another length.
-        KeyError: A required field or an Enum's name is missing.
+        KeyError: An Enum has no such name.
     """
     origin, inner = get_origin(kind), get_args(kind)
     if kind is Any:
@@ -91,7 +94,13 @@ def _require_type(kind: type, data: Any) -> Any:
 
 
 def _plain_value(data: Any, depth: int) -> Any:
-    """Return a number, a text, or lists of them, for a field of type Any."""
+    """Return None, a number, a text, or lists of them, for a field of type Any.
+
+    Texts are made harmless to print.
+
+    Raises:
+        TypeError: The data are anything else, or lists nested too deeply.
+    """
     if isinstance(data, str):
         return harmless(data)
     if isinstance(data, list) and depth < _MAX_DEPTH:

@@ -13,11 +13,11 @@ from archo_tui.recording.box import KEPT
 
 
 def list_recordings(*, as_json: bool) -> Iterator[str]:
-    """Yield a line for each recording, the newest first.
+    """Yield a line for each recording, the newest first, or one that says that there is none.
 
     Args:
-        as_json: True for a JSON object on each line, False for text such as
-            `2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`.
+        as_json: True for a JSON object on each line, and no line if there is no recording; False
+            for text such as `2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`.
 
     Raises:
         ArchoError: The folder cannot be read.
@@ -45,7 +45,7 @@ def list_recordings(*, as_json: bool) -> Iterator[str]:
 
 
 def format_line(recording: store.Recording, width: int) -> str:
-    """Return a recording's name, length, size and reason.
+    """Return a line with a recording's name, length, size and reason.
 
     Args:
         recording: The recording.
@@ -63,7 +63,7 @@ def size_text(recording: store.Recording) -> str:
 
 
 def why_text(recording: store.Recording) -> str:
-    """Return what triggered a recording, and whether it was kept by hand."""
+    """Return what triggered a recording, followed by `, kept` if the operator kept it besides."""
     is_kept = recording.kept and KEPT not in recording.why.split(", ")
     return f"{recording.why}{', kept' if is_kept else ''}"
 
@@ -78,13 +78,13 @@ def recording_names() -> list[str]:
 
 
 def delete_named(names: Sequence[str]) -> Iterator[str]:
-    """Delete recordings and yield a line for each.
+    """Delete recordings, one for each line that is taken from the iterator.
 
     Args:
         names: Their names; nothing is deleted if one of them is unknown.
 
     Raises:
-        ArchoError: A name is unknown, or the disk refuses it.
+        ArchoError: A name is unknown, or the disk refuses it; those before are deleted then.
     """
     known = {recording.name: recording for recording in _all_recordings()}
     for name in names:

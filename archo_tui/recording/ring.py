@@ -18,7 +18,7 @@ _EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tu
 
 
 class ReceivedMessage(NamedTuple):
-    """A message with the time and topic at which it was received."""
+    """A message, or the LazyMessage that makes it, with the time and topic of its receiving."""
 
     time: int  # In ns since the epoch, by this machine's clock.
     topic: str  # With its namespace.
@@ -29,7 +29,8 @@ class LazyMessage(NamedTuple):
     """A message that is built only if it is written.
 
     Attributes:
-        make: Builds it; called with True for the first message of its topic in a recording.
+        make: Builds the message; called on the writing thread, with True until a message of its
+            topic is in the bag.
         weight: The memory that it takes while it waits, in bytes, approximately.
     """
 
@@ -68,10 +69,11 @@ def weight(value: Any) -> int:
 
 
 class Ring:
-    """A buffer of the last messages. Thread-safe.
+    """A buffer of the last minute of messages, at most 16 MB of them. Thread-safe.
 
-    The last message of each topic is kept beyond its time, except on topics of events: it tells
-    the state of things at the beginning of a recording.
+    The last message of each topic is kept beyond its time, unless it is larger than 1 MB or tells
+    an event, as those of `/rosout` do: it shows the state of things at the beginning of a
+    recording.
     """
 
     def __init__(self, span: float = SPAN, max_bytes: int = MAX_BYTES) -> None:
@@ -85,7 +87,7 @@ class Ring:
         self._listeners: list[Listener] = []
 
     def add(self, received: ReceivedMessage, now: float) -> None:
-        """Keep a message, and drop those that are too old or too many.
+        """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
 
         Args:
             received: The message.
@@ -109,7 +111,8 @@ class Ring:
     def subscribe(self, listener: Listener) -> Sequence[ReceivedMessage]:
         """Return the messages kept so far, and pass all that follow to `listener`.
 
-        The last message of each topic that is older comes first.
+        The last messages of topics that have been silent for longer come first, with the time of
+        the oldest other message.
 
         Args:
             listener: Called with a message and its weight on the thread that adds it, under the
@@ -124,11 +127,11 @@ class Ring:
             return [*latched, *kept]
 
     def unsubscribe(self, listener: Listener) -> None:
-        """Pass no further messages to `listener`."""
+        """Pass no further messages to `listener`; raise ValueError if it is not subscribed."""
         with self._lock:
             self._listeners.remove(listener)
 
     @property
     def bytes(self) -> int:
-        """Return the memory that the messages take, approximately."""
+        """Return the memory that the messages of the last minute take, in bytes, approximately."""
         return self._bytes

@@ -41,14 +41,17 @@ class RecordedAction(NamedTuple):
 
 
 class RecordedGoal(NamedTuple):
-    """A goal that waits in the queue."""
+    """A goal that waited in the console's queue, with the values of its fields by name."""
 
     kind: RecordedAction
     values: Mapping[str, Any]
 
 
 class ConsoleState(NamedTuple):
-    """The console's state at one moment: what no topic of the robot tells."""
+    """The console's state at one moment: what no topic of the robot tells.
+
+    Fields that are not explained have the meaning of those of the same name in Snapshot and View.
+    """
 
     engine: str = ""
     namespace: str = "/"
@@ -81,7 +84,7 @@ class ConsoleState(NamedTuple):
 
 
 def all_times(state: ConsoleState) -> Iterator[float | None]:
-    """Yield every time in a state, for a check of their range."""
+    """Yield every time in a state, for a check of their range; None for each that is not set."""
     for goal in (*state.history, *([state.goal] if state.goal else [])):
         yield goal.time
         yield from (getattr(goal, name) for name in _GOAL_TIMES)
@@ -98,7 +101,10 @@ def all_times(state: ConsoleState) -> Iterator[float | None]:
 
 
 def change_key(view: View) -> tuple[object, ...]:
-    """Return a key that changes when a view is worth recording again; cheap to compare."""
+    """Return a tuple that differs from the last one when a view is worth recording again.
+
+    It leaves out what changes all the time: the times, the feedback of goals, the readings.
+    """
     snapshot = view.snapshot
     goal = snapshot.goal
     return (
@@ -126,7 +132,7 @@ def change_key(view: View) -> tuple[object, ...]:
 
 
 def console_state(view: View, *, with_events: bool) -> ConsoleState:
-    """Return the state of the console for a recording.
+    """Return the state of the console for a recording, all times as Unix times, secrets masked.
 
     Args:
         view: The station's view.

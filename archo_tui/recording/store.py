@@ -29,10 +29,11 @@ class Recording(NamedTuple):
 
     Attributes:
         folder: Its folder, whose name is the recording's.
-        start: Unix time of its first message.
+        start: Unix time of its first message, in s.
         seconds: The time from its first to its last message.
         messages: Their number.
-        why: What triggered it, in the order of events.
+        why: What triggered it, joined by commas in the order of events; "" if another tool wrote
+            it.
         kept: True if it was recorded by hand: it is not deleted for room.
         bytes: Its size on the disk.
         number: Its place in the order of writing; 0 if another tool wrote it.
@@ -49,7 +50,7 @@ class Recording(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the name by which `archo-tui recordings --delete` knows it."""
+        """Return the name of its folder, which `archo-tui recordings --delete` takes."""
         return self.folder.name
 
 
@@ -60,7 +61,7 @@ def list_recordings(folder: Path) -> list[Recording]:
     has none, gives a new recording an old date.
 
     Raises:
-        OSError: The folder cannot be read; a missing one is empty.
+        OSError: The folder cannot be read; a missing one counts as empty.
     """
     found = []
     with suppress(FileNotFoundError):
@@ -89,7 +90,7 @@ def delete(recording: Recording) -> None:
 
 
 def next_number(folder: Path) -> int:
-    """Return the number for a recording that is written now.
+    """Return the number for a recording that is written now: one above the highest in the folder.
 
     Raises:
         OSError: The folder cannot be read.
@@ -98,19 +99,19 @@ def next_number(folder: Path) -> int:
 
 
 def check_free(folder: Path) -> None:
-    """Raise OSError if the disk has less than MIN_FREE bytes left."""
+    """Raise OSError if the disk of a folder has less than MIN_FREE bytes left."""
     if shutil.disk_usage(folder).free < MIN_FREE:
         raise OSError(errno.ENOSPC, f"less than {MIN_FREE / 1e6:.0f} MB are free", str(folder))
 
 
 def make_folder(wanted: Path) -> Path:
-    """Make a folder for a bag that grows on the disk, and return it.
+    """Make a folder for a bag that grows on the disk, and return its path.
 
     Args:
-        wanted: Its path; if that exists, a number is put behind its name.
+        wanted: Its path, in a folder that exists; if it is taken, a number is put behind its name.
 
     Raises:
-        OSError: The disk is full or refuses it.
+        OSError: The disk is almost full or refuses it.
     """
     check_free(wanted.parent)
     for number in itertools.count(1):
@@ -124,6 +125,8 @@ def make_folder(wanted: Path) -> Path:
 def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Path:
     """Write a recording that appears under its name only when all of it is on the disk.
 
+    If `fill` raises an exception, nothing is left of the recording.
+
     Args:
         folder: The folder of recordings; made if it is missing.
         at: Unix time, for the name.
@@ -131,10 +134,10 @@ def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Pat
         fill: Called with the folder into which it writes the bag.
 
     Returns:
-        The recording's folder.
+        The recording's folder, with a number behind its name if the name was taken.
 
     Raises:
-        OSError: The disk is full or refuses it.
+        OSError: The disk is almost full or refuses it.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir(mode=0o700, exist_ok=True)
@@ -144,7 +147,10 @@ def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Pat
 
 
 def _write_hidden(wanted: Path, fill: Callable[[Path], None]) -> Path:
-    """Fill a hidden folder, put it on the disk, and rename it to `wanted` or the next free name."""
+    """Fill a hidden folder, put it on the disk, and rename it to `wanted` or the next free name.
+
+    Return the final path. If anything fails, the folder is deleted.
+    """
     made = wanted.with_name(f"{_HIDDEN_PREFIX}{wanted.name}.{os.getpid()}")
     made.mkdir(mode=0o700)
     try:
@@ -162,7 +168,7 @@ def _write_hidden(wanted: Path, fill: Callable[[Path], None]) -> Path:
 
 
 def _rename_to_free(made: Path, wanted: Path) -> Path:
-    """Rename a folder to `wanted`, or with a number behind: two may happen within a second."""
+    """Rename a folder to `wanted` or, if that is taken, with a number behind; return the path."""
     number, whole = 1, wanted
     while True:
         try:
@@ -185,7 +191,7 @@ def _sync(path: Path) -> None:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise OSError if the folder cannot take a small file."""
+    """Raise OSError if the folder cannot take a small file; make the folder if it is missing."""
     made = folder / f"{_HIDDEN_PREFIX}try.{os.getpid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     check_free(folder)
@@ -201,7 +207,8 @@ def make_room(
 ) -> tuple[int, list[Recording]]:
     """Delete the oldest recordings until the rest is within the budget.
 
-    Those kept by hand, and the newest, are not deleted. Leftovers of killed processes are.
+    Recordings kept by hand, and the newest, are not deleted, so that the rest may exceed the
+    budget. Hidden leftovers of killed processes are deleted in any case, an hour later.
 
     Args:
         folder: The folder of recordings.

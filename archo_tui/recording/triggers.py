@@ -12,7 +12,9 @@ STOP = "STOP"
 
 
 def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
-    """Return why the last minute is worth recording, in a few words each; mostly none.
+    """Return the reasons to begin or prolong a recording, in a few words each; mostly none.
+
+    They are a STOP, an alarm of high priority, and a goal that failed.
 
     Args:
         before: The view of the last call.
@@ -23,7 +25,10 @@ def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list
 
 
 def _stop_reasons(before: View, now: View) -> Iterator[str]:
-    """Yield STOP if anybody sent it since, or if the robot reports a stop and did not before."""
+    """Yield `STOP` if anybody sent a STOP since `before`, or the robot reports a new stop.
+
+    A stop that the robot reported from the beginning on is not new.
+    """
     old, new = before.snapshot, now.snapshot
     stops_now = new.motion.stopped and old.motion.received is not None and not old.motion.stopped
     if (
@@ -35,7 +40,7 @@ def _stop_reasons(before: View, now: View) -> Iterator[str]:
 
 
 def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
-    """Return True if an event after `old` tells of a STOP, which may be over by now."""
+    """Return True if an event that `old` lacks tells of a STOP, which may be over by now."""
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)
@@ -44,14 +49,17 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
 
 
 def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
-    """Yield each alarm of high priority that has become active."""
+    """Yield the name of each alarm of high priority that has become active."""
     for alarm in changed:
         if alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED:
             yield alarm.name
 
 
 def _goal_reasons(before: View, now: View) -> Iterator[str]:
-    """Yield each accepted goal that ended neither arrived nor cancelled by an operator."""
+    """Yield name and end of each goal that has failed since `before`, the oldest first.
+
+    A goal has failed if it had started, and neither arrived nor was cancelled by request.
+    """
     known = max((goal.number for goal in before.snapshot.history), default=0)
     for goal in reversed(now.snapshot.history):
         if goal.number > known and _failed(goal):
