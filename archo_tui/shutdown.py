@@ -24,7 +24,7 @@ _LOOK = 0.02  # Seconds between two checks of a goal that is being cancelled.
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Send no more goals, and cancel the running goal and wait for its end, or leave it running.
 
-    Events tell which.
+    It takes 1 s at most. Events tell what was done; a goal of another client is left alone.
 
     Args:
         robot: The robot.
@@ -54,13 +54,16 @@ async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> N
 
 
 def _ours(robot: Robot) -> Goal | None:
-    """Return the running goal unless another client sent it."""
+    """Return the goal that runs, or None if none does or another client sent it."""
     goal = robot.snapshot.running_goal
     return goal if goal is not None and goal.mine else None
 
 
 class Shutdown:
-    """An orderly end on a signal or a lost terminal, with the exit code 128 + signal number."""
+    """An orderly end of the console, which handles the running goal first.
+
+    A signal ends it with the exit code 128 + its number.
+    """
 
     def __init__(
         self,
@@ -84,8 +87,11 @@ class Shutdown:
         self._on_disconnect, self._end = on_disconnect, end
         self._task: asyncio.Task[None] | None = None
 
-    def on_signals(self) -> None:
-        """Begin on a signal, also on one that has come since `heed_signals`."""
+    def begin_on_signals(self) -> None:
+        """Call `begin` on a signal from now on, and at once if one has come since `heed_signals`.
+
+        Call it on the event loop.
+        """
         loop = asyncio.get_running_loop()
 
         def begin(number: int) -> None:
@@ -96,11 +102,15 @@ class Shutdown:
 
     @property
     def has_begun(self) -> bool:
-        """Return True if the console is about to end."""
+        """Return True once `begin` was called: the console is about to end."""
         return self._task is not None
 
     def begin(self, code: int) -> None:
-        """Handle the running goal, then end; a second call changes nothing."""
+        """Begin to handle the running goal and then end; a second call changes nothing.
+
+        Args:
+            code: The exit code; above 128 it is 128 and the number of a signal.
+        """
         if self._task is None:
             self._task = asyncio.create_task(self._end_in_order(code))
 
@@ -123,6 +133,9 @@ class _FirstSignal:
 
     asyncio's own handlers come and go with its loop. A signal in between would kill the process and
     leave the terminal in raw mode.
+
+    Attributes:
+        first: The number of the first signal; 0 before it.
     """
 
     def __init__(self) -> None:
@@ -144,13 +157,19 @@ _first_signal = _FirstSignal()
 
 
 def heed_signals() -> None:
-    """Remember signals from now on, so that they end the console in order."""
+    """Remember END_SIGNALS from now on, which kill the process no more.
+
+    A Shutdown then ends the console in order.
+    """
     for number in END_SIGNALS:
         signal.signal(number, _first_signal.on_signal)
 
 
 def ignore_signals() -> None:
-    """Ignore signals from now on: the console ends already, and its exit code is known."""
+    """Ignore from now on the signals that `heed_signals` has taken.
+
+    The console ends already, and its exit code is known.
+    """
     for number in END_SIGNALS:
         if signal.getsignal(number) == _first_signal.on_signal:
             signal.signal(number, signal.SIG_IGN)

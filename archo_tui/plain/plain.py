@@ -114,7 +114,7 @@ class Plain:
         self._station.attach(self)
         self._output.start()
         self._robot.subscribe(self._on_snapshot)
-        self._shutdown.on_signals()
+        self._shutdown.begin_on_signals()
         self._input.start()
         for work in (self._serve, self._stop_sender.run, self._tick):
             self._start(work())

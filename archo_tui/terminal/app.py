@@ -49,7 +49,7 @@ _SETTLE_TIME = 1.0  # Seconds in which the first screen is complete.
 
 
 def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
-    """Run a coroutine as a Textual worker.
+    """Run a coroutine as a Textual worker, besides the others of its group.
 
     `work` is called when the worker begins: a coroutine of a worker that is cancelled before would
     never be awaited, which Python warns of.
@@ -57,7 +57,7 @@ def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], g
     Args:
         node: The app, screen or widget with which the worker ends.
         work: Makes the coroutine.
-        group: The group of the worker, such as COMMANDS.
+        group: The group of the worker; the app waits at its end for those of COMMANDS.
     """
     node.run_worker(work, group=group)  # type: ignore[arg-type]  # its union takes any result
 
@@ -79,7 +79,8 @@ class TextFilter(LineFilter):
 def _import_and_freeze() -> None:
     """Import everything the first picture did without, then turn on garbage collection.
 
-    What was made so far is frozen, so that the collector never looks through it.
+    What was made so far is frozen, so that the collector never looks through it. It is called on a
+    thread of its own.
     """
     try:
         import_the_rest((*OF_ALL, *OF_THE_SCREEN))
@@ -89,16 +90,23 @@ def _import_and_freeze() -> None:
 
 
 class TerminalApp(App[None]):
-    """The base of the console's app."""
+    """The base of the console's app: the driver, colours, STOP, the bell, and the end of the app.
+
+    Attributes:
+        station: The operator's station.
+        failure: The traceback of the error that ended the screen; "" for none.
+        stop_key: Textual's name of the key of STOP; "" until a subclass sets it.
+    """
 
     _main_loop: asyncio.AbstractEventLoop
 
     def __init__(self, station: Station, theme: str) -> None:
-        """Create the app.
+        """Create the app, and register the console's own themes.
 
         Args:
             station: The operator's station.
-            theme: The name of a theme; "" means the one that suits the terminal.
+            theme: The name of a theme; "" means the one that suits the terminal: the high-contrast
+                theme if it has 16 colours, else Textual's default.
         """
         share_colour_cache()
         super().__init__()
@@ -130,7 +138,10 @@ class TerminalApp(App[None]):
         return chosen
 
     def get_css_variables(self) -> dict[str, str]:
-        """Return the theme's colours, and tones between them that the theme does not define."""
+        """Return the theme's colours, and tones between them that the theme does not define.
+
+        They are adapted to terminals of 16 and of 256 colours, and kept as `theme_variables`.
+        """
         variables = super().get_css_variables()
         if self.console.color_system == "256":
             variables |= to_grey(variables)
@@ -144,11 +155,11 @@ class TerminalApp(App[None]):
 
     @property
     def unanswered(self) -> list[Worker[Any]]:
-        """Return the workers of commands that have no answer yet."""
+        """Return the workers of commands that have not ended yet."""
         return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]
 
     async def wait_for_answers(self) -> None:
-        """Wait until every command has an answer, those given meanwhile included."""
+        """Wait until every command has ended, those given meanwhile included; ignore errors."""
         while given := [worker.wait() for worker in self.unanswered]:
             await asyncio.gather(*given, return_exceptions=True)
 
@@ -158,20 +169,26 @@ class TerminalApp(App[None]):
         self._stop_context = contextvars.copy_context()
 
     def _carry_stops(self, message: Message) -> None:
-        """Have a widget handle a message with the count of STOPs of the key that caused it."""
+        """Tell the counter of STOPs at which count the cause of a message was typed.
+
+        Textual calls this hook before a widget handles the message.
+        """
         self.stops.set_typed_at(stops_before(message))
 
     @property
     def stops(self) -> Stops:
-        """Return the counter of STOPs that were read."""
+        """Return the counter of the STOPs that were read from the keyboard and elsewhere."""
         return self.station.robot.stops
 
     def is_stop(self, message: Message) -> bool:
-        """Return True for the key of STOP. Any thread."""
+        """Return True if a message is the key of STOP. Any thread."""
         return isinstance(message, events.Key) and message.key == self.stop_key
 
     def stop_typed(self, message: Message) -> None:
-        """Stop at once, before any key that waits; called by the driver on the event loop."""
+        """Call `stop_now` for the key of STOP, before any key that waits; an error ends the screen.
+
+        The driver calls it on the event loop.
+        """
         if isinstance(message, events.Key):
             try:
                 self._stop_context.run(self.stop_now, message)
@@ -179,19 +196,22 @@ class TerminalApp(App[None]):
                 self._handle_exception(error)
 
     def stop_now(self, event: events.Key) -> None:
-        """Handle the key of STOP."""
+        """Stop the robot, because the key of STOP was pressed; a subclass has to define it."""
         raise NotImplementedError
 
     def on_mount(self) -> None:
         if not self.is_headless:
-            self._ending.on_signals()
+            self._ending.begin_on_signals()
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         if not gc.isenabled():
             settle = threading.Thread(target=_import_and_freeze, name="imports", daemon=True)
             self.set_timer(_SETTLE_TIME, settle.start)
 
     def watch_theme(self, before: str, theme: str) -> None:
-        """Remember a theme that the operator chose."""
+        """Write a theme that the operator chose to the disk, for the next start.
+
+        Textual calls it at each change; the theme of the start is not written.
+        """
 
         async def write() -> None:
             try:
@@ -204,21 +224,30 @@ class TerminalApp(App[None]):
             start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Ring the bell and notify the desktop of new alarms of high priority."""
+        """Ring the bell and notify the desktop of new alarms of high priority.
+
+        An alarm rings once. A quiet station does not ring.
+        """
         news = self.station.bell.take_new(alarms)
         if news and not self.station.quiet and self._driver is not None:
             self.bell()
             self._driver.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
-        """Draw the whole screen again, since the terminal may show something else."""
+        """Draw the whole screen again, since the terminal may show something else.
+
+        Nothing is drawn before the first screen and after the last.
+        """
         if self.is_running and self.screen_stack:
             self.screen.refresh(layout=True)
             self.refresh()
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal does not show what was drawn, if the driver can tell."""
+        """Return True while the terminal does not show what was drawn.
+
+        False if the driver cannot tell.
+        """
         return getattr(self._driver, "is_stuck", False)
 
     def on_paste_stalled(self) -> None:
@@ -237,27 +266,38 @@ class TerminalApp(App[None]):
         name: str | None = None,
         pause: bool = False,
     ) -> Timer:
-        """Call a function once, even if the delay is over before the timer's task runs at first.
+        """Call a function once after a delay in seconds, even if the machine is busy then.
 
-        Textual's timer would then skip its only turn. Textual lays out all screens for a new size
-        of the terminal by a timer of 8 ms, so a busy machine lost that size for ever.
+        Textual's timer skips its only turn if the delay is over before its task runs at first.
+        Textual lays out all screens for a new size of the terminal by a timer of 8 ms, so a busy
+        machine lost that size for ever.
         """
         timer = super().set_timer(delay, callback, name=name, pause=pause)
         timer._skip = False
         return timer
 
     def restart(self, why: str) -> None:
-        """End the process and start it again with the same options. Any thread, once mounted."""
+        """End the process and start it again with the same options, with an event that says so.
+
+        Any thread, once mounted. The call does not wait for the end.
+
+        Args:
+            why: The reason, in a few words for the event.
+        """
         what = "the console restarts" if self.station.attached else "all nodes restart"
         self.station.robot.note("YOU", "console", f"{why}: {what}")
         self._main_loop.call_soon_threadsafe(self._ending.begin, RESTART)
 
     def hang_up(self) -> None:
-        """End, because the terminal is gone."""
+        """Begin to end the app, because the terminal is gone."""
         self._ending.begin(HANG_UP)
 
     def _handle_exception(self, error: Exception) -> None:
-        """End the screen without Textual's report; the next screen shows the traceback."""
+        """Keep the traceback in `failure`, and end the screen without Textual's report.
+
+        The first error counts. Errors after the end has begun are ignored; in a test the error is
+        raised.
+        """
         if isinstance(error, WorkerFailed):  # The error that the worker raised is of interest.
             error = error.error if isinstance(error.error, Exception) else error
         if self.is_headless:

@@ -12,7 +12,13 @@ _BRAILLE = 0x2800
 
 
 def _braille_in_ascii(dots: int) -> str:
-    """Return a stroke at about the height of a braille cell's dots, or `|` for dots in a column."""
+    """Return an ASCII character about as high as a braille cell's dots.
+
+    Dots in more than two rows are `|`; no dots are a space.
+
+    Args:
+        dots: The dots as bits, as in Unicode's braille block.
+    """
     rows = [number for number, mask in enumerate(_DOT_ROWS) if dots & mask]
     if not rows or len(rows) > 2:
         return "|" if rows else " "
@@ -38,9 +44,10 @@ _TABLE = str.maketrans(
 
 
 def ascii_only(environ: Mapping[str, str] = os.environ) -> bool:
-    """Return True on Linux's own console, and if the locale says that it is not UTF-8.
+    """Return True if the terminal shows ASCII only, as far as the environment tells.
 
-    Without a locale UTF-8 is assumed, as Python does.
+    That is Linux's own console, and every locale that is not UTF-8. Without a locale UTF-8 is
+    assumed, as Python does.
     """
     if environ.get("TERM") == "linux":
         return True
@@ -53,7 +60,7 @@ _COERCED = "C.UTF-8"  # Python sets LC_CTYPE to it under the C locale (PEP 538).
 
 
 def in_ascii(text: str) -> str:
-    """Return a text in ASCII with the same width in cells."""
+    """Return a text in ASCII with the same width in cells; unknown characters become `?`."""
     text = text.translate(_TABLE)
     if text.isascii():
         return text

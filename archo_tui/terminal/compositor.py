@@ -12,7 +12,7 @@ from textual.strip import Strip
 
 
 class LayoutOnly(Container):
-    """A container that is not drawn itself: what lies beneath it shows."""
+    """A container that only places its children: it draws nothing, what lies beneath it shows."""
 
     @on(events.DescendantFocus)
     @on(events.DescendantBlur)
@@ -64,7 +64,10 @@ class DirtyCompositor(Compositor):
                     self._mark_drawn(y, seen.x, seen.right)
 
     def _mark_drawn(self, y: int, start: int, end: int) -> None:
-        """Take a span off what is still to be drawn, so that no widget behind it is asked."""
+        """Take the columns from `start` to before `end` off what is still to be drawn of a line.
+
+        So no widget behind is asked for them.
+        """
         if self._dirty is None:
             return
         self._dirty[y] = [
@@ -75,7 +78,12 @@ class DirtyCompositor(Compositor):
         ]
 
     def _is_dirty(self, y: int, seen: Region) -> bool:
-        """Return True if a part of a widget's line is still to be drawn."""
+        """Return True if a part of a line is still to be drawn.
+
+        Args:
+            y: The line of the screen.
+            seen: The visible region of the widget; only its columns count.
+        """
         if self._dirty is None:  # Everything is to be drawn.
             return True
         spans = self._dirty.get(y)

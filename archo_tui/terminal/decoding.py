@@ -6,7 +6,10 @@ import codecs
 
 
 def _replace_or_control(error: UnicodeError) -> tuple[str, int]:
-    """Decode a lone byte from 0x80 to 0x9f as the control of that number, all else as U+FFFD."""
+    """Return the text for bytes that are not UTF-8, and the position behind them.
+
+    A single byte from 0x80 to 0x9f is the control of that number, all else U+FFFD.
+    """
     assert isinstance(error, UnicodeDecodeError)
     wrong = error.object[error.start : error.end]
     is_control = len(wrong) == 1 and 0x80 <= wrong[0] <= 0x9F
@@ -17,17 +20,19 @@ codecs.register_error("archo-terminal", _replace_or_control)
 
 
 class Decoder:
-    """An incremental decoder, which keeps the bytes of an incomplete character."""
+    """An incremental decoder that keeps the bytes of an incomplete character for the next call."""
 
     def __init__(self) -> None:
         self._decoder = codecs.getincrementaldecoder("utf-8")("archo-terminal")
 
     def decode(self, data: bytes, *, after_a_pause: bool) -> str:
-        """Return the text that the bytes complete; never raises.
+        """Return the text that the bytes complete; never raise.
+
+        Bytes that are not UTF-8 become 8-bit controls or U+FFFD.
 
         Args:
             data: The bytes that were read.
-            after_a_pause: True if nothing came for a while: an incomplete character is given up if
+            after_a_pause: True if nothing came for a while: an incomplete character is dropped if
                 ASCII follows.
         """
         if after_a_pause and data[:1].isascii():

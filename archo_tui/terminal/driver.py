@@ -45,25 +45,29 @@ class DriverApp(StopKeyOwner, Protocol):
     stop_key: str  # Textual's name of the key of STOP.
 
     def hang_up(self) -> None:
-        """End, because the terminal is gone for good."""
+        """Begin to end the app, because the terminal is gone for good."""
 
     def repaint(self) -> None:
         """Draw everything again, because frames were dropped."""
 
     def stop_typed(self, message: Message) -> None:
-        """Stop at once, before any key that waits."""
+        """Stop the robot at once, before any key that waits."""
 
 
 class TerminalWriter(threading.Thread):
-    """A thread that writes to a terminal at its pace, and drops frames that are too much for it."""
+    """A thread that writes to a terminal at its pace, and drops frames that are too much for it.
+
+    Attributes:
+        dead: True once the terminal is gone, or `kill` was called.
+    """
 
     def __init__(
         self, descriptor: int, on_drained: Callable[[], None], on_dead: Callable[[], None]
     ) -> None:
-        """Create the thread.
+        """Create the thread; `start` starts it.
 
         Args:
-            descriptor: The terminal's file descriptor.
+            descriptor: The terminal's file descriptor, which stays open.
             on_drained: Called on this thread when everything is written after frames were dropped.
             on_dead: Called on this thread when the terminal is gone.
         """
@@ -79,7 +83,10 @@ class TerminalWriter(threading.Thread):
         self._write_began = 0.0  # Monotonic time of the current write, in s.
 
     def write(self, text: str, *, keep: bool = False) -> None:
-        """Queue a text for writing.
+        """Queue a text for writing, without waiting; drop it if too much is queued.
+
+        From then on all texts that may be dropped are, the queued ones included, until the rest of
+        the queue is written. After `kill` nothing is queued.
 
         Args:
             text: The text.
@@ -104,7 +111,7 @@ class TerminalWriter(threading.Thread):
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal takes nothing, or has not been redrawn since a drop."""
+        """Return True while a write takes 0.5 s or longer, or dropped frames await a redraw."""
         with self._changed:
             waits = self._writing and time.monotonic() - self._write_began >= _STUCK_AFTER
             return self._dropping or waits
@@ -137,7 +144,7 @@ class TerminalWriter(threading.Thread):
                 return
 
     def kill(self) -> None:
-        """Drop everything, and write nothing more."""
+        """Drop what is queued, let the thread end, and queue nothing more."""
         with self._changed:
             self.dead = True
             self._waiting.clear()
@@ -145,7 +152,11 @@ class TerminalWriter(threading.Thread):
             self._changed.notify_all()
 
     def stop(self) -> None:
-        """Write what is queued and end, without waiting for a terminal that does not read."""
+        """Write what is queued, and end the thread.
+
+        The call waits for a terminal that does not read for 0.5 s twice at most, and drops the
+        rest.
+        """
         with self._changed:
             self._ending = True
             self._changed.notify_all()
@@ -159,7 +170,7 @@ class TerminalWriter(threading.Thread):
 
 
 class SteadyDriver(LinuxDriver):
-    """A driver that never blocks the event loop, and notices that the terminal is gone."""
+    """A driver that never blocks the event loop, and ends the app when the terminal is gone."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         self._writer: TerminalWriter | None = None
@@ -212,7 +223,11 @@ class SteadyDriver(LinuxDriver):
             self.resume_application_mode()
 
     def run_input_thread(self) -> None:
-        """Read keys until the driver ends or the terminal is gone."""
+        """Read keys until the driver ends or the terminal is gone, and pass on their messages.
+
+        STOP overtakes the keys that were read with it. When the terminal is gone, the app is told
+        to end.
+        """
         app = cast(DriverApp, self._app)
         keyboard = Keyboard(app.stop_key, self._debug)
         with selectors.SelectSelector() as selector:
@@ -232,7 +247,11 @@ class SteadyDriver(LinuxDriver):
         self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
 
     def _read_available(self, selector: selectors.BaseSelector) -> bytes:
-        """Return everything that can be read now, up to _MAX_READ bytes."""
+        """Return everything that can be read now, up to _MAX_READ bytes.
+
+        It is empty if the terminal is gone. Call it only when something can be read; it waits
+        otherwise.
+        """
         data = b""
         with contextlib.suppress(OSError):
             while part := os.read(self.fileno, _MAX_READ - len(data)):

@@ -21,7 +21,7 @@ from archo_tui.terminal.sequences import ESCAPE, PASTE_BEGIN, PASTE_END, PAUSE, 
 
 
 class Keyboard:
-    """A parser of a terminal's bytes. The caller tells the time; nothing here reads a clock."""
+    """A parser of a terminal's bytes into messages. Nothing here reads a clock or a file."""
 
     def __init__(self, stop_key: str = "ctrl+x", debug: bool = False) -> None:
         """Create the parser.
@@ -40,11 +40,17 @@ class Keyboard:
 
     @property
     def is_waiting(self) -> bool:
-        """Return True while a short silence decides something, such as what an escape means."""
+        """Return True while a short silence decides something, such as what an escape means.
+
+        `on_silence` is to be called more often then.
+        """
         return self._sequences.is_waiting or (self._paste is not None and self._paste.is_waiting)
 
     def feed(self, data: bytes, now: float) -> list[Message]:
-        """Return the messages for bytes that were read.
+        """Return the messages for bytes that were read, in their order.
+
+        They include those that the silence before has decided. Replies of the terminal give no
+        message, moves of the mouse that another move follows neither.
 
         Args:
             data: Everything that was available.
@@ -57,6 +63,8 @@ class Keyboard:
 
     def on_silence(self, now: float) -> list[Message]:
         """Return the messages that silence decides; call it regularly while nothing arrives.
+
+        They are keys such as escape, PasteStalled, and PasteCut.
 
         Args:
             now: Monotonic time, in s.
@@ -74,7 +82,8 @@ class Keyboard:
     def _drop_stray_end(self, text: str) -> str:
         """Return a text without the rest of a paste's end mark at its beginning.
 
-        The mark's escape came alone before, and was taken as a key that ends the paste.
+        The mark's escape came alone before, and was taken as a key that ends the paste. The rest
+        may arrive in several texts.
         """
         if not text or not self._stray_end:
             return text
@@ -98,7 +107,10 @@ class Keyboard:
         return messages
 
     def _feed_paste(self, paste: Paste, text: str, now: float) -> tuple[list[Message], str]:
-        """Return the messages for a text within a paste, and what follows the paste."""
+        """Return the messages for a text within a paste, and the text behind the end of the paste.
+
+        Mouse and focus reports are taken out of the paste. The end clears `_paste`.
+        """
         inside, mark, behind = text.partition(PASTE_END)
         reports, inside = split_reports(inside)  # The mouse may move while a paste stalls.
         messages, text = self._all_messages(reports), inside + mark + behind
@@ -124,7 +136,7 @@ class Keyboard:
         return [*(keys or [])]
 
     def _parse_by_textual(self, sequence: str) -> list[Message]:
-        """Parse a sequence by Textual; an error there must not end the keyboard."""
+        """Return Textual's messages for a sequence; none if its parser raises an exception."""
         try:
             return list(self._parser.feed(sequence))
         except Exception:

@@ -25,7 +25,7 @@ _CHARACTERS = {"backspace": "\x7f", "enter": "\r", "tab": "\t"}
 
 
 def keys_of(sequence: str) -> list[events.Key] | None:
-    """Return the keys of a whole sequence.
+    """Return the keys of a whole escape sequence; several if the sequence types several characters.
 
     A key that is let go gives an empty list; None means that the sequence is not a key.
     """
@@ -42,7 +42,7 @@ def keys_of(sequence: str) -> list[events.Key] | None:
 
 
 def alt_key(character: str) -> events.Key:
-    """Return the key that an escape before a character means; it never types the character."""
+    """Return the key that an escape before a character means: alt with it, which types nothing."""
     name = _character_to_key(character)
     return events.Key(f"alt+shift+{name.lower()}" if name.isupper() else f"alt+{name}", None)
 
@@ -81,7 +81,13 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
 
 
 def _key(name: str, character: str, held: int) -> events.Key:
-    """Return a key event with the held modifiers (bits) that the character does not include."""
+    """Return a key event; modifiers that its character includes are not part of its name.
+
+    Args:
+        name: Textual's name of the key alone.
+        character: The character that the key types; "" for none.
+        held: The modifiers as kitty's bits.
+    """
     with_shift = held & _SHIFT and (not character or character.isspace())
     words = ["shift"] if with_shift else []
     words += [word for word, bit in _MODIFIERS.items() if held & bit]
@@ -94,13 +100,13 @@ def _key(name: str, character: str, held: int) -> events.Key:
 
 
 def _numbers(text: str, count: int = 0) -> list[int | None]:
-    """Return the numbers between colons, filled up with None to at least `count`."""
+    """Return the numbers between colons, None for an empty one, filled up with None to `count`."""
     numbers = [int(part) if part else None for part in text.split(":")]
     return numbers + [None] * (count - len(numbers))
 
 
 def _printable(number: int | None) -> str:
-    """Return the character of a code point, or "" if it cannot be typed."""
+    """Return the character of a code point, or "" if there is none or it cannot be typed."""
     if number is None or number > 0x10FFFF:
         return ""
     return chr(number) if chr(number).isprintable() else ""

@@ -16,5 +16,8 @@ _ON_QWERTY = {
 
 
 def on_qwerty(letter: str) -> str:
-    """Return the QWERTY key of a letter; a letter of an unknown alphabet is returned unchanged."""
+    """Return the character of the QWERTY key on which a Cyrillic or Greek letter is printed.
+
+    A capital letter gives the same as a small one; any other character is returned unchanged.
+    """
     return _ON_QWERTY.get(letter.lower(), letter)

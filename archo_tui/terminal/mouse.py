@@ -21,7 +21,8 @@ def drop_passed_moves(text: str) -> str:
 def _last_moves(run: str) -> list[str]:
     """Return the reports of a run without each move that a later one with equal buttons follows.
 
-    Moves before and after a press, or a turn of the wheel, do not count as one run.
+    Moves before and after a press, or a turn of the wheel, do not count as one run. The order
+    stays.
     """
     kept: list[str] = []
     seen: set[str] = set()
@@ -37,5 +38,5 @@ def _last_moves(run: str) -> list[str]:
 
 
 def split_reports(text: str) -> tuple[list[str], str]:
-    """Return the mouse and focus reports in a text, and the text without them."""
+    """Return the mouse and focus reports in a text, each a sequence, and the text without them."""
     return [report[0] for report in REPORT.finditer(text)], REPORT.sub("", text)

@@ -14,10 +14,12 @@ _OSC_777 = ("foot", "rxvt")  # Beginnings of TERM.
 
 
 def desktop_notification(text: str, environ: Mapping[str, str] = os.environ) -> str:
-    """Return the sequence with which the terminal shows a notification, or "" if none is known.
+    """Return the escape sequence that has the terminal show a notification.
+
+    Return "" for a terminal that is not known to have one, and within tmux and screen.
 
     Args:
-        text: The notification.
+        text: The notification; `;` becomes `,`, control characters are made harmless.
         environ: The environment, which tells the terminal's kind.
     """
     text = harmless(text).replace(";", ",")

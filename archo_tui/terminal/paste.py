@@ -26,19 +26,20 @@ _MAX_KEY = 32  # Characters of a key's sequence.
 
 
 class PasteCut(Message):
-    """A message: the end of a paste did not arrive."""
+    """A message: a paste ended without its end mark, so nothing of it was taken."""
 
 
 class PasteStalled(Message):
-    """A message: nothing has arrived of a paste for a while, its end mark included."""
+    """A message: nothing has arrived of a paste for 2 s, its end mark included."""
 
 
 class PasteEnd(NamedTuple):
     """The end of a paste.
 
     Attributes:
-        messages: What the paste results in.
-        rest: What was read after the paste.
+        messages: The paste itself, or PasteCut if it was cut off.
+        rest: The text that does not belong to the paste, to be read as keys: what was read after
+            the paste, or the key that has ended it.
     """
 
     messages: list[Message]
@@ -46,7 +47,7 @@ class PasteEnd(NamedTuple):
 
 
 class Paste:
-    """A paste from its begin mark on."""
+    """A paste from its begin mark on, which keeps at most PASTE_LIMIT characters."""
 
     def __init__(self, now: float, stop_key: str) -> None:
         """Begin a paste.
@@ -71,6 +72,9 @@ class Paste:
 
     def feed(self, text: str, now: float, is_amid_character: bool) -> PasteEnd | None:
         """Add text that was read, and return the end of the paste, or None if it goes on.
+
+        The end is its end mark, or without it a new begin mark, or ctrl+x or the key of STOP alone
+        after a silence: then the paste is cut off, and the mark or key is the rest.
 
         Args:
             text: The text.
@@ -99,13 +103,21 @@ class Paste:
         return None
 
     def on_silence(self, now: float) -> PasteEnd | None:
-        """Return the end of the paste if an escape came alone, else None."""
+        """Return the end of the paste if an escape came alone, with silence around it, else None.
+
+        Args:
+            now: Monotonic time, in s.
+        """
         if self.is_waiting and now - self._last_time >= ALONE:
             return PasteEnd([PasteCut()], self._burst_key)
         return None
 
     def has_just_stalled(self, now: float) -> bool:
-        """Return True once, when nothing has arrived for STALL seconds."""
+        """Return True once a paste, when nothing has arrived for STALL seconds.
+
+        Args:
+            now: Monotonic time, in s.
+        """
         has_stalled = not self._has_stalled and now - self._last_time >= STALL
         self._has_stalled = self._has_stalled or has_stalled
         return has_stalled
@@ -117,12 +129,16 @@ class Paste:
 
     @property
     def _burst_key(self) -> str:
-        """Return the sequence of one key press: the burst until its first character repeats."""
+        """Return the first key of what was read without a pause.
+
+        A key that is held repeats its sequence, so the key ends where its first character comes
+        again.
+        """
         burst = self._burst
         return burst[: burst.find(burst[0], 1)] if burst.count(burst[0]) > 1 else burst
 
     def _burst_key_name(self) -> str:
-        """Return Textual's name of the key that is all of the burst, or ""."""
+        """Return Textual's name of the key if it is all that was read without a pause, else ""."""
         burst = self._burst
         if not burst or not (self._burst_key * len(burst)).startswith(burst):
             return ""

@@ -31,7 +31,10 @@ _MAY_BE_CSI = re.compile(r"\[\[?|\[[<=>?]?[-\d;:]{0,40}[ -/]?")
 
 
 class Sequences:
-    """A state machine over characters; its state is the method that takes the next character."""
+    """A state machine over characters that cuts them into single characters and escape sequences.
+
+    Its state is the method that takes the next character.
+    """
 
     def __init__(self) -> None:
         self._pieces: list[str] = []
@@ -44,21 +47,21 @@ class Sequences:
 
     @property
     def is_waiting(self) -> bool:
-        """Return True while silence decides something."""
+        """Return True within a sequence, while more characters or silence decide what it is."""
         return self._state != self._ground
 
     def feed(self, text: str, now: float) -> tuple[list[str], str]:
-        """Cut a text into pieces.
+        """Cut a text into characters and whole escape sequences, without the terminal's replies.
 
-        Call `on_silence` before, with the same time.
+        What is incomplete is kept for the next call. Call `on_silence` before, with the same time.
 
         Args:
             text: The text that was read.
             now: Monotonic time of the reading, in s.
 
         Returns:
-            The whole pieces so far, and the rest of the text: if the last piece is the begin mark
-            of a paste, what follows belongs to the paste.
+            The whole pieces, and the rest of the text: if the last piece is the begin mark of a
+            paste, what follows belongs to the paste. Otherwise the rest is "".
         """
         self._now, at = now, 0
         while at < len(text) and self._pieces[-1:] != [PASTE_BEGIN]:
@@ -67,7 +70,13 @@ class Sequences:
         return self._take_pieces(), text[at:]
 
     def on_silence(self, now: float) -> list[str]:
-        """Return the pieces that silence decides, such as an escape alone, which is a key."""
+        """Return the pieces that silence decides, such as an escape alone, which is a key.
+
+        An incomplete sequence that is no key is dropped.
+
+        Args:
+            now: Monotonic time, in s.
+        """
         wait = PAUSE if self._state in (self._escape, self._flood) else SEQUENCE_WAIT
         if self.is_waiting and now - self._since >= wait:
             if self._state in (self._escape, self._string_escape):
@@ -139,7 +148,7 @@ class Sequences:
             self._state = self._ground
 
     def _x10(self, char: str) -> None:
-        """Take one of the three characters of an X10 mouse report."""
+        """Take one of the three characters of a mouse report in the form of X10."""
         text = self._text + char
         if char < " ":
             self._abort(char)
@@ -149,7 +158,7 @@ class Sequences:
             self._wait(self._x10, text)
 
     def _ss3(self, char: str) -> None:
-        """Take the character after an escape and `O`: a key of the keypad, or two keys."""
+        """Take the character after an escape and `O`: both make one key, or are two keys."""
         if self._text + char in ANSI_SEQUENCES_KEYS:
             self._emit(self._text + char)
         else:
@@ -157,7 +166,7 @@ class Sequences:
             self._ground(char)
 
     def _abort(self, char: str) -> None:
-        """Drop a control sequence that a character breaks off, and take that character by itself.
+        """Drop a control sequence, and take the character that breaks it off by itself.
 
         SUB is dropped, too.
         """
@@ -170,7 +179,11 @@ class Sequences:
         self._wait(self._string)
 
     def _string(self, char: str) -> None:
-        """Take a character of a control string, whose text is not kept."""
+        """Take a character of a control string, whose text is not kept.
+
+        A string longer than STRING_LIMIT is dropped until it pauses. After MAX_STRING_TIME, a
+        character that comes after a pause is typed, and ends the string.
+        """
         if self._now - self._begun > MAX_STRING_TIME and self._now - self._since >= PAUSE:
             self._ground(char)
             return
@@ -190,7 +203,7 @@ class Sequences:
         self._escape(char)
 
     def _flood(self, char: str) -> None:
-        """Drop an endless string until it pauses, but let ctrl+x through, which may mean STOP."""
+        """Drop a character of an endless string, but let ctrl+x through, which may mean STOP."""
         self._since = self._now
         if char == CANCEL:
             self._pieces.append(CANCEL)
@@ -198,7 +211,10 @@ class Sequences:
     # The rest of a sequence whose escape was taken as a key may still arrive.
 
     def _late_csi(self, char: str) -> None:
-        """Take a character after a `[` that may belong to an escape which was taken as a key."""
+        """Take a character after a `[` that may belong to an escape which was taken as a key.
+
+        A whole sequence becomes a piece; what cannot become one is handed on as single keys.
+        """
         text = self._text + char
         if _is_sequence(ESCAPE + text):
             self._emit(ESCAPE + text)
@@ -210,7 +226,7 @@ class Sequences:
     def _late_string(self, char: str) -> None:
         """Take a character of what may be a reply of the terminal, whose escape was taken as a key.
 
-        A reply is dropped; anything else is handed on as keys.
+        A reply is dropped; anything else is handed on as single keys.
         """
         text = self._text + char
         if WHOLE_STRING.fullmatch(text):

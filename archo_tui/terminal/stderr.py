@@ -22,9 +22,10 @@ def log_file() -> Path:
 
 @contextlib.contextmanager
 def guarded_stderr(path: Path) -> Iterator[None]:
-    """Redirect descriptor 2 to a file; Textual draws on a copy of the old one (`sys.__stderr__`).
+    """Redirect file descriptor 2 to a file during the block; its old content is deleted.
 
-    If the file cannot be written, what is printed is lost: a clean screen matters more.
+    `sys.__stderr__`, on which Textual draws, is a copy of the old descriptor meanwhile. If the file
+    cannot be written, what is printed is lost: a clean screen matters more.
     """
     try:
         make_folder(path)

@@ -21,7 +21,7 @@ class StopKeyOwner(Protocol):
     """An app that knows the key of STOP, and counts its presses."""
 
     def is_stop(self, message: Message) -> bool:
-        """Return True for the key of STOP. Any thread."""
+        """Return True if a message is the key of STOP. Any thread."""
 
     @property
     def stops(self) -> Stops:
@@ -29,18 +29,24 @@ class StopKeyOwner(Protocol):
 
 
 class StopMark(NamedTuple):
-    """A mark on a message: how many STOPs had been read before its input."""
+    """A mark on a message: how many STOPs had been read before its input.
+
+    The mark of a STOP counts that STOP itself.
+    """
 
     stops: int
 
 
 def mark_stops(message: Message, stops: int) -> None:
-    """Mark a message as read after so many STOPs."""
+    """Mark a message, and all messages that follow from it, as read after so many STOPs."""
     message._prevent.add(cast("type[Message]", StopMark(stops)))
 
 
 def stops_before(message: Message) -> int | None:
-    """Return the count of STOPs in a message's mark, or None for what nobody typed."""
+    """Return the count of STOPs in a message's mark, or None for a message without a mark.
+
+    Nobody typed the cause of such a message. Of several marks the lowest count is returned.
+    """
     if not message._prevent:  # True of most messages.
         return None
     found: set[object] = {*message._prevent}
@@ -48,7 +54,7 @@ def stops_before(message: Message) -> int | None:
 
 
 class InputTime(NamedTuple):
-    """A mark on a message: when its input was read.
+    """A mark on a message: when the input was read that the message results from.
 
     Attributes:
         at: The time of the reading in s, on the clock of `Message.time`.
@@ -65,17 +71,22 @@ def now() -> float:
 
 
 def mark_input(message: Message, read: InputTime) -> None:
-    """Mark a message as the result of an input."""
+    """Mark a message, and all messages that follow from it, as the result of an input."""
     message._prevent.add(cast("type[Message]", read))
 
 
 def marks_of(message: Message, pump: MessagePump) -> AbstractContextManager[None]:
-    """Return a context in which posted messages get the marks of this one."""
+    """Return a context in which posted messages get the marks of another message.
+
+    Args:
+        message: The message with the marks.
+        pump: The app, screen or widget that posts messages in the context.
+    """
     return pump.prevent(*message._prevent)
 
 
 def input_of(message: Message) -> InputTime | None:
-    """Return the input that a message results from, or None for what nobody typed."""
+    """Return the input that a message results from, or None if it has no such mark."""
     found: set[object] = {*message._prevent}
     return next((mark for mark in found if isinstance(mark, InputTime)), None)
 
@@ -86,13 +97,15 @@ def dispatch(
     stop: Callable[[Message], object],
     other: Callable[[Message], object],
 ) -> None:
-    """Mark messages that were read together with the count of STOPs before each, and pass them on.
+    """Count the STOPs among messages that were read together, and pass on STOPs before all others.
+
+    Each message is marked with the count of STOPs typed before it, a STOP's own included.
 
     Args:
         messages: The messages, in the order of typing.
-        app: Counts the STOPs.
+        app: Knows the key of STOP, and has the counter.
         stop: Called with each STOP, before all other messages.
-        other: Called with each other message.
+        other: Called with each other message, in their order.
     """
     others = []
     for message in messages:

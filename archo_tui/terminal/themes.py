@@ -55,9 +55,13 @@ _TONES = {
 def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
     """Return tones between a theme's colours and its foreground, as faint as can be read.
 
-    `quiet` is for labels, keys and old values, `off` for what cannot be done, `edge` for borders,
-    `warn` and `bad` for what is abnormal, `stopped` for STOP, `held` for STOP while the robot is
-    stopped, `shade` for the empty part of a bar.
+    They are `quiet` for labels, keys and old values, `off` for what cannot be done, `edge` for
+    borders, `warn` and `bad` for what is abnormal, `stopped` for STOP, `held` for STOP while the
+    robot is stopped, `shade` for the empty part of a bar.
+
+    Args:
+        variables: The colours of the theme by Textual's names, among them `foreground`,
+            `background`, `surface`, `panel`, `text-warning` and `text-error`.
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
@@ -74,7 +78,13 @@ def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
-    """Return the surfaces as greys, since the dark colours among 256 are blue or black."""
+    """Return the colours of backgrounds and scroll bars as greys, without any other colour.
+
+    The dark colours among 256 are blue or black.
+
+    Args:
+        variables: The colours of the theme by Textual's names.
+    """
     names = ("background", "surface", "panel", "scrollbar-background", "scrollbar-corner")
     found = {}
     for name, value in variables.items():
@@ -92,7 +102,7 @@ def contrast(one: Color, other: Color) -> float:
 
 
 def _least_ratio(colour: Color, lights: list[float]) -> float:
-    """Return the least contrast ratio of a colour to backgrounds of some luminances."""
+    """Return the lowest contrast ratio of a colour to backgrounds, given by their luminances."""
     own = _luminance(colour)
     return min((max(own, light) + 0.05) / (min(own, light) + 0.05) for light in lights)
 
@@ -106,7 +116,7 @@ def _luminance(colour: Color) -> float:
 
 
 def remembered_theme() -> str:
-    """Return the name of the theme that was chosen last, or ""."""
+    """Return the name of the theme that was chosen last; "" if there is none or it is unknown."""
     try:
         name = read(_file()).decode().strip()
     except (OSError, UnicodeDecodeError):
@@ -116,7 +126,7 @@ def remembered_theme() -> str:
 
 
 def remember_theme(name: str) -> None:
-    """Write the name of a theme for the next start.
+    """Write the name of a theme to the user's configuration folder, for the next start.
 
     Raises:
         OSError: The disk refuses it.
