@@ -88,7 +88,12 @@ class Board(LineWidget, can_focus=True):
         """
         grid, last = self._grid, len(self._grid.numbers) - 1
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
-        by |= {"pageup": -grid.page, "pagedown": grid.page, "home": -self._index, "end": last}
+        by |= {
+            "pageup": -grid.page_size,
+            "pagedown": grid.page_size,
+            "home": -self._index,
+            "end": last,
+        }
         target = self._index + by[key]
         # At the end of a column the cursor stays.
         if key not in ("up", "down") or 0 <= target <= last:
@@ -99,7 +104,7 @@ class Board(LineWidget, can_focus=True):
         self._on_choose(self._grid.numbers[self._index])
 
     def on_click(self, event: events.Click) -> None:
-        index = self._grid.at(self._first, event.x // self._grid.cell, event.y)
+        index = self._grid.at(self._first, event.x // self._grid.cell_width, event.y)
         if index is not None and event.chain == 1:  # A double click chooses once.
             self._move(index)
             self.action_take()
@@ -121,7 +126,7 @@ class Board(LineWidget, can_focus=True):
     @property
     def _first(self) -> int:
         """Return the index of the first number on the cursor's page."""
-        return self._index // self._grid.page * self._grid.page
+        return self._index // self._grid.page_size * self._grid.page_size
 
     def _move(self, index: int) -> None:
         before, first = self._index, self._first
@@ -162,7 +167,7 @@ class Board(LineWidget, can_focus=True):
     def _page_line(self) -> str:
         """Return the line below the grid: ` 1 .. 40 of 120   page 1 of 3   pgup, pgdn`."""
         grid, first = self._grid, self._first
-        last = min(first + grid.page, len(grid.numbers)) - 1
+        last = min(first + grid.page_size, len(grid.numbers)) - 1
         shown = f" {grid.numbers[first]} .. {grid.numbers[last]} of {grid.numbers[-1]}"
-        page = f"page {first // grid.page + 1} of {grid.pages}"
+        page = f"page {first // grid.page_size + 1} of {grid.pages}"
         return f"{shown}   {page}   pgup, pgdn"

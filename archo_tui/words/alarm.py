@@ -9,7 +9,7 @@ from archo_tui.words.state import no_data_text
 
 
 def timeline(alarm: Alarm) -> str:
-    """Return when an alarm began and when it was over, its state and its reason.
+    """Return when an alarm began and when it was over, its state and, if given, its reason.
 
     An example is `since 12:04:31, over at 12:05:02, unacknowledged`.
     """
@@ -23,11 +23,11 @@ def timeline(alarm: Alarm) -> str:
 
 
 def no_alarms_text(snapshot: Snapshot) -> str:
-    """Return that there are no alarms, or why no data has come from which one could arise."""
+    """Return that there are no alarms, or that no data has come from which one could arise."""
     return no_data_text(snapshot) or "No alarms: nothing needs attention."
 
 
 def state_word(alarm: Alarm) -> str:
-    """Return the word of an alarm's state; a shelved alarm's says also if its condition is over."""
+    """Return the words of an alarm's state; a shelved alarm's say also if its condition is over."""
     is_over = alarm.state == AlarmState.SHELVED and alarm.is_over
     return f"over, {alarm.state.value}" if is_over else alarm.state.value

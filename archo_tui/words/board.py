@@ -24,8 +24,9 @@ class Mark(NamedTuple):
     """The marks at a number of the board, and their tone.
 
     Attributes:
-        before: The cell before the number: an arrow if the robot goes there.
-        behind: The cell behind it: its place in the queue, or else how the last goal there ended.
+        before: The cell before the number: an arrow if the robot goes there, else a space.
+        behind: The cell behind it: its place in the queue, or else how the last goal there ended,
+            or a space.
         tone: The tone of both cells.
     """
 
@@ -49,23 +50,23 @@ class Grid(NamedTuple):
 
     @property
     def digits(self) -> int:
-        """Return the length of the longest number."""
+        """Return the width of the widest number in cells, its minus sign included."""
         return max(len(str(self.numbers[0])), len(str(self.numbers[-1])))
 
     @property
-    def cell(self) -> int:
-        """Return the width of a cell, both marks included."""
+    def cell_width(self) -> int:
+        """Return the width in cells of a number with both its marks."""
         return self.digits + 2
 
     @property
-    def page(self) -> int:
-        """Return how many numbers a page has."""
+    def page_size(self) -> int:
+        """Return how many numbers a full page has."""
         return self.columns * self.rows
 
     @property
     def pages(self) -> int:
         """Return how many pages there are."""
-        return -(-len(self.numbers) // self.page)
+        return -(-len(self.numbers) // self.page_size)
 
     def at(self, first: int, column: int, row: int) -> int | None:
         """Return the index in `numbers` of a cell, or None if the cell is empty or outside.
@@ -73,7 +74,7 @@ class Grid(NamedTuple):
         Args:
             first: The index in `numbers` with which the page begins.
             column: The column, from 0.
-            row: The row, from 0.
+            row: The row on the page, from 0.
         """
         place = first + row * self.columns + column
         inside = 0 <= column < self.columns and 0 <= row < self.rows
@@ -81,10 +82,10 @@ class Grid(NamedTuple):
 
 
 def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
-    """Return the numbers that a goal can take.
+    """Return the numbers that a goal can take, limits included.
 
-    None means that the goal is not one whole number, that a limit is unknown, or that there are too
-    many numbers for a board.
+    None means that the goal is not one whole number, that a limit is unknown, that no number is
+    within the limits, or that there are too many numbers for a board.
     """
     fields = snapshot.forms.get(kind.id, ())
     if len(fields) != 1 or fields[0].type not in INTEGERS:
@@ -97,14 +98,17 @@ def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
 
 
 def fit_grid(numbers: range, width: int, rows: int) -> Grid:
-    """Return the layout with as many columns as fit, in tens or else five.
+    """Return the layout with as many columns as fit: a multiple of ten, else five, else fewer.
+
+    There is one page if all numbers fit in `rows` and are not more than PAGE; else a row of each
+    page is left for its number.
 
     Args:
-        numbers: All numbers of the board.
+        numbers: All numbers of the board; at least one.
         width: The width of the board, in cells.
-        rows: Its height; numbers that do not fit are on further pages.
+        rows: The height of the board, in lines.
     """
-    fitting = max(width // Grid(numbers, 1, 1).cell, 1)
+    fitting = max(width // Grid(numbers, 1, 1).cell_width, 1)
     columns = fitting // 10 * 10 if fitting >= 10 else 5 if fitting >= 5 else fitting
     columns = min(columns, len(numbers))
     needed = -(-len(numbers) // columns)
@@ -114,7 +118,13 @@ def fit_grid(numbers: range, width: int, rows: int) -> Grid:
 
 
 def marks(snapshot: Snapshot, kind: GoalKind, queue: Sequence[QueuedGoal]) -> Mapping[int, Mark]:
-    """Return the marks of a board by number; numbers without a mark are left out."""
+    """Return the marks of a board by number; numbers without a mark are left out.
+
+    Args:
+        snapshot: The state of the robot, with its current goal and its history.
+        kind: The goal of the board; other goals leave no marks.
+        queue: The goals that wait, the next one first.
+    """
     found: dict[int, Mark] = {}
     path = next(iter(kind.form))
     latest = True

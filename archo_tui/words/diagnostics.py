@@ -28,7 +28,7 @@ def diagnostic_line(status: Diagnostic, now: float) -> str:
 
 
 def no_diagnostics_text(snapshot: Snapshot) -> str:
-    """Return why there is no status to show."""
+    """Return why the robot reports no status of its parts; call it only while that is so."""
     topic = snapshot.file.diagnostics
     if not topic:
         return "the robot file names no diagnostics"

@@ -21,7 +21,10 @@ def event_text(event: Event) -> str:
 
 
 def outcome_glyph(event: Event) -> str:
-    """Return how something ended, or how grave a log line is: `✓`, `✗`, `▲`; `·` for neither."""
+    """Return a glyph for how something ended, or for how grave a log line is.
+
+    `✓` is done, `✗` failed or an error, `▲` open or a warning, `·` none of these.
+    """
     if event.level in _GRAVITY:
         return _GRAVITY[event.level]
     if event.code in ("", Code.ACCEPTED):  # The end of a goal is an event of its own.
@@ -32,7 +35,7 @@ def outcome_glyph(event: Event) -> str:
 
 
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
-    """Return True for an event that a node of the user's own file, or a launch file, logged.
+    """Return True if a node of one of the user's own files, or a launch file, logged the event.
 
     Args:
         event: The event; its source is a logger's name (`lamp`, `lamp.motor`), or a node's name

@@ -36,11 +36,11 @@ class EventRow(NamedTuple):
 
 
 class _Act(NamedTuple):
-    """A STOP, a release or a refusal, of which nodes may warn in the same words.
+    """A STOP, a release, or something that failed: what nodes may warn of in the same words.
 
     Attributes:
         time: The Unix time of its event.
-        words: The words of that event.
+        words: The stems of the words of that event, its command and its code.
         event: The event.
     """
 
@@ -50,15 +50,15 @@ class _Act(NamedTuple):
 
 
 def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventRow]:
-    """Return the rows for events, in which each outcome is said once.
+    """Return the rows for events, oldest first, in which each outcome is said once.
 
     An answer is shown without the words that its request has already, and a confirmed STOP and its
     release are one row, in the place of the release. A node's warning that only repeats a STOP, its
-    release, or what was just refused, is part of that row.
+    release, or what has just failed, is part of that row.
 
     Args:
         events: The events, oldest first.
-        hosted: The nodes of this process; what those of the user's own files log stays.
+        hosted: The nodes of this process; what those of the user's own files log keeps its row.
     """
     warned = sorted(filter(_is_warned, events), key=lambda event: event.time)
     acts = [_Act(e.time, _words(f"{e.text} {e.command} {e.code}"), e) for e in warned]
@@ -86,9 +86,11 @@ def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventR
 
 
 def without_repeats(text: str) -> str:
-    """Return `reset encoder: zero` for `reset encoder: Encoder reset to zero`.
+    """Return a text without the first words of its answer that its request has, too.
 
-    The answer loses its first words, as long as the request has them, too, if in another form.
+    `reset encoder: Encoder reset to zero` becomes `reset encoder: zero`; what stands before the
+    colon is the request. Another form of a word counts as the same. If the whole answer repeats,
+    the request alone is left.
     """
     title, _, answer = text.partition(": ")
     known, words = {_stem(word) for word in title.split()}, answer.split()
@@ -108,9 +110,9 @@ def without_repeats(text: str) -> str:
 
 
 def _verb(event: Event) -> str:
-    """Return the verb of what was done; "" if it is not known.
+    """Return the verb that an event records; "" if it is not known.
 
-    Recordings do not keep it: there, of the verbs that matter here, the text tells it.
+    Recordings do not keep the verb: there its text tells STOP, release and set.
     """
     if event.audit_record is not None:
         return event.audit_record.verb
@@ -119,7 +121,7 @@ def _verb(event: Event) -> str:
 
 
 def _is_prompt(event: Event) -> bool:
-    """Return True for what this console did, unless the answer came late."""
+    """Return True if an event tells what this console did, and its answer did not come late."""
     return event.level in _REQUESTED and not _is_late(event)
 
 
@@ -130,7 +132,7 @@ def _is_late(event: Event) -> bool:
 
 
 def _short_text(event: Event) -> str:
-    """Return an event's text; of what went as requested, and of a goal's end, without repeats."""
+    """Return an event's text, without repeats for a goal or for what went as requested."""
     is_done = event.level in OWN_LEVELS and event.code == Code.DONE and not _is_late(event)
     return without_repeats(event.text) if is_done or event.level == "GOAL" else event.text
 
@@ -144,10 +146,10 @@ def _stop_text(stop: Event, release: Event) -> str:
 
 
 def _is_warned(event: Event) -> bool:
-    """Return True for what nodes warn of in the same words.
+    """Return True if nodes may warn of what an event tells in the same words.
 
-    That is a STOP, its release, and what failed. What is set brings warnings that are news, as of a
-    battery that is low because of its new `low_battery_threshold`.
+    That is a STOP, its release, and what failed. Setting a parameter is left out: it brings
+    warnings that are news, as of a battery that is low because of its new `low_battery_threshold`.
     """
     if event.level not in OWN_LEVELS:
         return False
@@ -156,11 +158,13 @@ def _is_warned(event: Event) -> bool:
 
 
 def _repeated_act(event: Event, acts: Sequence[_Act], hosted: Sequence[Hosted]) -> Event | None:
-    """Return what was done or refused at that time, if a warning has no word besides; else None.
+    """Return the event that a warning only repeats, or None if it has any word besides.
+
+    That event happened within a second of the warning.
 
     Args:
-        event: Any event.
-        acts: What nodes warn of, by time.
+        event: Any event; None is returned if it is no warning, or of a user's own file.
+        acts: What nodes may warn of, in the order of time.
         hosted: The nodes of this process.
     """
     if event.level != "WARN" or is_of_own_file(event, hosted):
@@ -179,7 +183,10 @@ def _words(text: str) -> frozenset[str]:
 
 
 def _stem(word: str) -> str:
-    """Return a word as it is in all its forms, without punctuation: `releas` of `Released;`."""
+    """Return a word without ending, capitals and punctuation: `releas` of `Released;`.
+
+    A word of which three letters or fewer would be left keeps its ending.
+    """
     word = word.strip(",:;()").rstrip(".").rstrip(",:;()").casefold()  # Not the point of `.5`.
     stem = _ENDING.sub("", word)
     return stem if len(stem) > 3 else word

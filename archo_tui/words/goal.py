@@ -34,7 +34,9 @@ def goal_line(
     *,
     says_time_left: bool = True,
 ) -> Spans:
-    """Return the state of the current goal in a line.
+    """Return the state of the current goal in a line, or how to give a goal if there is none.
+
+    The line may be wider than `width`: it is not cut.
 
     Args:
         snapshot: The state of the robot.
@@ -92,13 +94,13 @@ def goal_line(
 
 
 def goal_strip(goal: Goal | None, width: int) -> Spans:
-    """Return the progress of a goal as a bar with the robot on it.
+    """Return the progress of a goal as a bar with the robot on it, and the share in percent.
 
-    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a narrow bar leaves out the
-    distances.
+    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a bar of less than 60 cells
+    leaves out the distances.
 
     Args:
-        goal: The current goal; None draws an empty bar.
+        goal: The current goal; None, or one whose way is not known, draws an empty bar.
         width: The width of the bar, in cells.
     """
     length = known_length(goal)
@@ -114,14 +116,21 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
 
 
 def known_length(goal: Goal | None) -> float | None:
-    """Return the length of a goal's way, or None if no share of it can be shown as driven."""
+    """Return the length of a goal's way in its own unit, or None if its progress is not known.
+
+    It is not known before the first feedback, of a refused goal, or if the feedback does not tell
+    it.
+    """
     if goal is None or goal.remaining is None or goal.phase in (Phase.SENT, Phase.REFUSED):
         return None
     return goal.length or None
 
 
 def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
-    """Return the texts before and behind the bar, of the same width at each moment of the way."""
+    """Return the texts before and behind the bar: the distance driven, and the one left.
+
+    Their width is the same at each moment of the way.
+    """
     unit, wide = _unit_suffix(goal), len(f"{length:.1f}")
     left = length * (1 - goal.fraction())
     target = f" {goal.name}" if goal.kind.noun and goal.target else ""
@@ -135,12 +144,12 @@ def goal_history(
     held: str = "",
     keys: str = "",
 ) -> Spans:
-    """Return the goals that wait, or else those that ended, newest first, as many as fit.
+    """Return the goals that wait in a line; if none waits, those that ended, as many as fit.
 
     Args:
-        history: The goals that ended, newest first.
+        history: The goals that ended, newest first, as they are shown.
         width: The cells available.
-        waiting: The goals in the queue.
+        waiting: The goals in the queue, the next one first.
         held: Why the queue is held; "" if it is not.
         keys: What can be done with a held queue, such as `n continue   k skip`.
     """
@@ -158,7 +167,10 @@ def goal_history(
 
 
 def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spans:
-    """Return `then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`, cut to a width."""
+    """Return `then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`, cut to a width.
+
+    The keys are left out first.
+    """
     after = f" ({held})" if held else ""
     keys = f"   {keys}" if held and keys else ""
     if len(after + keys) + _MIN_QUEUE_WIDTH > width:
@@ -188,7 +200,10 @@ def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
 
 
 def keys_to_press(kind: GoalKind, go_key: str) -> str:
-    """Return how a goal is given on the screen: `Press g, type the shelf, press enter`."""
+    """Return which keys give a goal on the screen.
+
+    An example is `Press g, type the shelf, press enter.`.
+    """
     labels = [given.label or path for path, given in kind.form.items()]
     what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
     what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
@@ -196,7 +211,10 @@ def keys_to_press(kind: GoalKind, go_key: str) -> str:
 
 
 def running_word(goal: Goal) -> str:
-    """Return `MOVING to 12`, or `RUNNING fibonacci 10` for a goal that leads nowhere."""
+    """Return a goal's state and name: `MOVING to 12`, or `RUNNING fibonacci 10`.
+
+    `to` is said if the goal leads somewhere. A goal of another client has its name in parentheses.
+    """
     if not goal.mine:
         return f"{goal.word} ({goal.name})"
     if goal.kind.noun:
@@ -212,7 +230,7 @@ def activity(goal: Goal) -> str:
 
 
 def remaining_text(goal: Goal) -> str:
-    """Return `9.0 m left`, or "" if the feedback does not tell it."""
+    """Return the rest of a goal's way, such as `9.0 m left`; "" if it is not known."""
     known = goal.remaining is not None and not goal.unreadable
     return f"{goal.remaining:.1f}{_unit_suffix(goal)} left" if known else ""
 
@@ -248,7 +266,7 @@ def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
 
 
 def time_left_text(goal: Goal, now: float) -> str:
-    """Return `about 1.5 s left`, or "" if that cannot be estimated."""
+    """Return the estimated rest of a goal's time, `about 1.5 s left`; "" for none."""
     left = None if goal.unreadable or goal.feedback else goal.seconds_left(now)
     return "" if left is None else f"about {seconds_text(left)} left"
 
@@ -271,7 +289,10 @@ def _arrival_details(goal: Goal) -> str:
 
 
 def ended_text(goal: Goal) -> str:
-    """Return a goal that ended in a few words: `✓ 12 arrived 12:03:58`."""
+    """Return a goal that ended in a few words: `✓ 12 arrived 12:03:58`.
+
+    A goal of another client has `another client` in place of its name.
+    """
     at, name = time_of_day(goal.time), goal.target if goal.kind.noun and goal.target else goal.name
     if not goal.mine:
         glyph = "✓" if goal.phase == Phase.ARRIVED else "?" if goal.phase == Phase.DISPUTED else "✗"

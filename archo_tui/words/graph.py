@@ -17,7 +17,8 @@ class ResourceRow(NamedTuple):
 
     Attributes:
         resource: What the graph tells of it.
-        rate: `1.0 Hz` or SILENT; "" if the console does not subscribe to it.
+        rate: `1.0 Hz` or SILENT for a topic; "" if the console does not subscribe to it, or does
+            not know its rate yet.
     """
 
     resource: Resource
@@ -25,7 +26,10 @@ class ResourceRow(NamedTuple):
 
     @property
     def who(self) -> str:
-        """Return the nodes that offer it, without their leading slash."""
+        """Return the nodes that offer it, without their leading slash, or `no publisher`.
+
+        `?` stands for the unknown node of a service or an action.
+        """
         names = ", ".join(node.lstrip("/") for node in self.resource.nodes)
         return names or ("no publisher" if self.resource.kind == TOPIC else "?")
 
@@ -60,7 +64,8 @@ class ResourceRow(NamedTuple):
 def topic_lines(info: TopicInfo) -> Spans:
     """Return the mismatches of a topic, then its publishers and subscribers, each with its QoS.
 
-    Types are shown only if they differ.
+    Types are shown only if they differ. The last line says if there is no publisher, or that all
+    fit.
     """
     parts = {"from": info.publishers, "to": info.subscriptions}
     ends = [end for side in parts.values() for end in side]
@@ -86,7 +91,7 @@ def _end_name(end: TopicEnd) -> str:
 
 
 def resource_rows(view: View) -> tuple[ResourceRow, ...]:
-    """Return the topics, then the services, then the actions, each sorted by name."""
+    """Return a row for each topic, service and action, in the order of the snapshot."""
     return tuple(
         ResourceRow(resource, _rate_text(view, resource.name) if resource.kind == TOPIC else "")
         for resource in view.snapshot.resources

@@ -6,7 +6,14 @@ from typing import Any, Protocol
 
 
 class Counted(Protocol):
-    """The messages that were counted: see `Inspection`."""
+    """The statistics of counted messages: see `Inspection`.
+
+    Attributes:
+        count: The number of messages.
+        size: Their bytes in all.
+        least: The shortest time between two of them, in s; None with fewer than two.
+        greatest: The longest time between two of them, in s; None with fewer than two.
+    """
 
     count: int
     size: int
@@ -15,11 +22,11 @@ class Counted(Protocol):
 
     @property
     def rate(self) -> float | None:
-        """Return the messages in a second."""
+        """Return the messages in a second; None if that is not known."""
 
 
 def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
-    """Return how often messages came and how large they are, as a text and as JSON has it.
+    """Return how often messages came and how large they are: a text, and the same as JSON values.
 
     Args:
         counted: The messages; at least one.
@@ -42,7 +49,7 @@ def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
 
 
 def size_text(size: float) -> str:
-    """Return a number of bytes in B, kB or MB: `1.4 kB`."""
+    """Return a number of bytes in B, kB or MB of 1000 and a million: `1.4 kB`."""
     if size < 1000:
         return f"{size:.0f} B"
     return f"{size / 1e3:.1f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"

@@ -25,9 +25,9 @@ _WIDTH = 80  # Enough cells for any text in full.
 
 
 def spans_to_text(spans: Spans) -> str:
-    """Return spans as a text with a comma wherever the screen leaves a gap.
+    """Return spans as a text with a comma for each gap, and without a glyph at its beginning.
 
-    An example is `MOVING to 12, 9.0 m left of 18.0 m`.
+    An example is `MOVING to 12, 9.0 m left of 18.0 m`. A gap is two spaces or more.
     """
     parts = (part for text, _ in spans for part in re.split(" {2,}", text.strip()))
     return without_glyph(", ".join(filter(None, parts)))
@@ -39,7 +39,10 @@ def without_glyph(text: str) -> str:
 
 
 def battery_text(snapshot: Snapshot, now: float) -> str:
-    """Return the battery as `GOOD, 87.5 %, 24.1 V`; unknown values are left out."""
+    """Return the battery as `GOOD, 87.5 %, 24.1 V`; unknown values are left out.
+
+    In place of values it says why there are none yet, or how old they are.
+    """
     found = snapshot.battery
     _, word, _ = battery_word(snapshot)
     if found.received is None:
@@ -57,7 +60,7 @@ def battery_text(snapshot: Snapshot, now: float) -> str:
 
 
 def motion_text(snapshot: Snapshot, now: float) -> str:
-    """Return the motion as `IDLE, 15420 ticks, 0.00 m/s`; unknown values are left out."""
+    """Return the motion as `IDLE, 15420 ticks, 0.00 m/s`; unknown and old values are left out."""
     found, parts = snapshot.motion, [spans_to_text(motion_word(snapshot, now, _WIDTH))]
     if found.is_old(now):  # Old numbers would sound like current ones.
         return parts[0]
@@ -94,6 +97,6 @@ def ended_goal_text(found: Goal) -> str:
 
 
 def queue_text(waiting: Sequence[str], held: str) -> str:
-    """Return the queue as `7, 3`, or `held: 7, 3 (cancelled)`; "" if it is empty."""
+    """Return the waiting goals as `7, 3`, or `held: 7, 3 (cancelled)`; "" if none waits."""
     names = ", ".join(waiting)
     return f"held: {names} ({held})" if held and names else names

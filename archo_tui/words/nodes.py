@@ -33,13 +33,13 @@ class NodeRow(NamedTuple):
 
     @property
     def is_faulty(self) -> bool:
-        """Return True if the node left a traceback."""
+        """Return True if the node crashed, or could not be restarted: it has left a traceback."""
         hosted = self.hosted
         crashed = hosted is not None and hosted.life == Life.CRASHED
         return crashed or (hosted is not None and hosted.life == Life.UP and bool(hosted.error))
 
     def word(self) -> tuple[str, str, str]:
-        """Return glyph, what is wrong ("" if nothing is), and tone."""
+        """Return glyph, text and tone of the node's state; the text is "" if nothing is wrong."""
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error}", STRONG
@@ -60,11 +60,16 @@ class NodeRow(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Return the node's name without the first slash, with the state of a managed node."""
+        """Return the node's name without its first slash, and the state of a managed node."""
         return f"{self.name.lstrip('/')} {self.state.lifecycle}".rstrip()
 
     def details(self, now: float, snapshot: Snapshot) -> str:
-        """Return everything that is known of the node, in lines for a dialog."""
+        """Return everything that is known of the node, in lines for a dialog, its traceback last.
+
+        Args:
+            now: Monotonic time, in s.
+            snapshot: The state of the robot, whose parameters are counted.
+        """
         glyph, word, _ = self.word()
         heard, rate = self.state.heard, self.state.rate
         often = "--" if rate is None else f"{rate:.1f} Hz"
@@ -86,7 +91,10 @@ class NodeRow(NamedTuple):
 
 
 def graph_lines(info: NodeInfo) -> Spans:
-    """Return what a node publishes, subscribes to, serves and calls, each with its type."""
+    """Return what a node publishes, subscribes to, serves and calls, each with its type.
+
+    Kinds of which it has none are left out; if it has none at all, a line says so.
+    """
     parts = {
         "topics published": info.publishes,
         "topics subscribed": info.subscribes,

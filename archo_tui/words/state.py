@@ -19,7 +19,7 @@ STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 
 
 def elsewhere_text(snapshot: Snapshot) -> str:
-    """Return the namespaces in which other robots were seen, and the option to use; "" if none."""
+    """Return the namespaces of other robots on the graph, and the option to use; "" for none."""
     others = snapshot.other_namespaces
     return f"robots seen: {', '.join(others)}; use --namespace {others[0]}" if others else ""
 
@@ -51,7 +51,7 @@ def plain_text(spans: Spans) -> str:
 
 
 def fixed_width(value: float | None, form: str) -> str:
-    """Return a number in a format, or `--` in the same width if it is None."""
+    """Return a number in a format such as `5.1f`, or `--` as wide as 0 would be if it is None."""
     text = format(0.0, form)
     return "--".rjust(len(text)) if value is None else format(value, form)
 
@@ -62,7 +62,10 @@ def thousands(value: int | None) -> str:
 
 
 def age_text(seconds: float) -> str:
-    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`: five characters up to 99 hours."""
+    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`; five characters up to 99 hours.
+
+    A negative one is `0.0 s`.
+    """
     if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
     if seconds < 600:
@@ -71,12 +74,12 @@ def age_text(seconds: float) -> str:
 
 
 def seconds_text(seconds: float) -> str:
-    """Return a duration in seconds with one decimal, such as `1.5 s`."""
+    """Return a duration in seconds with one decimal, such as `1.5 s`; `0.0 s` if it is negative."""
     return f"{max(seconds, 0.0):.1f} s"
 
 
 def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
-    """Return glyph, word and tone of the battery's most important state."""
+    """Return glyph, word and tone of the battery's most important state, such as LOW or GOOD."""
     battery = snapshot.battery
     if battery.received is None:
         return "?", "NO DATA", OLD
@@ -98,9 +101,12 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
 def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
     """Return the battery as `▲ LOW       18.0 % 21.3 V`, each number in a span of its own.
 
+    Old values are dimmed, with their age in place of the voltage. If a value is unreadable, glyph
+    and word stand alone.
+
     Args:
         snapshot: The state of the robot.
-        now: Monotonic time, in s; old values are dimmed.
+        now: Monotonic time, in s.
         width: The cells available; the age of old values is shown if it fits.
     """
     glyph, word, tone = battery_word(snapshot)
@@ -118,7 +124,7 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
 
 
 def charge_bar(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
-    """Return the charge as a bar with eighths of a cell.
+    """Return the charge as a bar with eighths of a cell, and a mark where it counts as low.
 
     Args:
         percentage: The charge, in %; None draws an empty bar.
@@ -142,7 +148,10 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
 
 
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`."""
+    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`.
+
+    Unknown ones are `--`; old ones are dimmed.
+    """
     motion, parts = snapshot.motion, []
     count = motion_unit(snapshot, "count")
     if count is not None:
@@ -154,7 +163,10 @@ def motion_line(snapshot: Snapshot, now: float) -> Spans:
 
 
 def speed_text(snapshot: Snapshot) -> str:
-    """Return `0.80 m/s x 7.5`, with a time factor if there is one; "" if no speed is named."""
+    """Return the speed, with a time factor if there is one: `0.80 m/s x 7.5`.
+
+    An unknown speed is `--`; "" if the robot file names none.
+    """
     unit = motion_unit(snapshot, "speed")
     if unit is None:
         return ""
@@ -163,12 +175,14 @@ def speed_text(snapshot: Snapshot) -> str:
 
 
 def time_factor_text(snapshot: Snapshot) -> str:
-    """Return `x 7.5` if a simulated robot drives 7.5 times as fast as the speed it reports."""
+    """Return by which factor a simulated robot is faster than it reports, `x 7.5`; "" for none."""
     return "" if snapshot.time_factor is None else f"x {snapshot.time_factor:g}"
 
 
 def motion_unit(snapshot: Snapshot, name: str) -> str | None:
     """Return the unit of a reading of the motion, or None if the robot file has no such reading.
+
+    A reading without a unit has "".
 
     Args:
         snapshot: The state of the robot.
@@ -180,7 +194,10 @@ def motion_unit(snapshot: Snapshot, name: str) -> str | None:
 
 
 def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """Return the robot's state: IDLE, MOVING, STOPPED, or a STOP that is not confirmed.
+    """Return the robot's state, such as IDLE, MOVING, STOPPED, or why it is not known.
+
+    A STOP that is not confirmed goes before all else. If the service of STOP is missing, the end of
+    the line says so.
 
     Args:
         snapshot: The state of the robot.
@@ -221,7 +238,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
 def gauge_line(reading: GaugeReading, now: float) -> Spans:
     """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own.
 
-    A value beyond a limit, an old one and one that is no number are marked.
+    It is `--` before the first number. A value beyond a limit, an old one and one that is no number
+    are marked.
     """
     name, unit = reading.gauge.title, reading.gauge.unit
     if reading.received is None:
@@ -237,7 +255,10 @@ def gauge_line(reading: GaugeReading, now: float) -> Spans:
 
 
 def pose_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return where the robot is as `x 1.2  y 0.4  90°  map`; empty for a robot without a pose."""
+    """Return where the robot is as `x 1.2  y 0.4  90°  map`; an old pose with its age.
+
+    It is empty if the robot file names no pose, and `pose --` before the first.
+    """
     pose = snapshot.pose
     if snapshot.file.pose is None:
         return ()

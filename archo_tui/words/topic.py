@@ -21,6 +21,8 @@ _LAST_DATE = 2e11  # No later one can be written as a date.
 def summary(view: TopicView, *, is_frozen: bool) -> Spans:
     """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary.
 
+    That is a fault, a frozen view, and fields that are left out.
+
     Args:
         view: The topic.
         is_frozen: True if newer messages are not shown.
@@ -44,8 +46,8 @@ def summary(view: TopicView, *, is_frozen: bool) -> Spans:
 def value_text(field: FieldView) -> str:
     """Return what stands behind the name of a field: `12.3 m`, or `4 CHARGING` for a constant.
 
-    An array has its type, and bytes the first of them; the row for more elements says how to show
-    them; a message has "".
+    A message within the message has "". An array has its type, and one of bytes its first bytes,
+    too. The row that stands for further elements says how to show them.
     """
     if field.kind is FieldKind.GROUP:
         return ""
@@ -74,7 +76,7 @@ def number_text(value: float, digits: int = 7) -> str:
     """Return a number in few characters.
 
     Args:
-        value: An int is shown with grouped digits, a float is rounded.
+        value: An int is shown with grouped digits, a float is rounded; inf and nan stay.
         digits: The significant digits of a float.
     """
     if isinstance(value, int):
@@ -83,7 +85,10 @@ def number_text(value: float, digits: int = 7) -> str:
 
 
 def range_text(field: FieldView) -> str:
-    """Return `0.12 .. 9.8, 3 nan`: the range of an array, or of a number's values so far."""
+    """Return `0.12 .. 9.8, 3 nan`: the range of an array, or of a number's values so far.
+
+    What is not known is left out; "" if nothing is.
+    """
     parts = []
     if field.least is not None and field.greatest is not None:
         parts.append(f"{_short(field.least)} .. {_short(field.greatest)}")
@@ -93,10 +98,10 @@ def range_text(field: FieldView) -> str:
 
 
 def element_range(array: str, length: int) -> str:
-    """Return `ranges: 0 .. 359`, the indices of an array's elements.
+    """Return `ranges: 0 .. 359`, the indices of an array's elements, or that it is empty.
 
     Args:
-        array: Its path.
+        array: Its path, of which the last name is shown.
         length: How many elements it has.
     """
     name = array.rpartition(".")[2]
@@ -107,12 +112,13 @@ def element_index(typed: str, array: str, length: int) -> int:
     """Return the index of an element of an array that somebody typed.
 
     Args:
-        typed: The text.
+        typed: The text; spaces around it are ignored.
         array: The path of the array.
         length: How many elements it has.
 
     Raises:
-        ValueError: It is none; in one line what was typed, and what is allowed.
+        ValueError: The text is no index of the array; the error's line says what was typed, and
+            what is allowed.
     """
     text = typed.strip()
     if _INDEX.fullmatch(text) and int(text) < length:
@@ -125,13 +131,16 @@ def element_index(typed: str, array: str, length: int) -> int:
 
 
 def _short(value: float) -> str:
-    """Return a number rounded to four significant digits, or to a whole one if it is larger."""
+    """Return a number with four significant digits, or as a whole number from 10,000 on."""
     is_long = 1e4 <= abs(value) < 1e9
     return number_text(round(value) if is_long else value, digits=4)
 
 
 def time_text(seconds: float) -> str:
-    """Return a Unix time as the time of day with milliseconds, and an early one in seconds."""
+    """Return a Unix time as the local time of day, `12:04:31.250`.
+
+    A time before 1973 or after the year 8307 has no date here: it is written in seconds.
+    """
     if not _FIRST_DATE <= seconds <= _LAST_DATE:
         return f"{seconds:.3f} s"
     return f"{datetime.fromtimestamp(seconds):%H:%M:%S.%f}"[:-3]
@@ -140,7 +149,8 @@ def time_text(seconds: float) -> str:
 def sparkline(curve: Curve) -> str:
     """Return a bar for each column of a curve, scaled from its least to its greatest value.
 
-    Of a column's range the end is drawn that differs more from the column before.
+    A column without values is a space; "" if none has any. Of a column's two values, the least and
+    the greatest, the one that differs more from the column before is drawn.
     """
     known = [value for both in curve if both is not None for value in both]
     if not known:

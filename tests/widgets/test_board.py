@@ -330,7 +330,7 @@ def test_columns_come_by_tens_or_five_and_pages_beyond_two_hundred(
 ) -> None:
     found = fit_grid(range(1, count + 1), width, rows)
     assert (found.columns, found.rows, found.pages) == expected
-    assert found.columns * found.cell <= width
+    assert found.columns * found.cell_width <= width
 
 
 @pytest.mark.parametrize("shelves", [None, "many", True, float("nan"), 0, 1e15])
