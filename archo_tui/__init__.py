@@ -48,21 +48,21 @@ if sys.version_info < (3, 10):  # noqa: UP036  # pip sees to it, but nobody asks
 def connect(to: str = "") -> Robot:
     """Return the robot of the console that runs here: `with archo_tui.connect() as robot: ...`.
 
-    The console is chosen as `archo-tui VERB` chooses it: none is, while another that could be
-    meant runs too or does not answer. It takes 1 s at most.
+    If several consoles could be meant, or one of them does not answer, none is chosen: an error is
+    raised. It takes 1 s at most.
 
     Args:
-        to: The process, the namespace or the socket's name of one among several consoles:
-            `4711`, `/north`. Empty: the variable ARCHO_TUI_CONSOLE, else the only one.
+        to: The process, the namespace or the socket's name of one among several consoles: `4711`,
+            `/north`. Empty: the variable ARCHO_TUI_CONSOLE, else the only one.
 
     Returns:
-        The robot. Its methods may be called from any thread; leaving its `with` block cancels
-        the goals that it has sent and that still run.
+        The robot. Its methods may be called from any thread; leaving its `with` block cancels the
+        goals that it has sent and that still run.
 
     Raises:
-        Unreached: None runs, several do, or one that could be meant does not answer. All errors
-            are in `archo_tui`: NotDone is their base, its subclasses Refused, Misused, Aborted,
-            Cancelled, RanOut and Unreached.
+        Unreached: No console runs, several do, or one that could be meant does not answer. All
+            errors are in `archo_tui`: NotDone is their base, its subclasses Refused, Misused,
+            Aborted, Cancelled, RanOut and Unreached.
     """
     from archo_tui.remote.api import Robot
 
@@ -70,17 +70,17 @@ def connect(to: str = "") -> Robot:
 
 
 def stop(to: str = "") -> None:
-    """Send STOP to every console that could be meant, as `archo-tui stop` does.
+    """Send STOP to every console that could be meant, and wait for the answers.
 
     It needs no connection: a console that is suspended carries it out when it wakes, and several
-    are all stopped. It takes 15 s at most.
+    are all stopped, as by `archo-tui stop`. It takes 15 s at most.
 
     Args:
-        to: As in `connect`; empty: each console that runs here.
+        to: As in `connect`; empty, without the variable: each console that runs here.
 
     Raises:
-        Unreached: None runs, or one did not confirm it: its robot may be moving.
-        Refused: A robot did not confirm it.
+        Unreached: No console runs, or one did not confirm the STOP: its robot may be moving.
+        Refused: A robot did not confirm the STOP.
     """
     from archo_tui.remote.api import stop
 
@@ -88,7 +88,11 @@ def stop(to: str = "") -> None:
 
 
 def __getattr__(name: str) -> Any:
-    """Load an error or a type of `connect()` when it is first named, not with every start."""
+    """Return an error or a type of `connect()`, which is imported when it is first named.
+
+    Raises:
+        AttributeError: The name is none of these.
+    """
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from archo_tui.remote import api, api_errors, api_status, goal_handle
@@ -98,5 +102,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """List the errors and types of `connect()`, too."""
+    """Return the names of the module, those that are not imported yet included."""
     return sorted({*globals(), *__all__})

@@ -52,7 +52,14 @@ class _Sent(NamedTuple):
 
 
 class ArchoApp(KeyedApp):
-    """The operator's console."""
+    """The operator's console: the main screen, its dialogs, and the commands that keys run.
+
+    Attributes:
+        typed: What was last typed into each form, by form and path.
+        used: The robot file, with the goals and services that were used besides.
+        has_sent: True unless it is known that this user has never sent a goal.
+        view: What is shown now.
+    """
 
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
 
@@ -123,14 +130,14 @@ class ArchoApp(KeyedApp):
             self.tick()
 
     def tick(self) -> None:
-        """Update ages and the time of day; called each second."""
+        """Tick the station and show the new view, also of a replay; called on each full second."""
         self.station.tick()
         self._show()
         if self.replay is not None:
             self.replay.update_screen()
 
     def update_screen(self) -> None:
-        """Show a change of this process at once, instead of with the next message of the robot."""
+        """Refresh station and screen at once, not only with the next message of the robot."""
         self.station.refresh()
         self._show()
 
@@ -168,7 +175,17 @@ class ArchoApp(KeyedApp):
         timeout: float | None = None,
         markup: bool = True,
     ) -> None:
-        """Show a message in the second row, in place of a box at the bottom."""
+        """Show a message in the second row, in place of Textual's box at the bottom.
+
+        Several are shown one after the other.
+
+        Args:
+            message: The text.
+            title: A title, put before the text.
+            severity: The severity, which decides the colour.
+            timeout: Seconds; None means Textual's NOTIFICATION_TIMEOUT.
+            markup: True if the text has Textual's markup, which is removed.
+        """
         text = Content.from_markup(message).plain if markup else message
         self._notices.add(
             f"{title}: {text}" if title else text, severity, timeout or self.NOTIFICATION_TIMEOUT
@@ -180,7 +197,7 @@ class ArchoApp(KeyedApp):
         self._show_notice()
 
     def action_dismiss_notice(self) -> None:
-        """Remove the notice that was clicked."""
+        """Remove the notice that is shown, because it was clicked."""
         self._notices.dismiss()
         self._show_notice()
 
@@ -195,7 +212,11 @@ class ArchoApp(KeyedApp):
                 main.show_notice(notice)
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id, or say why it cannot run.
+        """Run a command by its id, or show why it cannot run.
+
+        It runs on the live console or, while a replay is shown, there; STOP always on the live one.
+        STOP also closes the questions. A command that waits for its answer does not run again, and
+        a held key runs it only after its `resend_after`. Nothing happens for an unknown id.
 
         Args:
             name: The command's id.
@@ -231,14 +252,17 @@ class ArchoApp(KeyedApp):
             self.run_worker(self._await_command(name, work), group=COMMANDS)
 
     def close_questions(self) -> None:
-        """Close a question that was asked before a STOP."""
+        """Close the dialogs that a STOP makes invalid, and drop the keys typed for them."""
         for screen in self.screen_stack:
             if isinstance(screen, Dismissable) and screen.closes_at_stop:
                 screen.dismiss()
                 self.closed_by_stop("STOP closed the dialog")
 
     def _waits(self, name: str) -> bool:
-        """Return True, after saying so, if a command waits for its answer and no STOP voided it."""
+        """Return True if a command waits for its answer and no STOP voided it; show that it waits.
+
+        Nothing is shown for a held key.
+        """
         given = self._sent.get(name)
         waits = given is not None and not self.stops.is_void(given.stops)
         if waits and not self.repeated:
@@ -246,7 +270,7 @@ class ArchoApp(KeyedApp):
         return waits
 
     async def _await_command(self, name: str, work: Work) -> None:
-        """Await the work of a command; until its end, the command waits for its answer."""
+        """Run the work of a command, which counts as waiting for its answer until the work ends."""
         sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
         try:
             await work
@@ -260,11 +284,14 @@ class ArchoApp(KeyedApp):
     # The methods of commands.base.Console.
 
     def disabled_reason(self, command: Command) -> str:
-        """Return why a command cannot run now, or ""."""
+        """Return why a command cannot run now; "" if it can."""
         return command.disabled_reason(self)
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Ask the verb's question, or return a coroutine that runs the verb."""
+        """Return a coroutine that runs a verb, or show the verb's question and return None.
+
+        The answer to the question runs the verb. A failure is shown.
+        """
 
         async def now() -> None:
             outcome = await verb.run(self.station, values)
@@ -279,13 +306,16 @@ class ArchoApp(KeyedApp):
         return None
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog; not one that a STOP would have closed."""
+        """Show a dialog, unless a STOP that was read since the key would have closed it."""
         closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over this console, which goes on; keys are the replay's, STOP is not."""
+        """Show a recording over this console, which goes on running.
+
+        Keys act on the replay from now on, but for the key of STOP.
+        """
         from archo_tui.commands.replay_console import ReplayConsole
 
         commands = registry(player.file, verbs(player.file, {}))
@@ -296,7 +326,10 @@ class ArchoApp(KeyedApp):
         self.call_after_refresh(self.tick)
 
     def end_replay(self) -> None:
-        """Close the replay, and show this console again."""
+        """Close the replay and the dialogs over it, and show this console again.
+
+        Without a replay nothing happens.
+        """
         if self.replay is None:
             return
         above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
@@ -307,7 +340,10 @@ class ArchoApp(KeyedApp):
 
     @contextmanager
     def opening(self) -> Iterator[None]:
-        """Hold keys while a dialog is being opened, since they are typed for it."""
+        """Let keys wait within the block, in which a dialog is being opened: they are typed for it.
+
+        Keys that work everywhere do not wait.
+        """
         self._opening += 1
         try:
             yield
@@ -315,7 +351,13 @@ class ArchoApp(KeyedApp):
             self._opening -= 1  # The end of the worker hands the keys on.
 
     def _is_void(self, title: str) -> bool:
-        """Return True, after saying so, if a STOP was read after the current input."""
+        """Return True if a STOP was read after the current input, so that its dialog must not open.
+
+        If so, a message and an event say so, and the keys that follow at once are dropped.
+
+        Args:
+            title: The title of the dialog.
+        """
         shut = self.stops.gate().is_shut
         if shut:
             self.closed_by_stop("STOP kept the dialog from opening")
@@ -326,7 +368,14 @@ class ArchoApp(KeyedApp):
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Show a question at once, so that the following keys answer it.
 
-        While another question is shown, a message says that this one is not.
+        It is not shown, but a message, while another question is, or if a STOP was read since the
+        key.
+
+        Args:
+            title: The title of the dialog.
+            question: The question.
+            safe: The answer that changes nothing.
+            answers: The work of each other answer, by its words.
         """
         from archo_tui.screens.confirm import Confirm
 
@@ -349,13 +398,13 @@ class ArchoApp(KeyedApp):
         self.show_dialog(Confirm(title, question, (safe, *answers), answered))
 
     def report_failure(self, outcome: Outcome) -> None:
-        """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
+        """Show the outcome of a command that failed; do nothing for one that succeeded."""
         if not outcome.ok:
             title = "Live robot" if self.replay is not None else ""
             self.notify(outcome.text, title=title, severity="error", markup=False)
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification of something that is not visible otherwise."""
+        """Show a message in the second row, as `notify` does; its text is taken as it is."""
         self.notify(text, title=title, markup=False)
 
     def copy(self, text: str) -> None:
@@ -364,15 +413,21 @@ class ArchoApp(KeyedApp):
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """Return the main screen and the dialogs over it."""
+        """Return the main screen and the dialogs over it, the one in front last."""
         return self.screen_stack
 
     def write_screenshot(self) -> None:
-        """Save the screen as SVG, without the palette that asked for it."""
+        """Save the screen as SVG, after the next drawing.
+
+        The palette that asked for it has gone by then.
+        """
         self.call_after_refresh(self.deliver_screenshot)
 
     def copy_selection(self) -> bool:
-        """Copy the selected text, and return False if there is none."""
+        """Copy the selected text to the clipboard, and return False if none is selected.
+
+        The focused field is asked first, then the screen.
+        """
         focused = self.focused
         text = focused.selected_text if isinstance(focused, Input) else None
         text = text or self.screen.get_selected_text()
@@ -381,13 +436,19 @@ class ArchoApp(KeyedApp):
         return bool(text)
 
     def leave(self) -> None:
-        """End, when every command that was given has its answer."""
+        """Begin to end the app, when every command that was given has its answer, in 30 s at most.
+
+        A second call changes nothing.
+        """
         if not self._leaves:
             self._leaves = True
             start_worker(self, self._exit_when_answered, "leave")
 
     async def _exit_when_answered(self) -> None:
-        """End the app once every command has its answer, or LONGEST seconds have passed."""
+        """End the app once every command has its answer, or LONGEST seconds have passed.
+
+        A message says that it waits, an event that it waited in vain.
+        """
         if self.unanswered:
             self.show_message("Ending, as soon as the robot has answered.")
         try:
@@ -408,12 +469,18 @@ class ArchoApp(KeyedApp):
         self._show()
 
     async def _show_refusal(self, answer: Awaitable[Outcome]) -> None:
-        """Wait for the answer to a goal, and show a refusal in the goal's form."""
+        """Wait for the answer to a goal, and show a refusal in the goal's form.
+
+        If the goal was not refused, the text there is removed.
+        """
         outcome = await answer
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 
     def _remember_typed(self, typed: list[str]) -> None:
-        """Remember what was typed for the arrow keys, also after a restart."""
+        """Offer to the arrow keys what was typed into the goal's form, also after a restart.
+
+        It is written to the disk. Of equal entries the last counts, and the oldest are dropped.
+        """
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         others = [old for old in panel.typed if old != typed]
         panel.set_typed([*others, typed][-form_history.MAX_ENTRIES :])
@@ -434,17 +501,17 @@ class ArchoApp(KeyedApp):
 
     @property
     def has_person(self) -> bool:
-        """Return True while the screen runs, at which somebody looks."""
+        """Return True while the screen runs: somebody looks at it."""
         return self.is_running
 
     def carry_out(self, work: Callable[[], Work]) -> None:
-        """Run work as a command, whose answer the end waits for."""
+        """Begin work as a command, whose answer `leave` waits for."""
         start_worker(self, work, COMMANDS)
 
     def run_in_background(self, work: Callable[[], Work]) -> None:
-        """Run work of another program, for whose answer the end does not wait."""
+        """Begin work of another program, for whose answer `leave` does not wait."""
         start_worker(self, work, "beside")
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Show beside the form why the robot refused a goal; remove the text if it did not."""
+        """Show in the goal's form why the robot refused a goal; clear that text if it did not."""
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)

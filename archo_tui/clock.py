@@ -14,7 +14,7 @@ LAST_STAMP = 2**31 - 1  # The latest Unix time in s of builtin_interfaces/Time, 
 
 
 class Clock:
-    """The clock of this machine."""
+    """The clock of this machine; a test puts another one in its place."""
 
     def monotonic(self) -> float:
         """Return monotonic time in s, for ages and deadlines."""
@@ -29,10 +29,12 @@ class Clock:
         await asyncio.sleep(seconds)
 
     async def wait_for(self, awaitable: Awaitable[T], seconds: float | None) -> T:
-        """Return the value of `awaitable`, which is cancelled if this ends before it.
+        """Return the value of `awaitable`, which is cancelled if the wait ends before it.
+
+        Its own exceptions are raised as they are.
 
         Args:
-            awaitable: Is waited for.
+            awaitable: The coroutine, task or future to wait for.
             seconds: The longest wait; None: for ever.
 
         Raises:

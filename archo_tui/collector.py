@@ -10,13 +10,13 @@ _FULL = 2  # The generation of a full collection.
 
 
 class ShortPauses:
-    """A policy of the collector that keeps each full collection short, however much is kept.
+    """A context in which each full collection stays short, however many objects are kept.
 
     In a flood the black box holds half a million objects, and looking through them takes 0.2 s.
     What a long full collection has kept is left out of the following ones (`gc.freeze`); it is
-    still freed by reference count. When half of it has been freed, the flood is over: the rest
-    is looked through again, so that a cycle that was kept then, a closed dialog for example,
-    is freed too.
+    still freed by reference count. When half of it has been freed, the flood is over: the rest is
+    looked through again, so that a cycle that was kept then, a closed dialog for example, is freed
+    too.
     """
 
     def __init__(self) -> None:
@@ -25,11 +25,11 @@ class ShortPauses:
         self._base = 0  # Those of them that were frozen before the flood.
 
     def __enter__(self) -> None:
-        """Begin to watch collections."""
+        """Begin to watch the collections of the process."""
         gc.callbacks.append(self._on_collection)
 
     def __exit__(self, *_: object) -> None:
-        """End the watch, and unfreeze what was frozen during a flood."""
+        """End the watch, and let collections look through what was left out of them."""
         gc.callbacks.remove(self._on_collection)
         if self._frozen:
             gc.unfreeze()

@@ -22,14 +22,16 @@ _MOST_BYTES = 10_000_000  # Of the answer: the names of tens of thousands of nod
 
 
 class ScanError(Exception):
-    """The error that the domains could not be looked at; its text says why."""
+    """The error that the domains could not be looked at; its text says why, in one line."""
 
 
 async def find_nodes() -> Mapping[int, Sequence[str]]:
-    """Return the full names of the nodes in each of DOMAINS that has any.
+    """Return the full names of the nodes in each of DOMAINS that has any, by the domain's number.
+
+    It starts a process, which takes some seconds. Hidden nodes are left out.
 
     Raises:
-        ScanError: The process cannot be started, failed, or did not answer in time.
+        ScanError: The process cannot be started, failed, or did not answer in 30 s.
     """
     try:
         return await _ask_process()
@@ -38,7 +40,13 @@ async def find_nodes() -> Mapping[int, Sequence[str]]:
 
 
 async def _ask_process() -> Mapping[int, Sequence[str]]:
-    """Run the process, and return its answer."""
+    """Start the process, wait for its answer, end it, and return the nodes by domain.
+
+    Raises:
+        OSError: The process cannot be started.
+        TimeoutError: It did not answer in time.
+        ValueError: Its answer is missing or too long, or no JSON.
+    """
     # The same modules, also those of a zip file.
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = await asyncio.create_subprocess_exec(
@@ -67,7 +75,7 @@ async def _ask_process() -> Mapping[int, Sequence[str]]:
 
 
 def main() -> None:
-    """Print the nodes of each domain that has any, as a JSON object."""
+    """Print the nodes of each domain that has any, as a JSON object on one line; it takes 3 s."""
     from archo_tui import engine
 
     engine.activate("ros2")

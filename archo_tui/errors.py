@@ -2,7 +2,7 @@
 
 
 class ArchoError(Exception):
-    """An error that the user can mend; the message says what, where and what to do."""
+    """An error that the user can mend; the message says in one line what, where and what to do."""
 
 
 class UserFileError(ArchoError):
@@ -24,11 +24,11 @@ def first_line(error: BaseException) -> str:
 
 
 def quoted_line(line: str) -> str:
-    """Return a line of code as messages end with it: `, in: x = y + 1`; "" for a blank one."""
+    """Return a line of code as messages end with it, `, in: x = y + 1`; "" for a blank one."""
     return f", in: {line.strip()}" if line.strip() else ""
 
 
 def in_one_line(error: BaseException) -> str:
-    """Return an error as one line; other errors than ours begin with the name of their type."""
+    """Return the first line of an error; other errors than ours begin with their type's name."""
     text = first_line(error)
     return text if isinstance(error, ArchoError) else f"{type(error).__name__}: {text}".rstrip(": ")

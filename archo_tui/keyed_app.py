@@ -44,7 +44,20 @@ HELD = 0.7  # Seconds within which an equal key means a held one: X11 begins to 
 
 
 class KeyedApp(TerminalApp):
-    """The base of the app, which passes keys and clicks to commands or to the focused widget."""
+    """The base of the app, which passes keys and clicks to commands or to the focused widget.
+
+    STOP acts at once. The others act one after the other, each when the one before is done.
+
+    Attributes:
+        verbs: The verbs of the robot by their words.
+        registry: The commands of the live console.
+        main: The screen beneath all dialogs.
+        keys: The key of each command by its id, as Textual names it; "" for none.
+        replay: The replay that lies over the live console; None for none.
+        shown_keys: The keys as they are shown, by the command's id.
+        repeated: True while the key that is being handled is held down.
+        input: When the key or click was read that is being handled; None for neither.
+    """
 
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
@@ -53,11 +66,11 @@ class KeyedApp(TerminalApp):
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
-        """Create the app.
+        """Create the app, with its commands bound to their keys.
 
         Args:
             station: The operator's station.
-            keys: The key of each command by its id.
+            keys: The key of a command by its id; a command that is not in it has its default key.
             theme: The name of a theme; "" means the one that suits the terminal.
         """
         super().__init__(station, theme)
@@ -91,23 +104,27 @@ class KeyedApp(TerminalApp):
         self.input: InputTime | None = None  # Of the one that is being handled.
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """Return all commands."""
+        """Return the commands for the robot of a snapshot; a subclass may change them."""
         return registry(snapshot.file, self.verbs)
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
-        """Return the screen beneath all dialogs."""
+        """Return a new screen to lie beneath all dialogs; a subclass may return another one."""
         return MainScreen(snapshot, self.size, starts_in_field=not self.station.robot.watching)
 
     @property
     def front(self) -> KeyedApp | ReplayConsole:
-        """Return what keys are meant for: the replay while one is shown, else this console."""
+        """Return what keys act on: the replay while one is shown, else this console."""
         return self.replay or self
 
     def _bind_commands(self, commands: Iterable[Command], keys: Mapping[str, str]) -> None:
-        """Bind all keys with priority, so that a key acts before the next one is handed on.
+        """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
         Over a slow line several arrive at once. check_action gives letters back to a field.
         App.bind has no priority, and a keymap of Textual's drops commands that share a key.
+
+        Args:
+            commands: The commands.
+            keys: The key of each by its id; one with "" is not bound.
         """
         for command in commands:
             key, action = keys[command.id], f"command('{command.id}')"
@@ -120,7 +137,7 @@ class KeyedApp(TerminalApp):
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id.
+        """Run a command by its id; a subclass has to define it.
 
         Args:
             name: The command's id.
@@ -153,7 +170,7 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
             mark_input(event, self._read)
         repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
-        if self._early and self._acts_before(event):
+        if self._early and self._overtakes_waiting(event):
             self._early.clear()
             said = "What was typed while an answer is waited for is dropped."
             self.notify(said, severity="warning", markup=False)
@@ -164,9 +181,14 @@ class KeyedApp(TerminalApp):
             await self._hand_on(event, repeated)
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
-        """Handle a key or a click, unless it was meant for a dialog that has gone."""
+        """Handle a key or a click, unless it was meant for a dialog or a notice that has gone.
+
+        Args:
+            event: The key, paste or click.
+            repeated: True if the key is held down.
+        """
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
-        if typed and not self._is_free(event):
+        if typed and not self._works_everywhere(event):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
                 return
@@ -175,24 +197,39 @@ class KeyedApp(TerminalApp):
         await self._handle(event, repeated)
 
     def closed_by_stop(self, why: str) -> None:
-        """Drop the keys that may still be for a dialog that a STOP closed, or kept from opening."""
+        """Drop the keys typed for a dialog that a STOP closed, or kept from opening.
+
+        Those are the keys read before that STOP, and those that follow at once; not those that work
+        everywhere.
+
+        Args:
+            why: What happened, for the message that is shown if a key is dropped.
+        """
         self._answers_void = self.stops.count
         self.drop_following_keys(why)
 
     def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once, typed for a dialog that closed by itself."""
+        """Drop the keys that follow at once, typed for a dialog that closed by itself.
+
+        Keys follow at once if less than HELD passes between them. Escape and those that work
+        everywhere still act.
+
+        Args:
+            why: What happened, for the message that is shown if a key is dropped.
+        """
         self._shut_by, self._shut_said = why, False
         self._shut_since = self.station.clock.monotonic()
 
     def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which all following keys go."""
+        """Show a dialog, to which all following keys go; no key is dropped from then on."""
         self._shut_since = None
         self.push_screen(dialog)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
-        """Return True, after saying so, if a key was meant for a dialog that has just closed.
+        """Return True if a key was meant for a dialog that has just closed; the first time, say so.
 
-        Keys that follow each other within HELD are one text, which was typed for the dialog.
+        Keys that follow each other within HELD are one text, which was typed for the dialog. Escape
+        is never meant for it.
         """
         if self._shut_since is None:
             return False
@@ -210,20 +247,24 @@ class KeyedApp(TerminalApp):
         return True
 
     def stop_now(self, event: events.Key) -> None:
-        """Run the command of STOP at once, also while another key is being handled."""
+        """Run the command of STOP at once, also while another key is being handled.
+
+        Args:
+            event: The key of STOP, which has been counted already.
+        """
         before, self.repeated = self.repeated, self._record_input(event)
         with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # Of the key that is being handled.
 
-    def _is_free(self, event: events.Event) -> bool:
-        """Return True for a key that works everywhere, so is meant for no dialog."""
+    def _works_everywhere(self, event: events.Event) -> bool:
+        """Return True if an event is the key of a command that works everywhere, in dialogs too."""
         front = self.front
         free = {front.keys[c.id] for c in front.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
     def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
-        """Run STOP as a visible STOP button is pressed, also beside a dialog.
+        """Run STOP if a press of the mouse is on a visible STOP button, also beside a dialog.
 
         Returns:
             True for the press and the release of the button, which nothing else may handle.
@@ -247,7 +288,7 @@ class KeyedApp(TerminalApp):
         return True
 
     def _is_for_gone_notice(self, event: events.MouseEvent) -> bool:
-        """Return True for a press, and its release, until HELD after a notice there has gone.
+        """Return True for a press, and its release, where a notice has gone less than HELD before.
 
         It was meant for that notice, as the second press of a double click is. What lies below may
         command the robot, and what took its place has not been read.
@@ -261,11 +302,11 @@ class KeyedApp(TerminalApp):
         return self._pressed_gone
 
     def _record_input(self, event: events.Event) -> bool:
-        """Record when a key, paste or press was read, and which STOPs came before it.
+        """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
         Returns:
             True for a key that is held down: the same as the last one, within HELD, without a STOP
-            between them.
+            between them, unless it is the key of STOP.
         """
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
@@ -280,7 +321,7 @@ class KeyedApp(TerminalApp):
         return repeated
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
-        """Pass a key or a click on to Textual, unless it is held down and may not repeat."""
+        """Pass a key or a click on to Textual; do nothing for a held key that may not repeat."""
         self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
@@ -293,7 +334,12 @@ class KeyedApp(TerminalApp):
         self._acting = self._acting if is_queued else None
 
     def _widget_acting_later(self, event: events.Event) -> Widget | None:
-        """Return the widget that gets an event as a message: a clicked one, or a text area."""
+        """Return the widget that will handle an event from its own queue, after this call.
+
+        That is a clicked widget, or the focused one if the key is text for it; None for a field,
+        which handles its keys at once, and for keys that are bound. It also notes if the key is
+        text.
+        """
         focused = self.focused
         if isinstance(event, events.MouseEvent):
             return self.screen.get_widget_and_offset_at(event.x, event.y)[0]
@@ -305,34 +351,37 @@ class KeyedApp(TerminalApp):
         return None if isinstance(focused, Field) else focused
 
     def _on_acted(self) -> None:
-        """Hand on the keys that wait: the widget that was clicked has handled the click."""
+        """Hand on the keys that wait: the widget has handled the click or the text."""
         self._acting = None
         self.call_later(self._release)
 
     async def _check_bindings(self, key: str, priority: bool = False) -> bool:
-        """Run what is bound to a key, in its turn: a widget would look it up from its queue."""
+        """Run what is bound to a key, and return True if anything is.
+
+        Textual asks for bindings with priority first. The others are looked up then, too, unless
+        the key is text: a widget would look them up later, from its queue.
+        """
         if await super()._check_bindings(key, priority):
             return True
         return priority and not self._is_typed and await super()._check_bindings(key)
 
     @property
     def _place(self) -> tuple[object, ...]:
-        """Return where a key acts: the screen, the focused widget, and the row of a list."""
+        """Return where a key acts: the screen, the focused widget, and its row if it is a list."""
         focused = self.focused
         return self.screen, focused, focused.item_key if isinstance(focused, Rows) else None
 
     def _may_repeat(self, event: events.Key) -> bool:
-        """Return True if a key that is held down acts where it has led.
+        """Return True if a key that is held down may act again where it has led.
 
-        The key acts on no other screen, unless it is text there, closes it, or works everywhere.
-        Enter neither answers nor sends, which a message says: it runs from field to field, and acts
-        on another row of the screen where the one before acted. What it opened is answered by
-        another key.
+        Most keys act on no other screen than before, unless they are text there, close it, or work
+        everywhere. Enter neither answers nor sends, which a message says once: it runs from field
+        to field, and acts on another row of the screen where the one before acted.
         """
         here, before = self._place, self._acted
         if event.key != "enter":
             is_text = isinstance(self.focused, Field) and event.is_printable
-            leads_out = event.key == "escape" or self._is_free(event)
+            leads_out = event.key == "escape" or self._works_everywhere(event)
             return here[0] is before[0] or is_text or leads_out
         if isinstance(self.focused, Field) and self.focused.next_field is not None:
             return True
@@ -352,31 +401,35 @@ class KeyedApp(TerminalApp):
         return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
 
     def _takes(self, event: events.Event) -> bool:
-        """Return True if everything before an event is done, and its target is there.
+        """Return True if an event can be handled now: what came before is done, its target there.
 
-        While a dialog waits for an answer, escape closes it, and a cancel or the end acts.
+        While a dialog waits for an answer, or is being opened, only keys that work everywhere are
+        taken; escape, too, while it waits.
         """
         if self._is_changing or (self._acting is not None and self._acting.is_running):
             return False
         if isinstance(event, events.MouseDown) and not self._is_drawn:
             return False
         if isinstance(self.screen, Dismissable) and self.screen.is_asking:
-            return self._is_free(event) or getattr(event, "key", "") == "escape"
-        return not self._opening or self._is_free(event)
+            return self._works_everywhere(event) or getattr(event, "key", "") == "escape"
+        return not self._opening or self._works_everywhere(event)
 
-    def _acts_before(self, event: events.Event) -> bool:
+    def _overtakes_waiting(self, event: events.Event) -> bool:
         """Return True if a key acts now, before other keys that wait for an answer.
 
-        Only escape and the keys that work everywhere do so, if the first one has waited for HELD
-        and still cannot act: keys of one burst keep their order.
+        Only escape and the keys that work everywhere do so, if the first of those that wait has
+        waited for HELD and still cannot act: keys of one burst keep their order.
         """
         first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
-        if event.time - first.time < HELD or not (escapes or self._is_free(event)):
+        if event.time - first.time < HELD or not (escapes or self._works_everywhere(event)):
             return False
         return self._takes(event) and not self._takes(first)
 
     async def _release(self) -> None:
-        """Hand on the next of the waiting keys and clicks; the others follow when it is done."""
+        """Hand on the next of the waiting keys and clicks; the others follow when it is done.
+
+        If its target is not there yet, try again later.
+        """
         if self._early and self._takes(self._early[0][0]):
             await self._hand_on(*self._early.pop(0))
         if not self._early:
@@ -392,11 +445,14 @@ class KeyedApp(TerminalApp):
         self.call_later(self._release)
 
     def on_worker_state_changed(self) -> None:
-        """Hand on the keys that waited for an answer."""
+        """Hand on the keys that waited for an answer: a worker may have got it."""
         self.call_later(self._release)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Return False to leave a key to the focused field or dialog."""
+        """Return True if the action of a key acts now, False to leave the key to a field or dialog.
+
+        Textual asks it for each binding.
+        """
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
@@ -418,17 +474,20 @@ class KeyedApp(TerminalApp):
         return not command.panel or command.panel == main.focused_panel
 
     def _is_text(self, command: Command, field: Input) -> bool:
-        """Return True if the command's key is text, or moves or edits, in the field."""
+        """Return True if a field takes the key of a command itself: as text, or to edit."""
         key = self.front.shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
 
     def _find_command(self, name: str) -> Command | None:
-        """Return the command that a key or a click means now; STOP's is always the live one."""
+        """Return the command with an id, of the replay while one is shown; None if there is none.
+
+        STOP's is always that of the live console.
+        """
         registry = self.registry if name == "stop" else self.front.registry
         return next((command for command in registry if command.id == name), None)
 
     def action_beside(self, step: int) -> None:
-        """Move the focus from the field to the board and on, or back."""
+        """Move the focus from the goal's field to the board and on (1), or back (-1)."""
         main = self.front.main
         beside = main.goal.next_focus(self.focused, step)
         if isinstance(beside, Field):
@@ -437,7 +496,10 @@ class KeyedApp(TerminalApp):
             main.set_focus(beside, scroll_visible=False)
 
     def action_leave_field(self) -> None:
-        """Leave a field for where the focus was, clear a search, or leave the full screen."""
+        """Leave the field, the board, the search or the full screen: the first that applies.
+
+        The focus goes from a field to where it was before, from the board to the goal's field.
+        """
         main = self.front.main
         search = main.search
         if isinstance(self.focused, Input):

@@ -9,7 +9,7 @@ _CUTOFF = 0.6  # The default of difflib.get_close_matches.
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = _CUTOFF) -> str:
-    """Return the known word that is spelled most alike, or "".
+    """Return the known word that is spelled most alike; "" if none is alike enough.
 
     Args:
         word: The word that somebody typed.
@@ -20,6 +20,9 @@ def nearest(word: str, known: Iterable[str], cutoff: float = _CUTOFF) -> str:
 
 
 def nearest_hint(word: str, known: Iterable[str], cutoff: float = _CUTOFF) -> str:
-    """Return ` (nearest: /motor_controller)`, or "" if no known word is alike."""
+    """Return the end of an error that names the nearest known word; "" if none is alike enough.
+
+    An example is ` (nearest: /motor_controller)`, which begins with a space.
+    """
     near = nearest(word, known, cutoff)
     return f" (nearest: {near})" if near else ""

@@ -14,7 +14,10 @@ _NAME = "archo-tui"
 
 
 def make_folder(file: Path) -> None:
-    """Make the folder of a file, readable by its owner only.
+    """Make the folder of a file, readable by its owner only, and those above it, unless they exist.
+
+    Args:
+        file: The path of the file.
 
     Raises:
         OSError: The disk refuses it.
@@ -24,7 +27,7 @@ def make_folder(file: Path) -> None:
 
 
 def config_file(name: str) -> Path:
-    """Return the path of a file of the operator's choices, such as keymap or theme.
+    """Return the path of a file of the operator's choices, such as keymap or theme; make nothing.
 
     On Linux it is below XDG_CONFIG_HOME or `~/.config`.
     """
@@ -32,7 +35,7 @@ def config_file(name: str) -> Path:
 
 
 def state_file(name: str) -> Path:
-    """Return the path of a file that the console writes, such as its journal.
+    """Return the path of a file that the console writes, such as its journal; make nothing.
 
     On Linux it is below XDG_STATE_HOME or `~/.local/state`.
     """
@@ -40,12 +43,12 @@ def state_file(name: str) -> Path:
 
 
 def journal_file() -> Path:
-    """Return the path of the operator's log, which station/journal.py writes."""
+    """Return the path of the journal, the file of events that station/journal.py writes."""
     return state_file("journal.jsonl")
 
 
 def typed_path(text: str) -> Path:
-    """Return the path that a person has typed, with their home folder for `~`.
+    """Return the path that a person has typed, with their home folder for `~`; it need not exist.
 
     Raises:
         ArchoError: The text names no file, or a home folder that is not known.
@@ -59,7 +62,10 @@ def typed_path(text: str) -> Path:
 
 
 def _folder(find: Callable[..., Path]) -> Path:
-    """Return the folder; for a user without a home, one in which nothing can be."""
+    """Return the console's folder of a kind; for a user without a home, one without files.
+
+    Nothing can be written into the latter.
+    """
     try:
         return find(_NAME, appauthor=False)
     except RuntimeError:

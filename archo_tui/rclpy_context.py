@@ -15,7 +15,10 @@ from archo_tui.hosting import global_executor
 
 
 class RclpyContext:
-    """An initialized context. Where users' nodes are hosted, `rclpy.shutdown` raises meanwhile.
+    """An initialized rclpy context, until `shutdown`.
+
+    While it hosts nodes of the user's files, `rclpy.shutdown` and `rclpy.try_shutdown` are
+    replaced: outside of programs they raise RuntimeError.
 
     Attributes:
         context: The context.
@@ -29,13 +32,13 @@ class RclpyContext:
         hosts_files: bool,
         hosts_programs: bool,
     ) -> None:
-        """Initialize rclpy.
+        """Initialize rclpy, and patch it for the nodes and programs that are hosted.
 
         Args:
             ros_args: The ROS arguments of all nodes.
             domain_id: The ROS domain; None means that of the environment.
-            hosts_files: True if nodes of the user's files are hosted. A textbook's node is made
-                without a context, so in the default one, which is taken then.
+            hosts_files: True if nodes of the user's files are hosted. They are often made without a
+                context, so in the default one, which is taken then; else the context is a new one.
             hosts_programs: True if programs run in threads here, whose shutdown ends them alone.
 
         Raises:
@@ -70,7 +73,7 @@ class RclpyContext:
             self._uninstall.append(global_executor.install())
 
     def shutdown(self) -> None:
-        """Shut the context down."""
+        """Shut the context down, and restore rclpy's own functions."""
         rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
         for uninstall in self._uninstall:
             uninstall()
@@ -85,7 +88,14 @@ def _never() -> bool:
 def _only_in_programs(
     in_program: Callable[[], bool], shutdown: Callable[..., None]
 ) -> Callable[..., None]:
-    """Return a `shutdown` that raises outside of programs, where it would end the console."""
+    """Return a `shutdown` that raises RuntimeError unless a program calls it.
+
+    Elsewhere it would end the console.
+
+    Args:
+        in_program: Returns True if the calling code is a program's.
+        shutdown: rclpy's own function.
+    """
 
     def shutdown_of_program(**options: Any) -> None:
         if not in_program():

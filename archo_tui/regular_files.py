@@ -14,7 +14,13 @@ MAX_BYTES = 1_000_000  # Of a file that is read.
 
 
 def open_regular(path: Path, flags: int) -> int:
-    """Return the descriptor of a file, opened as by `os.open`.
+    """Return the descriptor of a file, opened as by `os.open` without waiting.
+
+    The caller closes it. A new file is readable by its owner only.
+
+    Args:
+        path: The file.
+        flags: The flags of `os.open`.
 
     Raises:
         OSError: It cannot be opened, or is no regular file.
@@ -47,7 +53,13 @@ def read(path: Path) -> bytes:
 
 
 def replace(path: Path, text: str) -> None:
-    """Replace a file so that a reader finds the old text or the new one.
+    """Replace a file, or make it, so that a reader finds the old text or the new one.
+
+    If that fails, the old text stays.
+
+    Args:
+        path: The file, whose folder exists.
+        text: The new text, which is written as UTF-8.
 
     Raises:
         OSError: The disk refuses it.

@@ -16,7 +16,10 @@ from archo_tui.widgets.time_line import TimeLine
 
 
 class ReplayApp(ArchoApp):
-    """The console's panels on a recorded robot, with a time line below them."""
+    """The console's panels on a recorded robot, with a time line above the footer.
+
+    Commands that act are left out.
+    """
 
     def __init__(
         self, station: RecordedStation, keys: Mapping[str, str] | None = None, theme: str = ""
@@ -25,17 +28,17 @@ class ReplayApp(ArchoApp):
         super().__init__(station, keys, theme)
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """Return the commands of a replay, without those that act."""
+        """Return the commands of a replay: its own, and those of the console that do not act."""
         return replay_commands(self._player, super().commands(snapshot))
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
-        """Return the main screen with the time line above the footer."""
+        """Return a new main screen with the time line above the footer."""
         return MainScreen(snapshot, self.size, TimeLine(self._player))
 
     def on_mount(self) -> None:
         start_worker(self, partial(self._player.follow, self.update_screen), "play")
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
-        """Show the error as a notification, since a replay has no events in which to report it."""
+        """Show an error of a panel as a notification, since a replay has no events for it."""
         message.prevent_default()
         self.notify(message.text, severity="error", markup=False)

@@ -22,16 +22,19 @@ class InterfaceType(NamedTuple):
 
 
 def parse_type(text: str) -> InterfaceType | None:
-    """Return the parts of a type; None for a text that is no type."""
+    """Return the parts of a type; None for a text that is no type.
+
+    A part of more than 100 characters is none.
+    """
     found = _TYPE.fullmatch(text)
     return None if found is None else InterfaceType(*found.groups())
 
 
 def package_of(type_name: str) -> str:
-    """Return the package of a type: `std_msgs` of `std_msgs/msg/String`."""
+    """Return the part before the first `/`: the package `std_msgs` of `std_msgs/msg/String`."""
     return type_name.partition("/")[0]
 
 
 def base_name(name: str) -> str:
-    """Return the last part of a name or a type: `String` of `std_msgs/msg/String`."""
+    """Return the part behind the last `/`: `String` of `std_msgs/msg/String`, `b` of `/a/b`."""
     return name.rpartition("/")[2]

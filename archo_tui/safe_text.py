@@ -35,19 +35,22 @@ _HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
 
 
 def safe(text: str) -> str:
-    """Return one line of text with HIDDEN for each character that a terminal could act on."""
+    """Return a line of text with HIDDEN for each character that a terminal could act on.
+
+    Line ends are such characters. Of many combining marks in a row the first four are kept.
+    """
     if text.isascii() and text.isprintable():  # Most texts end here: this is fast.
         return text
     return _HEAPED.sub(r"\1", _UNSAFE.sub(HIDDEN, text))
 
 
 def safe_lines(text: str) -> str:
-    """Return a text of several lines, each of them as by `safe`."""
+    """Return a text of several lines with each of them as `safe` returns it; line ends stay."""
     return "\n".join(map(safe, text.split("\n")))
 
 
 def safe_in_place(text: str) -> str:
-    """Return the same as `safe` in as many cells, for a line that was laid out already."""
+    """Return what `safe` does, with the width in cells unchanged, for a line that is laid out."""
     return _HEAPED.sub(r"\1", _UNSAFE.sub(_hidden_in_place, text))
 
 
@@ -58,12 +61,16 @@ def _hidden_in_place(found: re.Match[str]) -> str:
 
 
 def is_deceptive(text: str) -> bool:
-    """Return True if a text looks like another text: it is too long, or has unseen characters."""
+    """Return True if a text may look like another text to a person.
+
+    It has unseen characters, blanks that are not single spaces within it, or is longer than 500
+    characters.
+    """
     is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
     return not is_plain or _UNSEEN.search(text) is not None
 
 
 def harmless(text: str) -> str:
-    """Return the first 500 characters of a text as one safe line, to be kept."""
+    """Return a text as one line that `safe` has made safe, cut to 500 characters and ` ...`."""
     text = safe(text[: _LONGEST + 1])
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -50,7 +50,20 @@ _LEAST = 0.2  # Seconds of these that a recording gets in any case.
 
 
 class Session:
-    """Everything but the screen, as a context manager."""
+    """Everything but the screen: engine, hosted nodes, robot, station, recorders and socket.
+
+    It is a context manager, which calls `start` and `close`.
+
+    Attributes:
+        robot: The client.
+        host: The host of the nodes in this process.
+        box: The black box.
+        station: The operator's station.
+        journal: The journal, which is open until `close`.
+        file: The robot file.
+        options: The options.
+        unrecorded: After `close`: why the last recording was not written, or "".
+    """
 
     robot: Robot
     host: Host
@@ -60,7 +73,7 @@ class Session:
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
-        """Activate the engine, and construct the nodes.
+        """Activate the engine, read the user's files, and construct the nodes; `start` starts them.
 
         Args:
             options: The options.
@@ -75,7 +88,7 @@ class Session:
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
-        self._launch_file = self._launched()
+        self._launch_file = self._read_launch_file()
         self._node_names, self._workspaces = found_in_workspaces(options.node_files)
         if self._launch_file is not None:
             self._workspaces.append(self._launch_file.workspace)
@@ -106,14 +119,17 @@ class Session:
             attached=options.attach,
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
-            unseen=engine.unseen(options.engine, self._context),
+            unseen=engine.no_node_hint(options.engine, self._context),
             file_is_default=options.robot is None,
         )
         self._watch = FileWatcher(self._watched_files(interfaces))
-        self._server = self._socket() if options.remote else None
+        self._server = self._make_server() if options.remote else None
 
-    def _socket(self) -> Server | None:
-        """Return the server for other programs, or None on systems without such sockets."""
+    def _make_server(self) -> Server | None:
+        """Return the server of the socket for other programs, or None on Windows, which has none.
+
+        It is not started yet.
+        """
         if sys.platform == "win32":
             return None
         from archo_tui.remote.server import Server
@@ -129,7 +145,10 @@ class Session:
         return Server(make_handler, self._hello(), self.robot.stops, say)
 
     def _hello(self) -> dict[str, Any]:
-        """Return which console this is, for other programs: docs/protocol.md."""
+        """Return what the socket first tells other programs: which console this is.
+
+        docs/protocol.md explains it.
+        """
         is_embedded = self.options.engine == engine.EMBEDDED
         return {
             "protocol": PROTOCOL,
@@ -143,7 +162,10 @@ class Session:
         }
 
     def _activate(self) -> dict[str, Path]:
-        """Activate the engine, and return the interface packages of the user's own."""
+        """Activate the engine, and return the user's own interface packages, folders by name.
+
+        Mistakes in these packages are kept for `start`, which reports them.
+        """
         options = self.options
         own: dict[str, Path] = {}
         self._mistakes: list[str] = []  # In the user's interface packages.
@@ -156,8 +178,8 @@ class Session:
         engine.activate(options.engine, hosting=not others, own=own)
         return own
 
-    def _launched(self) -> LaunchFile | None:
-        """Evaluate the user's launch file, if there is one."""
+    def _read_launch_file(self) -> LaunchFile | None:
+        """Return the user's launch file, evaluated, or None if none was given."""
         if self.options.launch is None:
             return None
         from archo_tui.hosting.launch_file import LaunchFile
@@ -165,7 +187,11 @@ class Session:
         return LaunchFile(*self.options.launch)
 
     def _make_nodes(self) -> None:
-        """Make the client's node, and those that run in this process."""
+        """Make the black box, the client's node, and the nodes and programs of this process.
+
+        Raises:
+            ArchoError: A node or its parameters are not valid; what was made is ended.
+        """
         from rclpy.exceptions import (
             InvalidParameterTypeException,
             InvalidParameterValueException,
@@ -222,7 +248,10 @@ class Session:
             raise
 
     def _package_shares(self) -> PackageShares | None:
-        """Let the nodes of a workspace find the files of its packages."""
+        """Let nodes find the files of their workspaces' packages; return None without a workspace.
+
+        What is returned is to be closed at the end.
+        """
         if not self._workspaces:
             return None
         from archo_tui.hosting.package_shares import PackageShares
@@ -235,7 +264,11 @@ class Session:
         return attachments(self.file, journal_file(), begin, end)
 
     def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
-        """Return the user's own files, each with the function to call when it is saved."""
+        """Return the user's own files, each with what a change does: reload it, or restart.
+
+        Args:
+            interfaces: The user's own interface packages, folders by name.
+        """
         kept, note, host = self.station.edits.values_set, self.robot.note, self.host
         watched: list[Watched] = [
             WatchedFile(file, partial(host.reload, file, kept)) for file in self._node_files
@@ -253,7 +286,7 @@ class Session:
         return watched
 
     def _undo_init(self) -> None:
-        """End what the constructor has begun, before it raises."""
+        """End what the constructor has begun so far, before it raises."""
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         self.journal.close()
@@ -261,7 +294,7 @@ class Session:
         self._remove_folders()
 
     def _remove_folders(self) -> None:
-        """Remove what the packages of workspaces have installed for this session."""
+        """Remove the folders that the packages of workspaces have got for this session."""
         for folder in (self._launch_file, self._shares):
             if folder is not None:
                 folder.close()
@@ -272,7 +305,7 @@ class Session:
         self._event_journal.record(event)
 
     def _journal_place(self) -> dict[str, Any]:
-        """Return what tells in the journal which robot a STOP was for."""
+        """Return which robot this is, for the journal: a later start finds a STOP of it by that."""
         is_embedded = self.options.engine == engine.EMBEDDED
         return {
             "file": str((self.options.robot or robot_files.default_path()).absolute()),
@@ -284,7 +317,8 @@ class Session:
     def _look_for_earlier_stop(self) -> None:
         """Tell the station of a STOP in the journal that no release followed, on a thread.
 
-        Only of a robot that lives on without this process and does not report it itself.
+        Only STOPs of the last 12 h count, and only with `--attach`, where the robot lives on
+        without this process, and if its robot file has a release and no report of a stop.
         """
         stop, motion = self.file.stop, self.file.motion
         reports_stop = motion is not None and motion.reports_stop
@@ -299,7 +333,14 @@ class Session:
         threading.Thread(target=look, name="journal before", daemon=True).start()
 
     def _host_nodes(self) -> None:
-        """Host the nodes of the user's files, and the robot's own, except for equal names."""
+        """Add to the host the nodes and programs of the user, then the robot's own nodes.
+
+        A robot's node is left out if the user's has the same name; all are with `--attach` or
+        `--only`. `node_makers` replace them. What the user's files print meanwhile becomes events.
+
+        Raises:
+            ArchoError: A robot's node cannot be made.
+        """
         # What nodes print before the start is an event as well.
         output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
         with contextlib.redirect_stdout(output):
@@ -328,7 +369,11 @@ class Session:
             raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
 
     def _make_program(self, *arguments: Any) -> HostedProgram:
-        """Make a program of the engine's kind: a thread, or on ROS 2 a child process."""
+        """Return a new program of the engine's kind: a thread, or on ROS 2 a child process.
+
+        Raises:
+            ArchoError: The engine is ROS 2, and the system Windows.
+        """
         if self.options.engine == engine.EMBEDDED:
             from archo_tui.hosting.program_thread import ProgramThread
 
@@ -341,7 +386,10 @@ class Session:
         raise ArchoError("--run with --engine ros2 does not work on Windows")
 
     def _user_programs(self) -> list[Program]:
-        """Return the user's programs, which all get the ROS arguments of the console's nodes."""
+        """Return the user's programs, those of the launch file last.
+
+        All get the ROS arguments of the console's nodes.
+        """
         from archo_tui.hosting.hosted_program import Program
         from archo_tui.hosting.program_file import ProgramFile
 
@@ -361,7 +409,10 @@ class Session:
         return [*args, *self.options.ros_args]
 
     def _refusal_line(self, message: str) -> str:
-        """Return a node's refusal of a parameter at the start, with where the value was given."""
+        """Return a node's refusal of a parameter, with the file and line where the value was given.
+
+        If no parameter file gave it, the message is returned unchanged.
+        """
         text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
         for override in reversed(self._overrides):
             # Otherwise it is one of --ros-args.
@@ -370,7 +421,10 @@ class Session:
         return message
 
     def start(self) -> None:
-        """Start everything."""
+        """Start the client, the hosted nodes, the watch of the user's files, and the socket.
+
+        What is wrong in the user's files and parameters, but prevents nothing, is told by events.
+        """
         declared = {
             hosted.name: set(hosted.node.list_parameters([], 0).names)
             for hosted in self.host.nodes
@@ -400,12 +454,16 @@ class Session:
             self.robot.note("WARN", "console", text)
 
     def _user_overrides(self) -> list[Override]:
-        """Return the overrides of the user's own parameter files."""
+        """Return the parameters of the files that the user named, not those of default files."""
         own = {str(path) for path in self._own_files}
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
 
     def close(self) -> list[str]:
-        """Stop everything, and return the names of nodes whose callbacks did not return."""
+        """Stop everything in 2.5 s, and return the names of nodes whose callbacks did not return.
+
+        Recordings that still go on are written first to last within that time; `unrecorded` tells
+        if one was not.
+        """
         ends = time.monotonic() + END
         self.box.finish()
         self._watch.stop()
@@ -430,7 +488,7 @@ class Session:
 
 
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:
-    """Return the classes of the robot's own nodes by their names."""
+    """Return the classes of ARCHO's own nodes by their names; the simulation's if `use_sim`."""
     from archo_bringup.battery_monitor import BatteryMonitor
     from archo_bringup.dashboard import Dashboard
     from archo_bringup.motor_controller import MotorController

@@ -22,7 +22,7 @@ class Launch(NamedTuple):
 
 
 class Options(NamedTuple):
-    """The options of the command line."""
+    """The options of a session, as the command line gives them."""
 
     engine: str = "embedded"
     params_files: Sequence[Path] = ()
@@ -50,7 +50,10 @@ _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.
 
 
 def check_options(options: Options) -> None:
-    """Raise ArchoError for options that are wrong, or do not go together."""
+    """Raise ArchoError if options are wrong, or do not go together.
+
+    The path of `record` is looked at on the disk.
+    """
     if not options.namespace.startswith("/"):
         raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
     if not _NAMESPACE.fullmatch(options.namespace):

@@ -21,7 +21,10 @@ CAN_SUSPEND = hasattr(signal, "SIGTSTP")
 
 
 def user_name() -> str:
-    """Return the name of this process's user, or a number if it has none, as in a container."""
+    """Return the name of this process's user; without one, as in a container, its number.
+
+    `unknown` stands for neither.
+    """
     with contextlib.suppress(KeyError, OSError, ImportError):  # ImportError on systems without pwd.
         return getpass.getuser()
     if sys.platform != "win32" and hasattr(os, "getuid"):
@@ -30,12 +33,12 @@ def user_name() -> str:
 
 
 def lock(descriptor: int) -> bool:
-    """Lock a file until it is closed, and return False while another process holds it.
+    """Lock a file until it is closed, without waiting; return False if another process holds it.
 
-    On systems without such locks the result is True.
+    On systems without such locks nothing is locked, and the result is True.
 
     Raises:
-        OSError: The file has no locks.
+        OSError: The file cannot be locked.
     """
     if sys.platform != "win32":
         with contextlib.suppress(ImportError):
@@ -49,17 +52,17 @@ def lock(descriptor: int) -> bool:
 
 
 def create_exclusively(path: Path) -> int:
-    """Return the descriptor of a new file, never following a link.
+    """Create a file for writing, never following a link, and return its descriptor.
 
     Raises:
-        OSError: It exists, or the disk refuses it.
+        OSError: The path exists, or the disk refuses it.
     """
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
     return os.open(path, flags, 0o666)
 
 
 def keep_owner_and_mode(descriptor: int, before: os.stat_result) -> None:
-    """Give a file the owner and the mode of another, on systems that have them.
+    """Give an open file the owner and the mode that another file had, on systems that have them.
 
     Raises:
         OSError: The system refuses it.

@@ -99,6 +99,6 @@ def test_what_to_try_depends_on_how_far_was_looked(
             return 42
 
     context: Any = Context()
-    said = engine.unseen(engine.ROS2, context)
+    said = engine.no_node_hint(engine.ROS2, context)
     assert said.startswith("on domain 42 (")
     assert f", discovery {reach}): {tries}" in said
