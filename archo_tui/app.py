@@ -177,7 +177,7 @@ class ArchoApp(KeyedApp):
     ) -> None:
         """Show a message in the second row, in place of Textual's box at the bottom.
 
-        Several are shown one after the other.
+        Of several, the gravest is shown; the others wait for their turn.
 
         Args:
             message: The text.

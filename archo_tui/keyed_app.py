@@ -221,7 +221,10 @@ class KeyedApp(TerminalApp):
         self._shut_since = self.station.clock.monotonic()
 
     def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which all following keys go; no key is dropped from then on."""
+        """Show a dialog, to which all following keys go.
+
+        Keys that follow at once on a dialog that has closed are not dropped any more.
+        """
         self._shut_since = None
         self.push_screen(dialog)
 

@@ -459,10 +459,10 @@ class Session:
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
 
     def close(self) -> list[str]:
-        """Stop everything in 2.5 s, and return the names of nodes whose callbacks did not return.
+        """Stop everything, and return the names of nodes whose callbacks did not return.
 
-        Recordings that still go on are written first to last within that time; `unrecorded` tells
-        if one was not.
+        Recordings that still go on are written, for which the end takes 2.5 s at most; `unrecorded`
+        then tells why one was not.
         """
         ends = time.monotonic() + END
         self.box.finish()
