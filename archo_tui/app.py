@@ -137,7 +137,7 @@ class ArchoApp(KeyedApp):
             self.replay.update_screen()
 
     def update_screen(self) -> None:
-        """Refresh station and screen at once, not only with the next message of the robot."""
+        """Refresh station and screen now, without waiting for the robot's next message."""
         self.station.refresh()
         self._show()
 

@@ -11,7 +11,7 @@ _TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9
 
 
 class InterfaceType(NamedTuple):
-    """The parts of a type such as `std_msgs/msg/String`."""
+    """The parts of a type such as `std_msgs/msg/String`; its text is the type again."""
 
     package: str
     kind: str  # One of KINDS.

@@ -137,7 +137,11 @@ class BagWriter:
         )
 
     def attach(self, attached: Mapping[str, str]) -> None:
-        """Write attachments, each a text by its name, with the time of the last added message."""
+        """Write attachments, each a text by its name, with the time of the last added message.
+
+        Raises:
+            OSError: The disk refuses it.
+        """
         at = self._newest
         for name, text in attached.items():
             data = text.encode("utf-8", "replace")
@@ -226,7 +230,7 @@ def _encode(message: Any, *, first: bool) -> tuple[Any, str, bytes]:
 
 
 def type_name(kind: Any) -> str:
-    """Return a message class's type, `archo_interfaces/action/MoveToShelf_FeedbackMessage` say."""
+    """Return the type of a message class, such as `std_msgs/msg/String`."""
     return message_classes.name_of(kind)
 
 

@@ -156,7 +156,7 @@ class BlackBox:
         budget: int = BUDGET,
         record_all_to: Path | None = None,
     ) -> None:
-        """Create the recorder; messages are collected at once, files written only after a trigger.
+        """Create the recorder, which keeps in memory what `receive` gets from now on.
 
         Args:
             folder: The folder of recordings; it is made when the first one is written.
@@ -166,8 +166,8 @@ class BlackBox:
                 text of each attachment by its name.
             budget: The bytes that all recordings in `folder` may take together.
             record_all_to: A folder to which every message is recorded besides, from the first
-                `tick` on; each bag after the first has a number behind this name. None: only events
-                are recorded.
+                `tick` on; each bag after the first has a number behind this name. None: a trigger
+                alone makes recordings.
         """
         self._folder, self._clock, self._add_event, self._budget = folder, clock, note, budget
         self._get_attachments = attached
@@ -216,9 +216,11 @@ class BlackBox:
             self._event.on_written.append(on_written)
 
     def tick(self) -> None:
-        """Let the writing thread write what is complete, and try a failed disk again each 10 s.
+        """End a recording whose time is over or that is full, and let the writing thread write it.
 
-        Call it about each second.
+        A recording is dropped, and `trouble` says so, if two others still wait for a slow disk.
+        Also hand the messages of the last second to the writing thread if everything is recorded,
+        and try a failed disk again each 10 s. Call it about each second.
         """
         now = self._clock.monotonic()
         if self._event is not None and (now >= self._event.ends or self._event.is_full):
@@ -428,7 +430,7 @@ class BlackBox:
     def finish(self) -> None:
         """Hand the recordings that still go on to the writing thread, complete or not.
 
-        `close` waits until they are written.
+        `close` then waits until they are written.
         """
         if self._event is not None:
             self._finish_event(self._event)

@@ -78,7 +78,9 @@ def recording_names() -> list[str]:
 
 
 def delete_named(names: Sequence[str]) -> Iterator[str]:
-    """Delete recordings, one for each line that is taken from the iterator.
+    """Delete recordings one after the other, and yield a line for each.
+
+    It is a generator: nothing happens before the first line is taken.
 
     Args:
         names: Their names; nothing is deleted if one of them is unknown.

@@ -101,9 +101,9 @@ def all_times(state: ConsoleState) -> Iterator[float | None]:
 
 
 def change_key(view: View) -> tuple[object, ...]:
-    """Return a tuple that differs from the last one when a view is worth recording again.
+    """Return a tuple that differs from an earlier view's if this view is worth recording again.
 
-    It leaves out what changes all the time: the times, the feedback of goals, the readings.
+    It leaves out what changes all the time: times, the feedback of goals, readings.
     """
     snapshot = view.snapshot
     goal = snapshot.goal

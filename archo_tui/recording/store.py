@@ -81,10 +81,10 @@ def _read_recording(path: Path) -> Recording:
 
 
 def delete(recording: Recording) -> None:
-    """Delete a recording.
+    """Delete the folder of a recording with all that is in it.
 
     Raises:
-        OSError: The disk refuses it.
+        OSError: The disk refuses it, or the folder is gone already.
     """
     shutil.rmtree(recording.folder)
 

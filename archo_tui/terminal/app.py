@@ -49,7 +49,7 @@ _SETTLE_TIME = 1.0  # Seconds in which the first screen is complete.
 
 
 def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
-    """Run a coroutine as a Textual worker, besides the others of its group.
+    """Run a coroutine as a Textual worker, without ending the others of its group.
 
     `work` is called when the worker begins: a coroutine of a worker that is cancelled before would
     never be awaited, which Python warns of.
@@ -169,7 +169,7 @@ class TerminalApp(App[None]):
         self._stop_context = contextvars.copy_context()
 
     def _carry_stops(self, message: Message) -> None:
-        """Tell the counter of STOPs at which count the cause of a message was typed.
+        """Set how many STOPs had been read when the cause of a message was typed, for its handlers.
 
         Textual calls this hook before a widget handles the message.
         """

@@ -83,10 +83,11 @@ class TerminalWriter(threading.Thread):
         self._write_began = 0.0  # Monotonic time of the current write, in s.
 
     def write(self, text: str, *, keep: bool = False) -> None:
-        """Queue a text for writing, without waiting; drop it if too much is queued.
+        """Queue a text for writing, without waiting; drop it if too much is queued already.
 
-        From then on all texts that may be dropped are, the queued ones included, until the rest of
-        the queue is written. After `kill` nothing is queued.
+        Too much is 64 kB, or twice the largest text if that is more. All that is queued is dropped
+        then, and so is what follows, until the terminal has taken the rest: only texts with `keep`
+        stay. When the terminal is gone, nothing is queued.
 
         Args:
             text: The text.

@@ -42,7 +42,10 @@ def keys_of(sequence: str) -> list[events.Key] | None:
 
 
 def alt_key(character: str) -> events.Key:
-    """Return the key that an escape before a character means: alt with it, which types nothing."""
+    """Return the key that an escape before a character means: alt and that character.
+
+    It has no character of its own, so that it types nothing.
+    """
     name = _character_to_key(character)
     return events.Key(f"alt+shift+{name.lower()}" if name.isupper() else f"alt+{name}", None)
 

@@ -223,7 +223,11 @@ def running_word(goal: Goal) -> str:
 
 
 def activity(goal: Goal) -> str:
-    """Return what a running goal does, to be put in a sentence: `on its way to shelf 12`."""
+    """Return what a running goal does, to be put in a sentence: `on its way to shelf 12`.
+
+    It is `running fibonacci` for a goal that leads nowhere, `carrying out ...` for one of another
+    client.
+    """
     if not goal.mine:
         return f"carrying out {goal.name}"
     return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
@@ -242,6 +246,8 @@ def _unit_suffix(goal: Goal) -> str:
 
 def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
+
+    Without a distance it gives the robot's own feedback, or says that there is none yet.
 
     Args:
         goal: The goal.
@@ -272,7 +278,10 @@ def time_left_text(goal: Goal, now: float) -> str:
 
 
 def _cancelled_details(goal: Goal) -> str:
-    """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`."""
+    """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`.
+
+    If that is not known, the message stands alone.
+    """
     if goal.remaining is None:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
@@ -280,7 +289,10 @@ def _cancelled_details(goal: Goal) -> str:
 
 
 def _arrival_details(goal: Goal) -> str:
-    """Return the robot's message, the length of the way, and how long it took: `18.0 m in 24 s`."""
+    """Return the robot's message, the length of the way, and how long it took: `18.0 m in 24 s`.
+
+    If the length is not known, return the message, or without one how long it took.
+    """
     took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
         return goal.message or f"in {took}"

@@ -26,7 +26,7 @@ class ResourceRow(NamedTuple):
 
     @property
     def who(self) -> str:
-        """Return the nodes that offer it, without their leading slash, or `no publisher`.
+        """Return the nodes that offer the resource, without their leading slash, or `no publisher`.
 
         `?` stands for the unknown node of a service or an action.
         """
@@ -35,12 +35,12 @@ class ResourceRow(NamedTuple):
 
     @property
     def types(self) -> str:
-        """Return its types with their packages."""
+        """Return the types of the resource with their packages, separated by commas."""
         return ", ".join(self.resource.types)
 
     @property
     def short_types(self) -> str:
-        """Return its types without their packages."""
+        """Return the types of the resource without their packages, separated by commas."""
         return ", ".join(map(base_name, self.resource.types))
 
     @property
@@ -52,7 +52,7 @@ class ResourceRow(NamedTuple):
 
     @property
     def details(self) -> str:
-        """Return everything that is known of it, in lines for a dialog."""
+        """Return kind and name, types and nodes of the resource, each in a line, for a dialog."""
         lines = [
             f"{self.resource.kind:<14}{self.resource.name}",
             f"{'type':<14}{self.types}",

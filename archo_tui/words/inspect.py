@@ -49,7 +49,7 @@ def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
 
 
 def size_text(size: float) -> str:
-    """Return a number of bytes in B, kB or MB of 1000 and a million: `1.4 kB`."""
+    """Return a number of bytes in B, kB or MB, each 1000 times the one before: `1.4 kB`."""
     if size < 1000:
         return f"{size:.0f} B"
     return f"{size / 1e3:.1f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"

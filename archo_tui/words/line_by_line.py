@@ -34,7 +34,7 @@ def spans_to_text(spans: Spans) -> str:
 
 
 def without_glyph(text: str) -> str:
-    """Return a text without the glyphs that it begins with."""
+    """Return a text without the glyphs and blanks that it begins with."""
     return text.lstrip(_GLYPHS)
 
 

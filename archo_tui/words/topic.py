@@ -131,7 +131,10 @@ def element_index(typed: str, array: str, length: int) -> int:
 
 
 def _short(value: float) -> str:
-    """Return a number with four significant digits, or as a whole number from 10,000 on."""
+    """Return a number with four significant digits, or as a whole number if it is a large one.
+
+    Large ones are those from 10,000 to a billion; larger ones have four digits and an exponent.
+    """
     is_long = 1e4 <= abs(value) < 1e9
     return number_text(round(value) if is_long else value, digits=4)
 
