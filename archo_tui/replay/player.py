@@ -92,7 +92,8 @@ class Player:
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
-            begin = max(self._base - SPAN / 2, self.start)
+            # Of too many messages a window holds a part, in which the position has to be.
+            begin = max(self._base - (self._window.end - self._window.begin) / 2, self.start)
             self._state = self._new_state()
             self._window = Window(begin, begin + SPAN)
             self._start_reading(self._window)

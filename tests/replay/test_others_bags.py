@@ -18,6 +18,7 @@ from std_msgs.msg import String
 from archo_tui.recording import bag
 from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.ring import ReceivedMessage
+from archo_tui.replay import message_reader, window
 from archo_tui.replay.bag_file import BagFile, BagMessage
 from archo_tui.replay.player import Player
 from archo_tui.robot_file import load
@@ -220,6 +221,24 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
     player.go_to(player.start)
     wait_until(lambda: not player.is_reading)
     assert player.snapshot().battery.percentage == 30.0
+
+
+def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(window, "MAX_MESSAGES", 50)
+    monkeypatch.setattr(message_reader, "MAX_MESSAGES", 50)
+    bag.write(tmp_path, drain(seconds=3600), {})
+    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
+    wait_until(lambda: not player.is_reading)
+    player.go_to(player.start + 3000.0)
+
+    def is_shown() -> bool:
+        player.refresh()
+        return player.snapshot().battery.received is not None
+
+    wait_until(is_shown)
+    assert player.snapshot().motion.count == 3000
 
 
 async def test_what_only_this_console_records_is_not_there(tmp_path: Path) -> None:
