@@ -20,7 +20,10 @@ HERE = Path(__file__).parent
 
 
 class RclpyLoader(importlib.machinery.SourceFileLoader):
-    """The loader of a module of rclpy that answers for names which it does not define itself."""
+    """The loader of rclpy's modules, which gives each the `__getattr__` of `absent.lookup_in`.
+
+    With that a module re-exports names, and names that the engine leaves out raise ImportError.
+    """
 
     def exec_module(self, module: ModuleType) -> None:
         module.__getattr__ = absent.lookup_in(module.__name__)  # type: ignore[method-assign]
@@ -28,7 +31,11 @@ class RclpyLoader(importlib.machinery.SourceFileLoader):
 
 
 class RclpyFinder:
-    """The finder that answers `import rclpy` with the embedded package; submodules follow."""
+    """The import finder that makes `import rclpy` mean the embedded package.
+
+    A module of rclpy that the engine leaves out raises ImportError, which says that real ROS 2 has
+    it.
+    """
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -55,16 +62,20 @@ def is_installed() -> bool:
 def finder(
     packages: Mapping[str, Path] | None = None, own: Mapping[str, Path] | None = None
 ) -> InterfaceFinder:
-    """Return a finder of the same interfaces as `install` makes importable."""
+    """Return an import finder of the interface packages that `install` makes importable.
+
+    Nothing is installed; the arguments are those of `install`.
+    """
     return InterfaceFinder(HERE / "share", packages or {}, own)
 
 
 def install(
     packages: Mapping[str, Path] | None = None, own: Mapping[str, Path] | None = None
 ) -> None:
-    """Put the embedded `rclpy` and the interface packages in front of every other.
+    """Make `import rclpy` mean the embedded engine, and interface packages importable.
 
-    Installing twice changes nothing.
+    Both finders are put in front of all others in `sys.meta_path`. A second call does nothing,
+    whatever its arguments are.
 
     Args:
         packages: Interface packages by name (`{"archo_interfaces": Path("interfaces")}`), besides
@@ -72,8 +83,8 @@ def install(
         own: The user's packages by name, whose files are taken before any other's.
 
     Raises:
-        RuntimeError: Another `rclpy` has been imported already; one name must not have two
-            meanings in one process.
+        RuntimeError: Another `rclpy` has been imported already; one name must not have two meanings
+            in one process.
     """
     if is_installed():
         return

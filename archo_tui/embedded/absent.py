@@ -47,25 +47,29 @@ NAMES: dict[str, tuple[str, ...]] = {  # Missing names of modules that exist her
 
 
 def message(name: str) -> str:
-    """Return the error text for a name that only real ROS 2 has."""
+    """Return the error text that says that only real ROS 2 has `name`."""
     return f"the embedded engine has no {name}: real ROS 2 has it (archo-tui --engine ros2)"
 
 
 def check_module(name: str) -> None:
-    """Raise ImportError when the module, or its package, is left out."""
+    """Raise ImportError if `name` is a module or package of rclpy that the engine leaves out.
+
+    A submodule of such a package passes: Python imports the package first, which is refused.
+    """
     if name in MODULES:
         raise ImportError(message(name), name=name)
 
 
 def answers_for(module: str) -> bool:
-    """Return True for a module that re-exports names, or leaves some out."""
+    """Return True if `lookup_in` knows names of a module, which it re-exports or leaves out."""
     return module in REEXPORTED or module in NAMES
 
 
 def lookup_in(module: str) -> Callable[[str], Any]:
-    """Return the `__getattr__` of a module.
+    """Return the `__getattr__` for the module of that full name.
 
-    It returns what the module re-exports, and raises ImportError for what it leaves out.
+    The function returns what the module re-exports. It raises ImportError for a name that the
+    engine leaves out, and AttributeError for any other name.
     """
 
     def lookup(name: str) -> Any:
@@ -80,7 +84,10 @@ def lookup_in(module: str) -> Callable[[str], Any]:
 
 
 class Attribute:
-    """An attribute of a class that is left out: reading it from an object raises AttributeError."""
+    """A class attribute that the engine leaves out: reading it of an object raises AttributeError.
+
+    Read of the class itself, the attribute is None.
+    """
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
@@ -91,7 +98,12 @@ class Attribute:
 
 
 def check_arguments(function: str, **given: object) -> None:
-    """Raise NotImplementedError for an argument of the function that is left out, unless None."""
+    """Raise NotImplementedError if a given argument is not None.
+
+    Args:
+        function: The name of the called function, for the error.
+        **given: The arguments that the engine leaves out, by name.
+    """
     for name, value in given.items():
         if value is not None:
             raise NotImplementedError(message(f"{function}({name}=...)"))

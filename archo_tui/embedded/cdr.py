@@ -20,18 +20,20 @@ _FORMATS = {
 
 
 class CdrError(ValueError):
-    """The error of bytes that are not a message of the expected type."""
+    """The error for bytes that are not a message of the expected type."""
 
 
 def encode(message: Any) -> bytes:
-    """Return a message as bytes, with the encapsulation header."""
+    """Return a message as little-endian CDR bytes, with the encapsulation header."""
     data = bytearray()
     _write_message(data, message)
     return _LITTLE + bytes(data)
 
 
 def decode(data: bytes, message_class: Any) -> Any:
-    """Return the message that bytes hold; bytes after it are ignored.
+    """Return the message of a class that CDR bytes hold, little- or big-endian.
+
+    Bytes after the message are ignored.
 
     Raises:
         CdrError: The bytes are not a message of that class.

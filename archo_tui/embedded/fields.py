@@ -25,13 +25,19 @@ Copy = Callable[[Any], Any]
 
 
 def round_to_float32(value: float) -> float:
-    """Return the nearest value that four bytes can carry, as a receiver would read it."""
+    """Return the nearest value that four bytes can carry, as a receiver would read it.
+
+    Raises:
+        OverflowError: The value is too large for a float32.
+    """
     result: float = _FLOAT32.unpack(_FLOAT32.pack(value))[0]
     return result
 
 
 def scalar_check(name: str, base: str, bound: int | None, message_class: type | None) -> Check:
-    """Return a function that returns its argument if it may be assigned to a field.
+    """Return a check for a field of one value, or for one element of an array.
+
+    The check returns a valid value unchanged and raises AssertionError for any other.
 
     Args:
         name: The field, for the error.
@@ -56,10 +62,16 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
 
 
 def array_check(name: str, kind: FieldType, element: Check) -> Check:
-    """Return a function like `scalar_check`'s for arrays, which returns what the message keeps.
+    """Return a check for an array field, which returns what the message keeps.
 
-    That is the assigned value itself, which its owner may go on filling; but numbers are kept in an
-    array.array, or in a FixedArray.
+    The check returns a valid list itself, without a copy, but converts numbers: to an array.array,
+    or to a FixedArray for an array of fixed size. It raises AssertionError for any other value, and
+    ValueError for bytes in an array of fixed size.
+
+    Args:
+        name: The field, for the error.
+        kind: The type of the field.
+        element: The check of one element, from `scalar_check`.
     """
     code, size = TYPE_CODES.get(kind.base), kind.fixed_size
     most = kind.upper_bound if size is None else size
@@ -110,7 +122,7 @@ def _is_ndarray(value: Any) -> bool:
 
 
 def _expected(kind: FieldType) -> str:
-    """Return the error text for another value; made when it is needed, since it is long."""
+    """Return the end of the error text for a wrong value of an array field: what was expected."""
     length = ""
     if kind.fixed_size is not None:
         length = f" with length {kind.fixed_size}"
@@ -140,7 +152,16 @@ def _python_type(base: str) -> str:
 
 
 def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
-    """Return a function that copies a field's value, or None if the value needs no copy."""
+    """Return a function that copies a field's value, or None if the value needs no copy.
+
+    The function rounds a float32. It checks a list again, which may have been changed after it was
+    assigned, and raises AssertionError if an element is wrong by now.
+
+    Args:
+        kind: The type of the field.
+        check: The check of the whole field.
+        message_class: The class of a nested message; None for a primitive.
+    """
     if kind.is_array:
         code = TYPE_CODES.get(kind.base)
         if code and kind.fixed_size is not None:
@@ -157,14 +178,21 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
 
 
 def from_file(kind: FieldType, value: Any) -> Any:
-    """Return a constant or default as rosidl's classes have it, a list as a copy."""
+    """Return the value of a constant or default from an interface file as a message keeps it.
+
+    A byte becomes `bytes`; a list becomes a new list.
+    """
     if isinstance(value, list):
         return [from_file(kind, item) for item in value]
     return bytes([value]) if kind.base == "byte" else value
 
 
 def default_of(kind: FieldType, message_class: Any) -> Any:
-    """Return the value of a field that nobody has set: zero, empty, false."""
+    """Return a new value for a field whose interface file gives no default: 0, "", False and so on.
+
+    A nested message is a new message. An array of fixed size is a list of such values, any other
+    array an empty list.
+    """
 
     def one() -> Any:
         if message_class is not None:

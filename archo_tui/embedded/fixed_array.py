@@ -18,12 +18,15 @@ _AMBIGUOUS = (
 
 
 def name_of(code: str) -> str:
-    """Return the type of an array's type code; uint8, not char, which is the same."""
+    """Return the ROS type of a type code of array.array: `float64` for "d", `uint8` for "B"."""
     return next(name for name, of in TYPE_CODES.items() if of == code)
 
 
 class Many:
-    """The base of arrays and comparisons; only one with a single element has a truth value."""
+    """The base of FixedArray and Truths: `all()`, `any()` and truth value, as in numpy.
+
+    `bool()` raises ValueError unless there is exactly one element.
+    """
 
     __slots__ = ()
 
@@ -33,16 +36,16 @@ class Many:
         return bool(self[0])
 
     def all(self: Any) -> bool:
-        """Return True if every element is true, or not 0."""
+        """Return True if no element is False or 0."""
         return all(iter(self))
 
     def any(self: Any) -> bool:
-        """Return True if an element is true, or not 0."""
+        """Return True if an element is neither False nor 0."""
         return any(iter(self))
 
 
 class Truths(Many, tuple[bool, ...]):
-    """The result of a comparison, with a bool for each element."""
+    """The result of comparing two arrays: a tuple with one bool for each element."""
 
     __slots__ = ()
 
@@ -52,7 +55,11 @@ class Truths(Many, tuple[bool, ...]):
 
 
 class FixedArray(Many):
-    """An array of numbers of one of array.array's type codes."""
+    """An array of numbers whose length never changes, as messages hold `uint8[16]`.
+
+    As in numpy, `==` and `!=` compare element by element and return Truths, and a single value is
+    compared with, or assigned to, every element. A wrong number of values raises ValueError.
+    """
 
     __slots__ = ("_values",)
     __hash__ = None  # type: ignore[assignment]  # as numpy's
@@ -93,19 +100,19 @@ class FixedArray(Many):
         return self._values.tolist()
 
     def tobytes(self) -> bytes:
-        """Return the elements as this machine keeps them."""
+        """Return the elements as bytes in this machine's byte order."""
         return self._values.tobytes()
 
     __bytes__ = tobytes
 
     @property
     def dtype(self) -> str:
-        """Return the name of the elements' type."""
+        """Return the ROS name of the elements' type, such as `float64`."""
         return name_of(self._values.typecode)
 
     @property
     def size(self) -> int:
-        """Return how many elements there are."""
+        """Return the number of elements."""
         return len(self._values)
 
     def __repr__(self) -> str:
@@ -116,7 +123,10 @@ class FixedArray(Many):
 
 
 class Part(FixedArray):
-    """A slice: a copy that takes no values, unlike numpy's, which is a view of the whole."""
+    """A slice of a FixedArray: a read-only copy, where numpy's is a view of the whole array.
+
+    Assigning to an element raises TypeError.
+    """
 
     __slots__ = ()
 
@@ -125,7 +135,13 @@ class Part(FixedArray):
 
 
 def _broadcast(value: Any, size: int) -> Sequence[Any]:
-    """Return a value for each of `size` elements. Raises ValueError for another number of them."""
+    """Return `size` values: `size` values as given, or a single one repeated.
+
+    A single value may stand alone or in a sequence; a text and bytes are single values.
+
+    Raises:
+        ValueError: The number of values is neither 1 nor `size`.
+    """
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         return [value] * size
     values = list(value)

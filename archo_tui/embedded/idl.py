@@ -25,11 +25,11 @@ _SUFFIXES = ("_Request", "_Response", "_Goal", "_Result", "_Feedback")
 
 
 class InterfaceError(ImportError):
-    """An interface file that cannot be used; the message starts with `file:line:`."""
+    """The error for an interface that cannot be used; its text starts with `file:line:`."""
 
 
 class Field(NamedTuple):
-    """A field: its type, name, default (None if the file gives none) and line."""
+    """A field: its type, name, default (None if the file gives none) and line number."""
 
     type: FieldType
     name: str
@@ -38,15 +38,18 @@ class Field(NamedTuple):
 
 
 class Section(NamedTuple):
-    """The fields and constants between two `---` lines."""
+    """The fields and constants of one section of an interface file, in the file's order.
+
+    `---` lines separate the sections. A constant is (name, type, value).
+    """
 
     path: Path
     fields: tuple[Field, ...]
     constants: tuple[tuple[str, FieldType, object], ...]
 
 
-def is_package(name: str) -> bool:
-    """Return True for a valid name of a package."""
+def is_package_name(name: str) -> bool:
+    """Return True if `name` is a valid name of a ROS package."""
     return _PACKAGE.fullmatch(name) is not None
 
 
@@ -61,28 +64,29 @@ def parse(path: Path, package: str) -> list[Section]:
         One section for .msg, two for .srv, three for .action.
 
     Raises:
-        InterfaceError: The file is not valid; the message names file and line.
+        InterfaceError: The file or its name is not valid; the text names file and line.
+        OSError: The file cannot be read.
     """
     if not _is_message(path.stem):
         raise InterfaceError(
             f"{path}:1: {path.stem} is not a name of an interface: capitals, letters and digits, "
             "like BatteryStatus"
         )
-    wanted, sections = _PARTS[path.suffix], [_Reader(path, package)]
+    wanted, readers = _PARTS[path.suffix], [_Reader(path, package)]
     for number, line in enumerate(_text(path).splitlines(), 1):
         if line == "---" and wanted > 1:
-            sections.append(_Reader(path, package))
+            readers.append(_Reader(path, package))
             continue
         try:
-            sections[-1].take(line.replace("\t", " "), number)
+            readers[-1].take(line.replace("\t", " "), number)
         except ValueError as error:
             raise InterfaceError(f"{path}:{number}: {error}") from None
-    if len(sections) != wanted:
+    if len(readers) != wanted:
         raise InterfaceError(
             f"{path}:1: a {path.suffix} file has {wanted - 1} '---' lines, this one has "
-            f"{len(sections) - 1}"
+            f"{len(readers) - 1}"
         )
-    return [section.read for section in sections]
+    return [reader.section for reader in readers]
 
 
 def _text(path: Path) -> str:
@@ -95,7 +99,7 @@ def _text(path: Path) -> str:
 
 
 class _Reader:
-    """A parser of the lines of one section."""
+    """A parser of one section, fed line by line."""
 
     def __init__(self, path: Path, package: str) -> None:
         self._path, self._package = path, package
@@ -103,12 +107,20 @@ class _Reader:
         self._constants: dict[str, tuple[str, FieldType, object]] = {}
 
     @property
-    def read(self) -> Section:
-        """Return the section of all lines taken."""
+    def section(self) -> Section:
+        """Return the fields and constants of all lines taken so far."""
         return Section(self._path, tuple(self._fields.values()), tuple(self._constants.values()))
 
     def take(self, line: str, number: int) -> None:
-        """Parse a line; raise ValueError with what is wrong."""
+        """Parse a line, and keep its field or constant; ignore a blank line and a comment.
+
+        Args:
+            line: The line, without tabs.
+            number: Its number in the file.
+
+        Raises:
+            ValueError: The line is not valid; the text says what is wrong.
+        """
         line = line.partition("#")[0].rstrip()  # within quotes, too
         if not line:
             return
@@ -177,7 +189,7 @@ def _element(word: str, package: str) -> FieldType:
         return FieldType(bounded[1], string_bound=_count(bounded[2], f"the bound of {word}"))
     parts = word.split("/")
     before, name = parts if len(parts) == 2 else (package, word)
-    if not (is_package(before) and _is_message(name)):
+    if not (is_package_name(before) and _is_message(name)):
         raise ValueError(f"{word!r} is not a type: a primitive one, Name or package/Name")
     return FieldType(f"{before}/{name}")
 

@@ -26,7 +26,17 @@ FLOAT32_MAX = 3.402823466e38
 
 
 class FieldType(NamedTuple):
-    """The type of a field: a primitive or `package/Name`, and its array form."""
+    """The type of a field in an interface file.
+
+    `str()` of it is rosidl's notation, such as `sequence<double, 3>`.
+
+    Attributes:
+        base: A primitive type, or `package/Name`.
+        string_bound: The longest string; None for no bound.
+        is_array: True for an array of any form.
+        fixed_size: The length of an array of fixed size, else None.
+        upper_bound: The longest array; None for no bound.
+    """
 
     base: str
     string_bound: int | None = None

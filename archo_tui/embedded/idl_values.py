@@ -18,7 +18,13 @@ _ELEMENT = re.compile(  # An element of a list of texts, up to the comma.
 
 
 def read(text: str, kind: FieldType) -> object:
-    """Return the value that a text stands for."""
+    """Return the value of a constant or default as its text in an interface file means it.
+
+    A byte is an int, an array a list.
+
+    Raises:
+        ValueError: The text is no value of that type, or the type takes no default.
+    """
     if "/" in kind.base:
         raise ValueError(f"{kind.base} takes no default")
     if not kind.is_array:
@@ -81,7 +87,11 @@ def _text(text: str, bound: int | None) -> str:
 
 
 def _unescaped(text: str) -> str:
-    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file."""
+    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file.
+
+    Raises:
+        ValueError: An escape is not valid.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # "\d" stays as written.

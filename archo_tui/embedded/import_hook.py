@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from .idl import Field, InterfaceError, Section, is_package, parse
+from .idl import Field, InterfaceError, Section, is_package_name, parse
 from .messages import make_action, make_message, make_service
 
 KINDS = ("msg", "srv", "action")
@@ -29,15 +29,18 @@ _DEEPEST = 50  # Levels of nested messages; far below Python's recursion limit.
 
 
 class InterfaceFinder:
-    """The finder of interface packages, and the loader of their modules."""
+    """The import finder of interface packages, and the loader of their modules.
+
+    Every class is made once, at its first use, on whichever thread that is.
+    """
 
     def __init__(
         self, share: Path, packages: Mapping[str, Path], own: Mapping[str, Path] | None = None
     ) -> None:
-        """Create the finder.
+        """Create the finder, without installing it.
 
         Args:
-            share: A folder of packages.
+            share: A folder of packages, asked after those given by name.
             packages: Further packages by name.
             own: The user's packages by name, whose files are taken before any other's.
         """
@@ -48,7 +51,7 @@ class InterfaceFinder:
         self._lock = threading.RLock()  # Nodes on several threads import classes.
 
     def folders(self, package: str) -> list[Path]:
-        """Return the folders with the package's msg/, srv/ and action/, in the order of search."""
+        """Return the existing folders of a package with msg/, srv/ or action/, in search order."""
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         candidates = [
             self._own.get(package),
@@ -59,14 +62,21 @@ class InterfaceFinder:
         return [p for p in candidates if p is not None and _has_interfaces(p)]
 
     def names(self, package: str, kind: str) -> list[str]:
-        """Return the interfaces of one kind that a package defines."""
+        """Return the sorted names of the interfaces that a package has in all its folders.
+
+        Args:
+            package: The package's name; an unknown one has no interfaces.
+            kind: `msg`, `srv` or `action`.
+        """
         found = (path.stem for f in self.folders(package) for path in f.glob(f"{kind}/*.{kind}"))
         return sorted(set(found))
 
     def load(self, type_name: str) -> Any:
-        """Return the class of "package/kind/Name".
+        """Return the class of "package/kind/Name", made at the first call.
 
         Raises:
+            InterfaceError: The file, or that of a nested message, is not valid; the text names file
+                and line.
             ImportError: There is no such interface.
         """
         with self._lock:
@@ -93,10 +103,10 @@ class InterfaceFinder:
         return make_action(type_name, sections, self._resolve, self.load)
 
     def check(self, package: str) -> None:
-        """Make every class of a package.
+        """Make every class of a package, so that a file that is not valid is found.
 
         Raises:
-            InterfaceError: A file is not valid; the message names file and line.
+            InterfaceError: A file is not valid, the first one found; the text names file and line.
         """
         for kind in KINDS:
             for name in self.names(package, kind):
@@ -136,7 +146,7 @@ class InterfaceFinder:
         return importlib.machinery.ModuleSpec(fullname, loader, origin=origin, is_package=True)
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
-        """Return None: the module is an ordinary one."""
+        """Return None, so that Python makes an ordinary module."""
 
     def exec_module(self, module: ModuleType) -> None:
         package, _, kind = module.__name__.partition(".")
@@ -160,7 +170,10 @@ def _has_interfaces(folder: Path) -> bool:
 
 
 def packages_in(folder: Path) -> list[Path]:
-    """Return the interface packages of a folder: itself, or those of a workspace's `src/`."""
+    """Return the interface packages in a folder: itself, and all with a package.xml below.
+
+    Folders without msg/, srv/ and action/ are left out.
+    """
     places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
     return [place for place in dict.fromkeys(places) if _has_interfaces(place)]
 
@@ -169,7 +182,8 @@ def name_of(package: Path) -> str:
     """Return the name in the package.xml of an interface package.
 
     Raises:
-        InterfaceError: There is no name that can be used; it has file and line.
+        InterfaceError: package.xml cannot be read, or its name is not valid or one that the engine
+            itself needs (`NEEDED`); the text names file and line.
     """
     from xml.etree import ElementTree  # Slow to import, and needed for the user's packages only.
 
@@ -185,7 +199,7 @@ def name_of(package: Path) -> str:
     except (LookupError, ValueError):  # As for `encoding="none such"`.
         raise InterfaceError(f"{file}:1: not XML: its encoding is not known") from None
     line = text.count(b"\n", 0, max(text.find(b"<name"), 0)) + 1
-    if not is_package(name):
+    if not is_package_name(name):
         said = f"{name!r} is not a name of a package: small letters, digits and single _"
         raise InterfaceError(f"{file}:{line}: {said}")
     if name in NEEDED:

@@ -24,7 +24,7 @@ Resolve = Callable[[Section, Field], Any]
 
 
 class _MessageType(type):
-    """The metaclass of messages, which keeps their constants constant."""
+    """The metaclass of messages; assigning to a constant of a message raises AttributeError."""
 
     __constants__: ClassVar[frozenset[str]] = frozenset()
 
@@ -35,7 +35,10 @@ class _MessageType(type):
 
 
 class Message(metaclass=_MessageType):
-    """The base of every generated message, request, goal and so on."""
+    """The base of every generated message, request, goal and so on.
+
+    Assigning a wrong value to a field raises AssertionError. Messages have no hash.
+    """
 
     __slots__ = ()
     __type_name__: ClassVar[str]
@@ -48,9 +51,12 @@ class Message(metaclass=_MessageType):
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # Slot, type, nested class.
 
     def __init__(self, **values: Any) -> None:
-        """Create a message from fields by name.
+        """Create a message from fields by name; a field that is not given has its default.
 
         Values are always checked: rosidl's argument `check_fields` is accepted and has no effect.
+
+        Raises:
+            AssertionError: A field is unknown, or a value is wrong.
         """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
@@ -63,11 +69,15 @@ class Message(metaclass=_MessageType):
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Return field names and their IDL types, in the file's order."""
+        """Return a new dict of field names and types in rosidl's notation, in the file's order."""
         return dict(cls.__field_types__)
 
     def __received__(self) -> Any:
-        """Return a copy that shares nothing, as if it had been sent and received."""
+        """Return a copy that shares nothing, as if sent and received: float32 is rounded.
+
+        Raises:
+            AssertionError: A list was filled with a wrong value after it was assigned.
+        """
         new = object.__new__(type(self))
         for slot, copy in self.__copiers__:
             value = getattr(self, slot)
@@ -97,12 +107,15 @@ def _alike(one: Any, other: Any) -> bool:
 
 
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
-    """Return a message class.
+    """Return a new message class.
 
     Args:
         type_name: Its type, as `package/msg/Name`.
         section: Its fields and constants.
         resolve: Returns the class of a nested type.
+
+    Raises:
+        InterfaceError: A new message would have more than MOST_ELEMENTS values.
     """
     package, kind, name = type_name.split("/")
     body: dict[str, Any] = {
@@ -152,13 +165,24 @@ def _is_dynamic(kind: FieldType) -> bool:
 
 
 class _ServiceType(type):
-    """The type of service classes."""
+    """The metaclass of service classes, whose attribute `Event` the engine leaves out.
+
+    Reading `Event` raises AttributeError.
+    """
 
     Event = absent.Attribute()
 
 
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
-    """Return a service class with `Request` and `Response`; it has no instances."""
+    """Return a new service class with `Request` and `Response`.
+
+    Creating an instance of the class raises NotImplementedError.
+
+    Args:
+        type_name: Its type, as `package/srv/Name`.
+        sections: The request's and the response's section.
+        resolve: Returns the class of a nested type.
+    """
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
@@ -169,7 +193,17 @@ def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> t
 def make_action(
     type_name: str, sections: list[Section], resolve: Resolve, load: Callable[[str], Any]
 ) -> type:
-    """Return an action class with `Goal`, `Result`, `Feedback`, and the rest in `Impl`."""
+    """Return a new action class with `Goal`, `Result` and `Feedback`.
+
+    `Impl` holds the services and messages that an action consists of on the graph. Creating an
+    instance of the class raises NotImplementedError.
+
+    Args:
+        type_name: Its type, as `package/action/Name`.
+        sections: The goal's, the result's and the feedback's section.
+        resolve: Returns the class of a nested type.
+        load: Returns the class of a type such as `action_msgs/srv/CancelGoal`.
+    """
     parts: dict[str, Any] = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Goal", "Result", "Feedback"), sections, strict=True)
@@ -206,7 +240,14 @@ def _wrapped_service(
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
-    """Return a message class whose field types are classes, as ROS derives them for actions."""
+    """Return a new message class for one of the services and topics that an action consists of.
+
+    Args:
+        type_name: The type of the new class.
+        load: Returns the class of a type by its name.
+        members: The type of each field by the field's name: a message class or its type name,
+            `bool`, or `int` for an int8.
+    """
     primitives = {bool: "bool", int: "int8"}
     classes = {
         name: load(member) if isinstance(member, str) else member

@@ -41,13 +41,18 @@ _DIGITS = 400  # No double has more digits before its point.
 
 
 class ParameterFileError(YamlError):
-    """A parameter file that ROS would refuse; the message starts with `file:line:`."""
+    """The error for a parameter file that ROS refuses or misreads; it starts with `file:line:`."""
 
 
 class Override(NamedTuple):
-    """A value for a parameter of the nodes that a pattern names, and where it was written.
+    """A value for one parameter, from a parameter file or from `-p`.
 
-    The pattern is kept as written: `node` and `/node` mean the same node, but are two to rcl.
+    Attributes:
+        pattern: The nodes it is for, as written: `node` and `/node` mean the same node, but are two
+            to rcl.
+        name: The parameter.
+        value: The value; a list for an array.
+        where: Its place, as `file:line` or `-p name:=value`, for errors.
     """
 
     pattern: str
@@ -57,11 +62,11 @@ class Override(NamedTuple):
 
 
 def read(path: Path) -> list[Override]:
-    """Return all overrides of a file, in their order.
+    """Return all overrides of a parameter file, in the file's order.
 
     Raises:
-        YamlError: The file is not valid; the message names file and line.
-        OSError: It cannot be opened.
+        YamlError: The file is not valid; the text names file and line.
+        OSError: The file cannot be read.
     """
     text = bounded_yaml.read(path)
     overrides: list[Override] = []
@@ -74,14 +79,17 @@ def read(path: Path) -> list[Override]:
 
 
 class _Text(NamedTuple):
-    """A file with its lines, since only they tell a tag from what YAML makes of a plain scalar."""
+    """The path and the lines of a file; only in the lines can a `!!str` tag be seen."""
 
     path: Path
     lines: list[str]
 
 
 def _check_types(overrides: list[Override]) -> None:
-    """Refuse a parameter that is set twice with different types: rcl takes either, by the type."""
+    """Raise ParameterFileError for a parameter that one pattern sets twice with different types.
+
+    Of two such values rcl takes the one or the other, depending on their types.
+    """
     types: dict[tuple[str, str], type] = {}
     for override in overrides:
         kind = type(override.value)
@@ -91,7 +99,10 @@ def _check_types(overrides: list[Override]) -> None:
 
 
 def scalar(text: str) -> Any:
-    """Return the value of a scalar written without quotes, typed as rcl types it."""
+    """Return the bool, int, float or str as which rcl reads a scalar without quotes.
+
+    An integer that does not fit in 64 bits is a float.
+    """
     if text in _BOOLS:
         return _BOOLS[text]
     integer = _INTEGER.fullmatch(text)
@@ -110,7 +121,10 @@ def scalar(text: str) -> Any:
 
 
 def _double(text: str) -> float | None:
-    """Return a number as strtod reads it, or None for what is none or does not fit a double."""
+    """Return the float that C's strtod reads from a text, or None if the text is no number.
+
+    A number that is too large for a double, or too small for a normal one, is also None.
+    """
     try:
         if _DECIMAL.fullmatch(text):
             digits, number = re.split("[eE]", text)[0], float(text)
@@ -125,10 +139,10 @@ def _double(text: str) -> float | None:
 
 
 def value_of(text: str) -> Any:
-    """Return the value of `-p name:=text`, a scalar or a flow sequence.
+    """Return the value of the text behind `-p name:=`: a scalar, or a list such as `[1, 2]`.
 
     Raises:
-        ValueError: The text is neither.
+        ValueError: The text is neither of these, or empty.
     """
     try:
         node = bounded_yaml.compose(text, Path("-p"))
@@ -141,7 +155,13 @@ def value_of(text: str) -> Any:
 
 
 def matches(pattern: str, node: str) -> bool:
-    """Return True if a file's node name (`/**`, `/ns/*`, `node`) names the full `node`."""
+    """Return True if the pattern of a parameter file means a node.
+
+    Args:
+        pattern: A name in which `*` stands for one level and `**` for any number of levels, none
+            included; a slash in front may be left out.
+        node: The fully qualified name of the node.
+    """
     pattern = pattern if pattern.startswith("/") else f"/{pattern}"
     regex = ""
     for token in pattern.split("/")[1:]:
@@ -175,7 +195,10 @@ def _nodes(text: _Text, mapping: yaml.MappingNode, prefix: str) -> Iterator[Over
 
 
 def _check_node(text: _Text, key: yaml.Node, name: str) -> None:
-    """Refuse what names no node and no pattern: `n/`, `//n`, `/motor*`."""
+    """Raise ParameterFileError unless a text can be a node's name or a pattern.
+
+    Wrong are, for example, `n/`, `//n` and `/motor*`.
+    """
     for part in name.removeprefix("/").split("/"):
         if not _NODE_PART.fullmatch(part):
             said = f"{name!r} is no name of a node: letters, digits and _ between slashes, * or **"

@@ -150,7 +150,7 @@ REEXPORTED: dict[
 
 
 def home_of(module: str, name: str) -> tuple[str, str]:
-    """Return the module where a name that `module` re-exports is made, and its name there.
+    """Return the module that defines a name which `module` re-exports, and the name in that module.
 
     Both are empty when `module` does not re-export the name.
     """
