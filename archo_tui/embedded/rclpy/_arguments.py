@@ -20,7 +20,7 @@ _IGNORED_FLAGS = re.compile(r"--(enable|disable)-external-lib-logs|--enable-stdo
 
 
 class Arguments(NamedTuple):
-    """The ROS arguments of a command line."""
+    """The ROS arguments of a command line; a `log_level` of 0 means that none is given."""
 
     remaps: tuple[Remap, ...] = ()
     overrides: tuple[Override, ...] = ()
@@ -29,10 +29,10 @@ class Arguments(NamedTuple):
     rosout_logs: bool = True
 
     def parameters_of(self, node: str) -> dict[str, Any]:
-        """Return the overrides for the node of that fully qualified name.
+        """Return the overrides for the node of that fully qualified name, by parameter name.
 
         As in rcl, the last value for a pattern wins, and of several patterns the one whose first
-        value is named last.
+        value is named last. The value of an empty list is None, since it has no type.
         """
         by_pattern: dict[str, dict[str, Any]] = {}
         for override in self.overrides:
@@ -46,7 +46,13 @@ class Arguments(NamedTuple):
 
 
 def parse(args: Sequence[str] | None) -> Arguments:
-    """Parse what stands between `--ros-args` and `--`.
+    """Parse the ROS arguments of a command line, and read the parameter files that it names.
+
+    ROS arguments stand between `--ros-args` and `--`. Options of logging that have no effect here
+    are accepted.
+
+    Args:
+        args: The whole command line; None means an empty one.
 
     Raises:
         RCLInvalidROSArgsError: An argument, or a file that it names, is not valid.
@@ -78,7 +84,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the program's own words, and those between `--ros-args` and `--`."""
+    """Return the program's own words, and the words behind `--ros-args` up to `--` or the end."""
     own: list[str] = []
     ros: list[str] = []
     inside = False
@@ -100,7 +106,15 @@ def _next(words: Any, option: str) -> str:
 
 
 def _split(text: str, what: str) -> tuple[str | None, str, str]:
-    """Split `[node:]left:=right` into its three parts."""
+    """Split `[node:]left:=right` into its three parts; the node is None if it is left out.
+
+    Args:
+        text: The argument.
+        what: What the argument is, for the error.
+
+    Raises:
+        RCLInvalidROSArgsError: The text has another form.
+    """
     left, sign, right = text.partition(":=")
     if not sign or not left:
         raise _invalid(f"{what} is not 'name:=value': {text!r}")

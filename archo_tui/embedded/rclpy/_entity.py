@@ -21,14 +21,14 @@ EntityT = TypeVar("EntityT", bound="Entity")
 
 
 class Destroyable:
-    """An object that can be destroyed; using it afterwards raises InvalidHandle."""
+    """The base of objects that can be destroyed; using a destroyed one raises InvalidHandle."""
 
     _destroyed = False
     _is_part_of_action = False  # Then the node does not list it.
 
     @property
     def handle(self) -> Handle:
-        """Return the stand-in for rcl's handle of the object."""
+        """Return a stand-in for rcl's handle, also for a destroyed object."""
         return Handle(self)
 
     def _use(self) -> None:
@@ -38,14 +38,18 @@ class Destroyable:
 
 
 class Handle:
-    """The handle of a destroyable object: `with thing.handle:` raises InvalidHandle after that."""
+    """The stand-in for rcl's handle of an object.
+
+    `with thing.handle:` raises InvalidHandle if the object has been destroyed. Unlike in rclpy, the
+    `with` does not keep the object from being destroyed meanwhile.
+    """
 
     def __init__(self, of: Destroyable) -> None:
         self._of = of
 
     @property
     def pointer(self) -> int:
-        """Return a number that no other handle has."""
+        """Return a number that no handle of another living object has; in rclpy, an address."""
         return id(self._of)
 
     def __enter__(self) -> None:
@@ -56,7 +60,10 @@ class Handle:
 
 
 class Entity(Destroyable):
-    """A part of a node that has callbacks to run."""
+    """The base of what gives an executor work: timers, subscriptions, clients, services, events.
+
+    A new entity joins its callback group.
+    """
 
     # The order in a round: actions, timers, subscriptions, clients, services.
     _rank = 1
@@ -69,7 +76,11 @@ class Entity(Destroyable):
         callback_group.add_entity(self)
 
     def destroy(self) -> None:
-        """End all callbacks; the node's own `destroy_...` does this too."""
+        """End all callbacks.
+
+        The node goes on listing the entity; the node's own `destroy_...` removes it from there,
+        too.
+        """
         self._destroyed = True
 
     def __enter__(self: EntityT) -> EntityT:
@@ -79,40 +90,49 @@ class Entity(Destroyable):
         self.destroy()
 
     def _take(self) -> Callable[[], Any] | None:
-        """Return the next piece of work as a function (or coroutine function), or None."""
+        """Take off the next piece of work, and return it as a function; None without work.
+
+        The function may return a coroutine: see `_is_awaited`.
+        """
         raise NotImplementedError
 
     def _is_awaited(self) -> bool:
-        """Return True if a coroutine that the work returns must be awaited."""
+        """Return True if the callback is an `async def`: the executor then awaits its coroutine."""
         return inspect.iscoroutinefunction(self.callback)
 
     def _waiting(self) -> int:
-        """Return how many pieces of work wait."""
+        """Return the number of pieces of work that wait to be taken."""
         return 0
 
     def _notify(self) -> None:
-        """Tell the executor that there is work; the work waits until the node has one."""
+        """Tell the node's executor that this entity has work.
+
+        Without an executor nothing happens: the work waits until the node is added to one.
+        """
         executor = self._node._executor
         if executor is not None:
             executor._make_ready(self._taken_by or self)
 
 
 class TimedEntity(Entity):
-    """An entity that the executor must look at when its time has come."""
+    """The base of entities that have work at certain times: timers."""
 
     _next_ns = 0  # Monotonic time, in ns.
 
     def _is_due(self) -> bool:
-        """Return True if there is, or may be, work by now."""
+        """Return True if the time has come, so that `_take` probably finds work."""
         raise NotImplementedError
 
     def _schedule(self) -> None:
-        """Tell the executor when to look."""
+        """Let the node's executor check this entity when it is next due.
+
+        Without an executor nothing happens.
+        """
         raise NotImplementedError
 
 
 class ServiceEnd(Destroyable):
-    """A client or a service."""
+    """The base of a service's client and server, which know its name and have a logger."""
 
     _node: Node
     _service_name: str
@@ -120,7 +140,7 @@ class ServiceEnd(Destroyable):
 
     @property
     def service_name(self) -> str:
-        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
+        """Return the service's name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._service_name
 
@@ -131,9 +151,10 @@ class ServiceEnd(Destroyable):
 
 
 class QueueEntity(Entity):
-    """An entity with a bounded queue; if it is full, the oldest item is lost.
+    """An entity with a queue of received items; a full queue drops its oldest item.
 
-    Its executor takes one item a round, so that no full queue keeps another entity waiting.
+    Its executor takes one item a round, so that no full queue keeps another entity waiting. A
+    `size` of None means no bound. An item that comes after `destroy()` is dropped.
     """
 
     def __init__(self, node: Node, callback_group: CallbackGroup, size: int | None) -> None:
@@ -153,7 +174,7 @@ class QueueEntity(Entity):
         return None if self._destroyed else self._work(item)
 
     def _work(self, item: Any) -> Callable[[], Any]:
-        """Return the function to call for an item."""
+        """Return the function that an executor calls for an item."""
         return partial(self._handle, item)
 
     def _handle(self, item: Any) -> Any:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Endpoint(Destroyable):
-    """A publisher or subscription, with the handlers that tell its callbacks of events."""
+    """The base of publishers and subscriptions, with the handlers of their events."""
 
     _node: Node
     qos_profile: QoSProfile
@@ -30,10 +30,11 @@ class Endpoint(Destroyable):
 
 
 class EventHandler(Entity):
-    """A handler that hands the newest state of an event to its callback; this base has no events.
+    """The handler of one kind of event, which calls a callback with the newest counts.
 
-    It serves for lost messages, of which there are none in one process, and for other types, of
-    which Fast DDS does not tell either.
+    Several events before the callback runs make one call. This base itself never calls back: it
+    serves for lost messages, which do not occur within one process, and for endpoints of other
+    types, which Fast DDS does not report either.
     """
 
     _rank = 0
@@ -49,7 +50,7 @@ class EventHandler(Entity):
         self.callback, self.event_type = callback, event_type
         self._lock = threading.Lock()
         self._has_news = False
-        self._total = self._told = 0
+        self._total = self._reported = 0
 
     def _waiting(self) -> int:
         return int(self._has_news)
@@ -62,29 +63,29 @@ class EventHandler(Entity):
             return partial(self.callback, self._info())
 
     def _info(self) -> Any:
-        """Return what the callback is given, and count it as told."""
+        """Return the counts for the callback; the next changes are counted from here."""
         raise NotImplementedError
 
     def _change(self) -> int:
-        """Return how much of the total is new."""
-        change, self._told = self._total - self._told, self._total
+        """Return how much the total has grown since the last call."""
+        change, self._reported = self._total - self._reported, self._total
         return change
 
     # what may happen to an endpoint
 
-    def _met(self, change: int) -> None:
-        """Count a matching endpoint that came (1) or left (-1)."""
+    def _count_match(self, change: int) -> None:
+        """Count a match that came (1) or ended (-1); this base ignores it."""
 
-    def _refused(self, policy: QoSPolicyKind) -> None:
-        """Count an endpoint that does not match."""
+    def _count_incompatible(self, policy: QoSPolicyKind) -> None:
+        """Count an endpoint whose QoS does not match, by that policy; this base ignores it."""
 
 
 class Matched(EventHandler):
-    """A handler of endpoints that match."""
+    """The handler that counts the endpoints that match, and calls back when one comes or goes."""
 
-    _current = _told_current = 0
+    _current = _reported_current = 0
 
-    def _met(self, change: int) -> None:
+    def _count_match(self, change: int) -> None:
         with self._lock:
             self._current += change
             self._total += max(change, 0)
@@ -92,16 +93,16 @@ class Matched(EventHandler):
         self._notify()
 
     def _info(self) -> QoSSubscriptionMatchedInfo:
-        current, self._told_current = self._current - self._told_current, self._current
+        current, self._reported_current = self._current - self._reported_current, self._current
         return QoSSubscriptionMatchedInfo(self._total, self._change(), self._current, current)
 
 
 class IncompatibleQoS(EventHandler):
-    """A handler of endpoints that do not match."""
+    """The handler that counts endpoints with incompatible QoS, and keeps the last one's policy."""
 
     _policy = QoSPolicyKind.INVALID
 
-    def _refused(self, policy: QoSPolicyKind) -> None:
+    def _count_incompatible(self, policy: QoSPolicyKind) -> None:
         with self._lock:
             self._total += 1
             self._policy = policy

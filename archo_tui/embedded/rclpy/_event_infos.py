@@ -30,7 +30,10 @@ class QoSSubscriptionEventType(IntEnum):
 
 
 class QoSSubscriptionMatchedInfo(NamedTuple):
-    """The number of endpoints that match now and did in all, and the changes since."""
+    """The endpoints that have matched in all (`total`) and match now, with the changes.
+
+    A change is counted since the last callback.
+    """
 
     total_count: int = 0
     total_count_change: int = 0
@@ -39,7 +42,7 @@ class QoSSubscriptionMatchedInfo(NamedTuple):
 
 
 class QoSRequestedIncompatibleQoSInfo(NamedTuple):
-    """The number of endpoints that did not match, and the policy of the last one."""
+    """The endpoints with incompatible QoS, all and since the last callback, and the last policy."""
 
     total_count: int = 0
     total_count_change: int = 0
@@ -47,14 +50,14 @@ class QoSRequestedIncompatibleQoSInfo(NamedTuple):
 
 
 class QoSMessageLostInfo(NamedTuple):
-    """The number of messages that were lost."""
+    """The lost messages: all, and those since the last callback; here no message is ever lost."""
 
     total_count: int = 0
     total_count_change: int = 0
 
 
 class IncompatibleTypeInfo(NamedTuple):
-    """The number of endpoints of another type."""
+    """The endpoints of another type in all and since the last callback; here none is reported."""
 
     total_count: int = 0
     total_count_change: int = 0

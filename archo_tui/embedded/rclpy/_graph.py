@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Topic:
-    """The endpoints of one topic name."""
+    """The publishers and subscriptions of one topic name, in the order in which they came."""
 
     def __init__(self) -> None:
         self.publishers: list[Publisher[Any]] = []
@@ -29,7 +29,11 @@ class Topic:
 
 
 class Graph:
-    """The graph of one domain. `lock` guards every list; delivery happens without it."""
+    """The nodes, topics, services and clients of one domain, these by their names on the graph.
+
+    `lock` guards every list; messages are delivered without it. `changed` is notified whenever
+    anything comes or goes.
+    """
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
@@ -40,7 +44,11 @@ class Graph:
         self.clients: dict[str, list[Client[Any, Any]]] = defaultdict(list)
 
     def add_publisher(self, publisher: Publisher[Any]) -> None:
-        """Connect a new publisher with the subscriptions that match."""
+        """Put a publisher on the graph, and connect it with the subscriptions that match.
+
+        Handlers on both sides count each match, and each endpoint of the same type with
+        incompatible QoS.
+        """
         with self.changed:
             topic = self.topics[publisher._topic_name]
             topic.publishers.append(publisher)
@@ -48,7 +56,11 @@ class Graph:
             self.changed.notify_all()
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
-        """Connect a new subscription; matching publishers hand over what they keep for it."""
+        """Put a subscription on the graph, and connect it with the publishers that match.
+
+        These hand over at once what they keep for late joiners. Handlers on both sides count each
+        match, and each endpoint of the same type with incompatible QoS.
+        """
         with self.changed:
             topic = self.topics[subscription._topic_name]
             topic.subscriptions.append(subscription)
@@ -59,7 +71,10 @@ class Graph:
             self.changed.notify_all()
 
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
-        """Take a publisher off the graph."""
+        """Take a publisher off the graph; its subscriptions' handlers count that the match ended.
+
+        A second call changes nothing.
+        """
         with self.changed:
             topic = self.topics[publisher._topic_name]
             if publisher in topic.publishers:
@@ -71,7 +86,10 @@ class Graph:
             self.changed.notify_all()
 
     def remove_subscription(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription off the graph; nothing is delivered to it any more."""
+        """Take a subscription off the graph; no publisher delivers to it any more.
+
+        The publishers' handlers count that the match ended. A second call changes nothing.
+        """
         with self.changed:
             topic = self.topics[subscription._topic_name]
             if subscription in topic.subscriptions:
@@ -84,13 +102,22 @@ class Graph:
             self.changed.notify_all()
 
     def add_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
-        """Put a service or client into its table."""
+        """Put a service or client into its table, and wake those who wait for the graph.
+
+        Args:
+            table: `services` or `clients` of this graph.
+            name: The service's name on the graph.
+            item: The service or client.
+        """
         with self.changed:
             table[name].append(item)
             self.changed.notify_all()
 
     def remove_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
-        """Take a service or client out of its table."""
+        """Take a service or client out of its table, if it is there.
+
+        Those who wait for the graph are woken. The arguments are those of `add_named`.
+        """
         with self.changed:
             if item in table.get(name, ()):
                 table[name].remove(item)
@@ -99,7 +126,7 @@ class Graph:
             self.changed.notify_all()
 
     def servers(self, name: str, srv_type: type) -> list[Service[Any, Any]]:
-        """Return the services of that name and type."""
+        """Return the services of that name and type, in the order in which they came."""
         with self.lock:
             return [s for s in self.services.get(name, ()) if s.srv_type is srv_type]
 
@@ -115,7 +142,7 @@ class Graph:
                 _report_match(subscription, 1)
             else:
                 for handler in (*publisher.event_handlers, *subscription.event_handlers):
-                    handler._refused(policy)
+                    handler._count_incompatible(policy)
         publisher._matched = tuple(matched)
 
     def _forget_if_empty(self, name: str) -> None:
@@ -129,12 +156,12 @@ _graphs_lock = threading.Lock()
 
 
 def graph_of(domain_id: int) -> Graph:
-    """Return the graph of a domain; contexts of the same domain share it."""
+    """Return the graph of a domain, made at the first call; all contexts of the domain share it."""
     with _graphs_lock:
         return _graphs.setdefault(domain_id, Graph())
 
 
 def _report_match(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
-    """Tell an endpoint's handler that a match came (1) or left (-1)."""
+    """Let an endpoint's event handlers count a match that came (1) or ended (-1)."""
     for handler in endpoint.event_handlers:
-        handler._met(change)
+        handler._count_match(change)

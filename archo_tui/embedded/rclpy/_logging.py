@@ -15,14 +15,24 @@ _rosout: dict[str, Publish] = {}
 
 
 def configure(stdout_logs: bool, level: int) -> None:
-    """Take over `--disable-stdout-logs` and `--log-level` (0: leave as it is)."""
+    """Set whether log lines are written to standard error, and the level of the root logger.
+
+    Args:
+        stdout_logs: False writes none, for the whole process.
+        level: The level; 0 leaves it as it is.
+    """
     global _stdout_logs, _default_level
     _stdout_logs = stdout_logs
     _default_level = level or _default_level
 
 
 def set_level(name: str, level: int) -> None:
-    """Set the level of a logger and its children; 0 inherits again, for the root it logs all."""
+    """Set the level of a logger and of its children that have none of their own.
+
+    Args:
+        name: The logger; "" for the root, from which all others inherit.
+        level: The level; with 0 a logger inherits again, and the root logs everything.
+    """
     global _default_level
     if name:
         _levels[name] = level
@@ -31,19 +41,22 @@ def set_level(name: str, level: int) -> None:
 
 
 def configured_level(name: str) -> int:
-    """Return the level that was set for that name itself, 0 for none."""
+    """Return the level that was set for that logger itself, 0 if it inherits one.
+
+    The root, "", always has a level of its own.
+    """
     return _levels.get(name, 0) if name else _default_level
 
 
 def forget_levels() -> None:
-    """Make every logger inherit INFO again."""
+    """Reset the root's level to INFO, and let every other logger inherit it."""
     global _default_level
     _levels.clear()
     _default_level = _INFO
 
 
 def effective_level(name: str) -> int:
-    """Return the level of the nearest logger at or above the name that has one."""
+    """Return the level in force for a logger: its own, or the nearest parent's, or the root's."""
     while name:
         if _levels.get(name):
             return _levels[name]
@@ -52,28 +65,35 @@ def effective_level(name: str) -> int:
 
 
 def connect(name: str, publish: Publish) -> None:
-    """Publish lines of that logger and its children with `publish`."""
+    """Publish the lines of a logger and of its children with `publish` from now on.
+
+    A function that was connected to the same name before is replaced.
+    """
     _rosout[name] = publish
 
 
 def disconnect(name: str, publish: Publish) -> None:
-    """Undo `connect`."""
+    """Undo `connect`, unless another function has been connected to the name since."""
     if _rosout.get(name) == publish:
         del _rosout[name]
 
 
 def is_written() -> bool:
-    """Return False if standard error is switched off."""
+    """Return True if log lines are written to standard error."""
     return _stdout_logs
 
 
 def write(line: str) -> None:
-    """Write a line to standard error."""
+    """Write a line to standard error, unbuffered."""
     print(line, file=sys.stderr, flush=True)
 
 
 def rosout(name: str) -> Publish | None:
-    """Return the function that publishes a logger's lines on /rosout, or None without a node."""
+    """Return the function that publishes a logger's lines on /rosout.
+
+    The nearest parent's counts if the logger has none itself. None means that no node has connected
+    one.
+    """
     while name:
         if name in _rosout:
             return _rosout[name]

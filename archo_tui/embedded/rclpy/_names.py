@@ -18,7 +18,13 @@ _NAMESPACE_MAX = 245  # RMW_NAMESPACE_MAX_LENGTH
 
 
 class Remap(NamedTuple):
-    """A rule `[node:]from:=to`; `node` is None if it holds for every node."""
+    """A remapping rule `[node:]from:=to`.
+
+    Attributes:
+        node: The only node that the rule holds for; None for every node.
+        match: The name to replace; `__node`, `__name` or `__ns` renames the node itself.
+        replacement: The name to take instead.
+    """
 
     node: str | None
     match: str
@@ -30,7 +36,7 @@ Problem = tuple[str, int] | None  # What is wrong with a name, and at which char
 
 
 def validate_node_name(name: str) -> None:
-    """Raise InvalidNodeNameException unless the name is valid."""
+    """Raise InvalidNodeNameException unless `name` is valid for a node."""
     problem = node_name_problem(name)
     if problem:
         raise InvalidNodeNameException(name, *problem)
@@ -44,7 +50,12 @@ def validate_namespace(namespace: str) -> None:
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check a name as written; raise InvalidTopicNameException or InvalidServiceNameException."""
+    """Check the name of a topic or service as a program writes it (`x`, `~/x`, `/x`).
+
+    Raises:
+        InvalidTopicNameException: The name is not valid.
+        InvalidServiceNameException: The name is not valid, and `is_service` is True.
+    """
     problem = topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -53,7 +64,12 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> None:
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check a name on the graph; raise InvalidTopicNameException or InvalidServiceNameException."""
+    """Check the name of a topic or service as it is on the graph, expanded.
+
+    Raises:
+        InvalidTopicNameException: The name is not valid.
+        InvalidServiceNameException: The name is not valid, and `is_service` is True.
+    """
     problem = full_topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -62,7 +78,7 @@ def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
 
 
 def node_name_problem(name: str) -> Problem:
-    """Return what ROS says against a node's name."""
+    """Return ROS's error text for a node's name and the index of a wrong character, or None."""
     if not name:
         return "node name must not be empty", 0
     bad = re.search(r"[^A-Za-z0-9_]", name)
@@ -77,7 +93,9 @@ def node_name_problem(name: str) -> Problem:
 
 
 def topic_problem(name: str) -> Problem:
-    """Return what ROS says against a topic's or a service's name, before it is expanded.
+    """Return ROS's error text and an index for a topic's or service's unexpanded name, or None.
+
+    The index is that of the wrong character.
 
     Raises:
         TypeError: The name is not a text.
@@ -107,7 +125,10 @@ def topic_problem(name: str) -> Problem:
 
 
 def full_topic_problem(name: str) -> Problem:
-    """Return what ROS says against a topic's or a service's name, when it is expanded."""
+    """Return ROS's error text and an index for a topic's or service's expanded name, or None.
+
+    The index is that of the wrong character.
+    """
     if not name:
         return "topic name must not be empty", 0
     if not name.startswith("/"):
@@ -121,7 +142,7 @@ def full_topic_problem(name: str) -> Problem:
 
 
 def namespace_problem(name: str) -> Problem:
-    """Return what ROS says against a node's namespace."""
+    """Return ROS's error text for a namespace and the index of the wrong character, or None."""
     if not name:
         return "namespace must not be empty", 0
     if not name.startswith("/"):
@@ -150,9 +171,10 @@ def _tokens_problem(name: str, kind: str) -> Problem:
 
 
 def expand(name: str, node: str, namespace: str) -> str:
-    """Return the fully qualified form of a topic or service name, as seen from a node.
+    """Return the fully qualified form of a topic or service name that a node uses.
 
-    Whoever creates an endpoint validates its name before.
+    `~`, `{node}`, `{ns}` and `{namespace}` are replaced, and a relative name is put under the
+    namespace. The result is not checked.
 
     Raises:
         ValueError: The name cannot be expanded, as in rcl.
@@ -174,7 +196,21 @@ def expand(name: str, node: str, namespace: str) -> str:
 def remapped(
     full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
 ) -> str:
-    """Return `full_name` after the first rule that names it; both sides expand as the node's do."""
+    """Return the name that the first fitting rule gives for a topic or service, else `full_name`.
+
+    Both sides of a rule are expanded as names that the node uses. Rules for another node, for the
+    other kind of name, or for the node's own name do not fit.
+
+    Args:
+        full_name: The expanded name.
+        node: The node's name.
+        namespace: The node's namespace.
+        rules: The rules in their order.
+        is_service: True for the name of a service, False for a topic's.
+
+    Raises:
+        ValueError: A rule cannot be expanded.
+    """
     kind = "rosservice" if is_service else "rostopic"
     for rule in rules:
         if rule.match.startswith("__") or rule.node not in (None, node):
@@ -186,8 +222,14 @@ def remapped(
     return full_name
 
 
-def special(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
-    """Return the replacement of `__node` or `__ns` for this node, or None."""
+def renamed(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
+    """Return the name or namespace that the first fitting rule gives a node, or None.
+
+    Args:
+        rules: The rules in their order.
+        node: The node's name before remapping.
+        *matches: What is replaced: `__node` and `__name`, or `__ns`.
+    """
     for rule in rules:
         if rule.match in matches and rule.node in (None, node):
             return rule.replacement

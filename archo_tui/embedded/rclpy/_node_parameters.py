@@ -42,7 +42,10 @@ _EMPTY = (
 
 
 class NodeParameters:
-    """A base that declares, checks, sets and lists parameters, and publishes /parameter_events."""
+    """The part of Node that declares, checks, sets and lists parameters.
+
+    Each change is published on /parameter_events, except by `undeclare_parameter`.
+    """
 
     _clock: Clock
     _parameter_events: Publisher[ParameterEvent] | None
@@ -69,19 +72,45 @@ class NodeParameters:
         descriptor: ParameterDescriptor | None = None,
         ignore_override: bool = False,
     ) -> Parameter[Any]:
-        """Declare with a default or a `Parameter.Type`; an override given at the start wins.
+        """Declare a parameter, set it, and return it.
 
-        Raises ParameterAlreadyDeclaredException, InvalidParameterException,
-        InvalidParameterTypeException, InvalidParameterValueException, ValueError.
+        On-set and post-set callbacks are called, and /parameter_events tells of it. Without a value
+        and a descriptor the declaration is deprecated: it warns, and the type may change.
+
+        Args:
+            name: The parameter.
+            value: The default, or a `Parameter.Type` to leave the parameter without a value.
+            descriptor: The descriptor, copied; None means an empty one.
+            ignore_override: True takes the default, also if a value was given when the node was
+                started.
+
+        Raises:
+            ParameterAlreadyDeclaredException: The parameter is declared already.
+            InvalidParameterException: The name is empty.
+            InvalidParameterTypeException: The value given at the start has another type.
+            InvalidParameterValueException: A range or a callback refuses the value.
+            ValueError: The type is NOT_SET, or is given for a descriptor with dynamic typing.
+            TypeError: A parameter cannot have such a value, or an argument has another type.
         """
         return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
 
     def declare_parameters(
         self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
     ) -> list[Parameter[Any]]:
-        """Declare several `(name, value, descriptor)` under a prefix; none if a name is bad.
+        """Declare several parameters, and return them.
 
-        Raises TypeError for anything but such a tuple, and as `declare_parameter`.
+        If a name is empty or already declared, none is declared; if a value is refused, those
+        before it stay declared.
+
+        Args:
+            namespace: Put before each name, with a dot; "" for nothing.
+            parameters: Tuples (name, value, descriptor), of which the last two may be left out.
+            ignore_override: As for `declare_parameter`.
+
+        Raises:
+            TypeError: A tuple has another form.
+            ParameterAlreadyDeclaredException: A parameter is declared already; for other errors see
+                `declare_parameter`.
         """
         prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
         whole = [_checked(place, prefix, given) for place, given in enumerate(parameters)]
@@ -150,22 +179,29 @@ class NodeParameters:
         return self._parameters[name]
 
     def undeclare_parameter(self, name: str) -> None:
-        """Forget a parameter. Raises ParameterNotDeclaredException, ParameterImmutableException."""
+        """Forget a parameter and its descriptor; no callback is called and no event published.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared.
+            ParameterImmutableException: The parameter is read-only.
+        """
         self._require(name)
         if self._descriptors[name].read_only:
             raise ParameterImmutableException(name)
         del self._parameters[name], self._descriptors[name]
 
     def has_parameter(self, name: str) -> bool:
-        """Return True if the parameter is declared."""
+        """Return True if the parameter is declared, with or without a value."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter[Any]:
-        """Return a declared parameter.
+        """Return a parameter.
+
+        An undeclared one is returned without a value if the node allows undeclared parameters.
 
         Raises:
-            ParameterNotDeclaredException: The parameter is not declared.
-            ParameterUninitializedException: The parameter has no value.
+            ParameterNotDeclaredException: The parameter is not declared, and must be.
+            ParameterUninitializedException: The parameter has no value, and its type is static.
         """
         if name not in self._parameters and self._allow_undeclared_parameters:
             return Parameter(name)
@@ -176,28 +212,39 @@ class NodeParameters:
         return parameter
 
     def get_parameters(self, names: Sequence[str]) -> list[Parameter[Any]]:
-        """Return `get_parameter` of each name."""
+        """Return `get_parameter` of each name, with the same errors."""
         return [self.get_parameter(name) for name in names]
 
     def get_parameter_or(
         self, name: str, alternative_value: Parameter[Any] | None = None
     ) -> Parameter[Any]:
-        """Return the parameter, or the alternative if it is not declared or has no value."""
+        """Return the parameter, or the alternative if it is not declared or has no value.
+
+        Without an alternative, that is a parameter without a value.
+        """
         found = self._parameters.get(name)
         if found is not None and found.type_ != Parameter.Type.NOT_SET:
             return found
         return Parameter(name) if alternative_value is None else alternative_value
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter[Any]]:
-        """Return the parameters below a prefix (all for ""), by their names without it."""
+        """Return the declared parameters below a prefix, by their names without the prefix.
+
+        The prefix "" means all parameters.
+        """
         start = f"{prefix}{PARAMETER_SEPARATOR_STRING}" if prefix else ""
         found = self._parameters.items()
         return {name[len(start) :]: p for name, p in found if name.startswith(start)}
 
     def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
-        """Set one by one; refusals are in the results.
+        """Set parameters one after the other, and return for each if it was set, or why not.
 
-        Raises ParameterNotDeclaredException, TypeError for anything but a Parameter.
+        A parameter without a value undeclares one that is dynamically typed.
+
+        Raises:
+            ParameterNotDeclaredException: A parameter is not declared, and must be; those before it
+                stay set.
+            TypeError: An element is no Parameter; none is set then.
         """
         _check_are_parameters(parameter_list)
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
@@ -205,9 +252,14 @@ class NodeParameters:
     def set_parameters_atomically(
         self, parameter_list: list[Parameter[Any]]
     ) -> SetParametersResult:
-        """Set all or none; a refusal is in the result.
+        """Set all parameters or none; the result tells why they were refused.
 
-        Raises ParameterNotDeclaredException, TypeError for anything but a Parameter.
+        The callbacks are called in this order: pre-set, on-set, post-set. Before the last ones the
+        change is published on /parameter_events.
+
+        Raises:
+            ParameterNotDeclaredException: A parameter is not declared, and must be.
+            TypeError: An element is no Parameter.
         """
         _check_are_parameters(parameter_list)
         before = self._pre_set_parameters_callbacks
@@ -221,7 +273,13 @@ class NodeParameters:
         return self._apply(parameter_list, None)
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
-        """Return a copy of the descriptor; raise ParameterNotDeclaredException."""
+        """Return a copy of a parameter's descriptor; rclpy returns the descriptor itself.
+
+        That of an undeclared one is empty if the node allows undeclared parameters.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared, and must be.
+        """
         if name not in self._parameters and self._allow_undeclared_parameters:
             return ParameterDescriptor()
         self._require(name)
@@ -234,10 +292,16 @@ class NodeParameters:
         descriptor: ParameterDescriptor,
         alternative_value: ParameterValue | None = None,
     ) -> ParameterValue:
-        """Take another descriptor, and the alternative where the value does not fit it.
+        """Replace a parameter's descriptor by a copy of another, and return the parameter's value.
 
-        Raises ParameterNotDeclaredException, ParameterImmutableException,
-        InvalidParameterValueException when neither value fits.
+        If the present value does not fit, the alternative is set. Unlike in rclpy, callbacks are
+        called and /parameter_events tells of it, as for a change. For an undeclared parameter,
+        where the node allows these, nothing happens.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared, and must be.
+            ParameterImmutableException: The parameter is read-only.
+            InvalidParameterValueException: Neither value fits, or a callback refuses both.
         """
         if name not in self._parameters:
             if not self._allow_undeclared_parameters:
@@ -258,20 +322,29 @@ class NodeParameters:
         raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
 
     def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
-        """Return `describe_parameter` of each name."""
+        """Return `describe_parameter` of each name, with the same errors."""
         return [self.describe_parameter(name) for name in names]
 
     def get_parameter_type(self, name: str) -> int:
-        """Return one of ParameterType's constants; raise ParameterNotDeclaredException."""
+        """Return a declared parameter's type, one of ParameterType's constants.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared. Unlike in rclpy, this
+                holds also if the node allows undeclared parameters.
+        """
         self._require(name)
         return self._parameters[name].type_.value
 
     def get_parameter_types(self, names: Sequence[str]) -> list[int]:
-        """Return `get_parameter_type` of each name."""
+        """Return `get_parameter_type` of each name, with the same errors."""
         return [self.get_parameter_type(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
-        """Return the names below the prefixes (all if there is none), `depth` levels deep (0: any).
+        """Return the names of declared parameters, and the prefixes of these names.
+
+        Args:
+            prefixes: Names, and prefixes whose parameters are listed; none means all parameters.
+            depth: The number of levels below a prefix, or below the root; 0 means any.
 
         Raises:
             TypeError: The arguments are not a list of prefixes and a number.
@@ -310,33 +383,46 @@ class NodeParameters:
         return result
 
     def add_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """Add a callback that may change the list of parameters before it is checked."""
+        """Add a callback that replaces the list of parameters that are to be set.
+
+        The callback is not called for declarations. If there are several, each gets the original
+        list, and all that they return is set; the callback added last is called first.
+        """
         self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
         """Add a callback that may refuse parameters, also when they are declared.
 
+        The callback gets the list of parameters and returns a SetParametersResult; the first one
+        that is not successful refuses all. The callback added last is called first.
+
         Raises:
-            TypeError: It cannot be called.
+            TypeError: The callback cannot be called.
         """
         _check_is_callable(callback)
         self._on_set_parameters_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Add a callback that is called after values are set; raise TypeError for no callable."""
+        """Add a callback that gets the list of parameters after they are set or declared.
+
+        The callback added last is called first.
+
+        Raises:
+            TypeError: The callback cannot be called.
+        """
         _check_is_callable(callback)
         self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """Remove a callback; raise ValueError if it was not added."""
+        """Remove a callback of `add_pre_set_...`; raise ValueError if it was not added."""
         self._pre_set_parameters_callbacks.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """Remove a callback; raise ValueError if it was not added."""
+        """Remove a callback of `add_on_set_...`; raise ValueError if it was not added."""
         self._on_set_parameters_callbacks.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Remove a callback; raise ValueError if it was not added."""
+        """Remove a callback of `add_post_set_...`; raise ValueError if it was not added."""
         self._post_set_parameters_callbacks.remove(callback)
 
     def _require(self, name: str) -> None:
@@ -348,7 +434,14 @@ class NodeParameters:
         parameters: list[Parameter[Any]],
         new: dict[str, ParameterDescriptor] | None,
     ) -> SetParametersResult:
-        """Check all, ask the callbacks, set all, tell; `new` holds descriptors of a declaration."""
+        """Check parameters, ask the on-set callbacks, set and publish all, call the post-set ones.
+
+        The result of the first refusal is returned, and then none is set.
+
+        Args:
+            parameters: The parameters with their new values.
+            new: The new descriptors by name for a declaration, else None.
+        """
         for parameter in parameters:
             descriptor = (self._descriptors if new is None else new).get(parameter.name)
             if descriptor is not None:
@@ -405,7 +498,17 @@ class NodeParameters:
 def _checked(
     place: int, prefix: str, given: tuple[Any, ...]
 ) -> tuple[str, Any, ParameterDescriptor | None]:
-    """Return name, value and descriptor of one declaration; raise an error for bad ones."""
+    """Return the full name, value and descriptor of one tuple given to `declare_parameters`.
+
+    Args:
+        place: The tuple's index, for errors.
+        prefix: Put before the name.
+        given: The tuple; what it leaves out is None.
+
+    Raises:
+        TypeError: The tuple has another form.
+        InvalidParameterException: The name is empty.
+    """
     where = f"at index {place} in parameters list"
     if not 1 <= len(given) <= 3:
         raise TypeError(

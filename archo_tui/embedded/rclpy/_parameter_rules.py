@@ -12,7 +12,14 @@ RELATIVE_TOLERANCE = 1e-6  # rclpy's PARAM_REL_TOL
 
 
 def check(parameter: Parameter[Any], descriptor: ParameterDescriptor, *, declaring: bool) -> str:
-    """Return why a parameter may not have its value, in rclpy's words, or ""."""
+    """Return why a descriptor forbids a parameter's value, in rclpy's words, or "".
+
+    Args:
+        parameter: The parameter with its new value.
+        descriptor: Its descriptor: read-only, type, range and step.
+        declaring: True for a declaration, which may set a read-only parameter, or leave it without
+            a value.
+    """
     if descriptor.read_only and not declaring:
         return f"Trying to set a read-only parameter: {parameter.name}."
     if not descriptor.dynamic_typing:

@@ -31,7 +31,10 @@ class Process:
         self.lock = threading.Lock()
 
     def add_node(self, node: Node) -> None:
-        """Take note of a node that is made in a thread of the program, once it has its name."""
+        """Do nothing; a subclass may take note of a node that a thread of the program makes.
+
+        The node has its name and is on the graph, but has no parameters yet.
+        """
 
 
 main = Process()  # Of all threads that belong to no program.
@@ -39,11 +42,11 @@ _KEY = "process of rclpy"  # Of a thread's attributes, so that the process ends 
 
 
 def current() -> Process:
-    """Return the state of the program that the calling thread belongs to."""
+    """Return the state of the calling thread's program; `main` if the thread belongs to none."""
     found: Process = vars(threading.current_thread()).get(_KEY, main)
     return found
 
 
 def adopt(thread: threading.Thread, process: Process) -> None:
-    """Let a thread belong to a program."""
+    """Make a thread belong to a program: `current()` returns `process` on that thread."""
     vars(thread)[_KEY] = process

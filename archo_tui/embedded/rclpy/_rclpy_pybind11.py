@@ -4,32 +4,32 @@ from __future__ import annotations
 
 
 class RCLError(RuntimeError):
-    """An operation that the client library refused."""
+    """The base of errors of rcl, and the error for an operation that rcl refuses."""
 
 
 class InvalidHandle(RuntimeError):
-    """A use of an object that has been destroyed."""
+    """The error for a use of an object that has been destroyed."""
 
 
 class UnknownROSArgsError(RuntimeError):
-    """An argument behind `--ros-args` that ROS does not know."""
+    """The error for an argument behind `--ros-args` that ROS does not know."""
 
 
 class RCLInvalidROSArgsError(RCLError):
-    """An argument behind `--ros-args` that cannot be read."""
+    """The error for an argument behind `--ros-args`, or a file named there, that is not valid."""
 
 
 class RMWError(RuntimeError):
-    """An operation that the middleware refused."""
+    """The error of the middleware; here only for bytes that are not a message of a type."""
 
 
 class UnsupportedEventTypeError(RCLError):
-    """A kind of event that the middleware does not tell of."""
+    """The error for a callback of deadline or liveliness events, which do not exist here."""
 
 
 class NodeNameNonExistentError(RCLError):
-    """A node name that is not on the graph."""
+    """The error for a question about a node that is not on the graph."""
 
 
 class TimerCancelledError(RCLError):
-    """A call of a timer that was canceled meanwhile."""
+    """The error for a call of a canceled timer; this engine never raises it."""

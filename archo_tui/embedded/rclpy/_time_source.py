@@ -12,7 +12,7 @@ from typing import Protocol
 
 
 class TimeSource(Protocol):
-    """The interface of a source of time."""
+    """The interface of a source of time: two clocks, and how a thread waits."""
 
     def monotonic_ns(self) -> int:
         """Return monotonic time, in ns."""
@@ -28,7 +28,8 @@ class TimeSource(Protocol):
     ) -> None:
         """Release `condition`, which the caller holds, until it is notified or the time has come.
 
-        The method may return early: the caller looks again.
+        The caller holds the condition again afterwards. The method may return early: the caller
+        looks again.
 
         Args:
             condition: The condition.
@@ -38,7 +39,7 @@ class TimeSource(Protocol):
 
 
 class MachineTime:
-    """The time of this machine."""
+    """The source of time that asks this machine's clocks; it is used unless a test replaces it."""
 
     def monotonic_ns(self) -> int:
         return time.monotonic_ns()
@@ -60,29 +61,37 @@ _source: TimeSource = MachineTime()
 
 
 def use(source: TimeSource) -> TimeSource:
-    """Replace the source of time, and return the source that was used before."""
+    """Replace the source of time of the whole process, and return the previous source."""
     global _source
     before, _source = _source, source
     return before
 
 
 def monotonic_ns() -> int:
-    """Return monotonic time, in ns."""
+    """Return the monotonic time of the current source, in ns."""
     return _source.monotonic_ns()
 
 
 def time_ns() -> int:
-    """Return Unix time, in ns."""
+    """Return the Unix time of the current source, in ns."""
     return _source.time_ns()
 
 
 def patience_ns(timeout_sec: float | None) -> int | None:
-    """Return the end of a wait for other nodes: as `deadline_ns`, but at once if negative."""
+    """Return the monotonic time, in ns, at which a wait for other nodes ends; None for no limit.
+
+    Args:
+        timeout_sec: The time from now, in s; a negative one ends at once, None is no limit.
+    """
     return deadline_ns(None if timeout_sec is None else max(timeout_sec, 0.0))
 
 
 def deadline_ns(timeout_sec: float | None) -> int | None:
-    """Return the end of a timeout in s that begins now; None for None and for a negative one."""
+    """Return the monotonic time, in ns, at which a timeout ends that begins now; None for no limit.
+
+    Args:
+        timeout_sec: The timeout in s; None and a negative one are no limit.
+    """
     if timeout_sec is None or timeout_sec < 0:
         return None
     return monotonic_ns() + int(timeout_sec * 1e9)
@@ -91,7 +100,13 @@ def deadline_ns(timeout_sec: float | None) -> int | None:
 def wait_until(
     condition: threading.Condition, holds: Callable[[], bool], until_ns: int | None
 ) -> bool:
-    """Wait, with `condition` held, until `holds()`, and return what it returned last."""
+    """Block until `holds()` is true; return False if `until_ns` came first.
+
+    Args:
+        condition: Held by the caller, and notified whenever `holds()` may have changed.
+        holds: Called with the condition held.
+        until_ns: The latest end, on the clock of `monotonic_ns`; None for no end.
+    """
     while not holds():
         if until_ns is not None and monotonic_ns() >= until_ns:
             return False
@@ -100,5 +115,5 @@ def wait_until(
 
 
 def wait(condition: threading.Condition, idle: Callable[[], bool], until_ns: int | None) -> None:
-    """Wait as `TimeSource.wait` does."""
+    """Wait as `TimeSource.wait` of the current source does."""
     _source.wait(condition, idle, until_ns)

@@ -8,16 +8,16 @@ from typing import Any
 
 
 def check_action(kind: Any) -> None:
-    """Raise AttributeError for anything but an action."""
+    """Raise AttributeError unless `kind` is the class of an action."""
     if not hasattr(kind, "Impl"):
         raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no action type")
 
 
 def takes_info(callback: Any) -> bool:
-    """Return True if a callback takes a message and its info, False if only a message.
+    """Return True if a callback takes a message and its info, False if it can take a message alone.
 
     Raises:
-        RuntimeError: It takes another number of arguments.
+        RuntimeError: The callback takes neither one nor two arguments, or is no function.
     """
     with contextlib.suppress(TypeError):
         signature = inspect.signature(callback)

@@ -78,10 +78,30 @@ class Node(NodeParameters, Destroyable):
     ) -> None:
         """Create a node, and put it on the graph.
 
+        The node gets a publisher of /parameter_events, of /rosout, the parameter `use_sim_time` and
+        its parameter services. Unlike in rclpy, `start_type_description_service` is False.
+
+        Args:
+            node_name: The name, unless a remapping gives another.
+            context: The context; None means the default one.
+            cli_args: ROS arguments of this node alone, which win against the context's.
+            namespace: The namespace, unless a remapping gives another; None means `/`.
+            use_global_arguments: False ignores the context's arguments.
+            enable_rosout: False publishes no log lines.
+            rosout_qos_profile: The QoS of /rosout.
+            start_parameter_services: False offers no parameter services.
+            parameter_overrides: Values that win against the arguments'.
+            allow_undeclared_parameters: True lets parameters be set that are not declared.
+            automatically_declare_parameters_from_overrides: True declares every parameter that the
+                arguments or overrides give a value, with a dynamic type.
+            enable_logger_service: True offers the services of levels of loggers.
+
         Raises:
             NotInitializedException: The context has not begun.
             InvalidNodeNameException: The name is not allowed.
             InvalidNamespaceException: The namespace is not allowed.
+            RCLInvalidROSArgsError: An argument in `cli_args` is not valid.
+            UnknownROSArgsError: An argument in `cli_args` is unknown.
         """
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
@@ -89,8 +109,8 @@ class Node(NodeParameters, Destroyable):
         own = _arguments.parse(cli_args)
         everybodys = self._context._arguments if use_global_arguments else _arguments.Arguments()
         self._remaps = own.remaps + everybodys.remaps
-        name = _names.special(self._remaps, node_name, "__node", "__name") or node_name
-        space = _names.special(self._remaps, node_name, "__ns") or namespace or "/"
+        name = _names.renamed(self._remaps, node_name, "__node", "__name") or node_name
+        space = _names.renamed(self._remaps, node_name, "__ns") or namespace or "/"
         _names.validate_node_name(name)
         space = space if space.startswith("/") else f"/{space}"
         _names.validate_namespace(space)
@@ -146,7 +166,10 @@ class Node(NodeParameters, Destroyable):
 
     @property
     def executor(self) -> Executor | None:
-        """Return the executor that runs this node's callbacks, or None."""
+        """Return the executor to which this node was added last, or None.
+
+        Setting it removes the node from the one before, and adds it to the new one.
+        """
         return self._executor
 
     @executor.setter
@@ -176,19 +199,30 @@ class Node(NodeParameters, Destroyable):
         return self._full_name
 
     def get_clock(self) -> Clock:
-        """Return the node's clock."""
+        """Return the node's clock, a ROSClock, which follows the parameter `use_sim_time`."""
         return self._clock
 
     def get_logger(self) -> RcutilsLogger:
-        """Return the node's logger."""
+        """Return the node's logger, whose name has dots for slashes.
+
+        Return the entities of a kind, without those that an action consists of.
+        """
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return the name on the graph; raise RCLError for what cannot be one."""
+        """Return a topic's name on the graph: expanded, and remapped unless `only_expand`.
+
+        Raises:
+            RCLError: The name cannot be one on the graph.
+        """
         return self._resolve(topic, only_expand)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Return the name on the graph; raise RCLError for what cannot be one."""
+        """Return a service's name on the graph: expanded, and remapped unless `only_expand`.
+
+        Raises:
+            RCLError: The name cannot be one on the graph.
+        """
         return self._resolve(service, only_expand, is_service=True)
 
     def _resolve(self, name: str, only_expand: bool, *, is_service: bool = False) -> str:
@@ -202,14 +236,25 @@ class Node(NodeParameters, Destroyable):
         return full
 
     def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
-        """Return a name expanded and remapped; raise InvalidHandle or ValueError."""
+        """Return a name expanded, and remapped unless `only_expand` is True.
+
+        Raises:
+            InvalidHandle: The node is destroyed.
+            ValueError: The name cannot be expanded.
+        """
         self._use()
         full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
         return _names.remapped(full, self._name, self._namespace, rules, is_service=is_service)
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
-        """Return a name expanded and remapped, refusing invalid ones with rclpy's exceptions."""
+        """Return a name expanded and remapped.
+
+        Raises:
+            InvalidTopicNameException: The name is not valid.
+            InvalidServiceNameException: The name is not valid, and `is_service` is True.
+            InvalidHandle: The node is destroyed.
+        """
         _names.validate_topic_name(name, is_service=is_service)
         full = self._resolved(name, is_service=is_service)
         _names.validate_full_topic_name(full, is_service=is_service)
@@ -217,29 +262,29 @@ class Node(NodeParameters, Destroyable):
 
     @property
     def default_callback_group(self) -> CallbackGroup:
-        """Return the mutually exclusive group of what is made without one."""
+        """Return the group, a mutually exclusive one, of entities that are made without a group."""
         return self._default_callback_group
 
     @property
     def publishers(self) -> Iterator[Publisher[Any]]:
-        """Return this node's publishers, but for the one of its log."""
+        """Return this node's publishers, without those of its actions and that of /rosout."""
         return iter(
             [p for p in self._publishers if not p._is_part_of_action and p is not self._rosout]
         )
 
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
-        """Return this node's subscriptions."""
+        """Return this node's subscriptions, without those of its actions."""
         return self._outside_actions(Subscription)
 
     @property
     def services(self) -> Iterator[Service[Any, Any]]:
-        """Return this node's services."""
+        """Return this node's services, without those of its actions."""
         return self._outside_actions(Service)
 
     @property
     def clients(self) -> Iterator[Client[Any, Any]]:
-        """Return this node's clients."""
+        """Return this node's clients, without those of its actions."""
         return self._outside_actions(Client)
 
     @property
@@ -260,10 +305,23 @@ class Node(NodeParameters, Destroyable):
     ) -> Publisher[MsgT]:
         """Create a publisher.
 
+        Args:
+            msg_type: The class of its messages.
+            topic: The topic's name.
+            qos_profile: The profile, copied, or the depth of a default one.
+            callback_group: The group of the callbacks of events; None means the node's default one.
+            event_callbacks: The callbacks of events; None means the default ones.
+            qos_overriding_options: Must be None: this engine has no such options.
+            publisher_class: The class of the publisher.
+
         Raises:
             InvalidTopicNameException: The name is not allowed.
-            TypeError: The class is no message, or the QoS is neither a profile nor a depth.
+            AttributeError: The class is no interface.
+            RuntimeError: The class is a service or an action.
+            TypeError: The QoS is neither a profile nor a depth.
             ValueError: The depth is negative.
+            NotImplementedError: An argument is given that must be None.
+            InvalidHandle: The node is destroyed.
         """
         absent.check_arguments("create_publisher", qos_overriding_options=qos_overriding_options)
         self._use()
@@ -296,7 +354,7 @@ class Node(NodeParameters, Destroyable):
             msg_type: The class of its messages.
             topic: The topic's name.
             callback: Called with the message, or with the message and its info.
-            qos_profile: The profile, or the depth of a default one.
+            qos_profile: The profile, copied, or the depth of a default one.
             callback_group: The group of the callback; None means the node's default one.
             event_callbacks: The callbacks of events; None means the default ones.
             qos_overriding_options: Must be None: this engine has no such options.
@@ -305,8 +363,13 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidTopicNameException: The name is not allowed.
-            TypeError: The class is no message, or the QoS is neither a profile nor a depth.
+            AttributeError: The class is no interface.
+            RuntimeError: The class is a service or an action, or the callback takes neither one nor
+                two arguments.
+            TypeError: The QoS is neither a profile nor a depth.
             ValueError: The depth is negative.
+            NotImplementedError: An argument is given that must be None.
+            InvalidHandle: The node is destroyed.
         """
         absent.check_arguments(
             "create_subscription",
@@ -333,7 +396,14 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
-        """Create a client of a service; raise InvalidServiceNameException for a bad name."""
+        """Create a client of a service.
+
+        Raises:
+            InvalidServiceNameException: The name is not allowed.
+            AttributeError: The class is no interface.
+            RuntimeError: The class is a message or an action.
+            InvalidHandle: The node is destroyed.
+        """
         self._use()
         check_is_valid_srv_type(srv_type)
         name, group = self._validated(srv_name, is_service=True), callback_group
@@ -353,7 +423,21 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Service[Any, Any]:
-        """Create a service; raise InvalidServiceNameException for a bad name."""
+        """Create a service.
+
+        Args:
+            srv_type: The class of the service.
+            srv_name: The service's name.
+            callback: Called with the request and an empty response; returns the response.
+            qos_profile: The profile, of which only history and depth count.
+            callback_group: The group of the callback; None means the node's default one.
+
+        Raises:
+            InvalidServiceNameException: The name is not allowed.
+            AttributeError: The class is no interface.
+            RuntimeError: The class is a message or an action.
+            InvalidHandle: The node is destroyed.
+        """
         return self._add_service(Service, srv_type, srv_name, callback, callback_group, qos_profile)
 
     def create_timer(
@@ -364,7 +448,14 @@ class Node(NodeParameters, Destroyable):
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
-        """Create a timer of a period in s.
+        """Create a timer, which first calls back after a full period.
+
+        Args:
+            timer_period_sec: The period in s.
+            callback: Called without arguments, or with a TimerInfo if an argument is annotated so.
+            callback_group: The group of the callback; None means the node's default one.
+            clock: The clock to count; None means the node's own.
+            autostart: False does not tick until `reset()`.
 
         Raises:
             RCLError: The period is negative, or the context was shut down.
@@ -382,7 +473,14 @@ class Node(NodeParameters, Destroyable):
         return timer
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Return a rate of that frequency (Hz); another thread must spin the node."""
+        """Return a rate of that frequency (Hz); another thread must spin the node.
+
+        Unlike in rclpy, the rate ticks in the node's default callback group: its `sleep()` never
+        ends in a callback of that group.
+
+        Raises:
+            ValueError: The frequency is not above 0.
+        """
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         timer = self.create_timer(1.0 / frequency, _nothing, clock=clock)
@@ -393,12 +491,17 @@ class Node(NodeParameters, Destroyable):
     guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
-        """Destroy a rate, and return False if it is not this node's."""
+        """Destroy a rate and wake its sleepers; return False if it is not this node's."""
         rate.destroy()
         return self._destroy(rate._timer)
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        """Wait up to `timeout` (s) for a node, and return False if it has not come."""
+        """Block until a node is on the graph; return False if it does not come in time.
+
+        Args:
+            fully_qualified_node_name: The name; a leading slash may be left out.
+            timeout: The longest wait in s; negative means no limit.
+        """
         name = f"/{fully_qualified_node_name.lstrip('/')}"
         with self._graph.changed:
             return _time_source.wait_until(
@@ -457,7 +560,7 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def _entities(self) -> list[Entity]:
-        """Return everything that has callbacks."""
+        """Return everything that has callbacks: entities, and the handlers of endpoints' events."""
         endpoints = itertools.chain(self._publishers, self._all(Subscription))
         return [*self._entity_list, *(event for one in endpoints for event in one.event_handlers)]
 
@@ -469,11 +572,19 @@ class Node(NodeParameters, Destroyable):
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 
     def get_node_names(self) -> list[str]:
-        """Return the names of all nodes without namespaces."""
+        """Return the names of all nodes of the domain, this one included, without namespaces.
+
+        Raises:
+            InvalidHandle: The node is destroyed.
+        """
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return `(name, namespace)` of every node."""
+        """Return `(name, namespace)` of every node of the domain, this one included.
+
+        Raises:
+            InvalidHandle: The node is destroyed.
+        """
         self._use()
         with self._graph.lock:
             return [(node._name, node._namespace) for node in self._graph.nodes]
@@ -483,13 +594,20 @@ class Node(NodeParameters, Destroyable):
         return [(*names, "/") for names in self.get_node_names_and_namespaces()]
 
     def get_fully_qualified_node_names(self) -> list[str]:
-        """Return `/namespace/name` of every node."""
+        """Return `/namespace/name` of every node of the domain, this one included.
+
+        Raises:
+            InvalidHandle: The node is destroyed.
+        """
         self._use()
         with self._graph.lock:
             return [node._full_name for node in self._graph.nodes]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
-        """Return every topic that has a publisher or a subscription."""
+        """Return every topic that has a publisher or a subscription, sorted, with its types.
+
+        `no_demangle` has no effect: there are no names of DDS.
+        """
         self._use()
         with self._graph.lock:
             return _sorted(
@@ -502,7 +620,10 @@ class Node(NodeParameters, Destroyable):
             )
 
     def get_service_names_and_types(self) -> NamesAndTypes:
-        """Return every service that is offered or has a client; `count_services` tells which."""
+        """Return every service that has a server or a client, sorted, with its types.
+
+        `count_services` tells which have a server.
+        """
         self._use()
         with self._graph.lock:
             return _sorted(
@@ -515,7 +636,13 @@ class Node(NodeParameters, Destroyable):
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
-        """Return what a node publishes; raise NodeNameNonExistentError."""
+        """Return the topics that a node publishes, sorted, with their types.
+
+        Those of actions are included. `no_demangle` has no effect.
+
+        Raises:
+            NodeNameNonExistentError: No such node is on the graph.
+        """
         nodes = self._named(node_name, node_namespace)
         publishers = [publisher for node in nodes for publisher in node._publishers]
         return _sorted((p._topic_name, p.msg_type) for p in publishers)
@@ -523,7 +650,13 @@ class Node(NodeParameters, Destroyable):
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
-        """Return what a node subscribes to; raise NodeNameNonExistentError."""
+        """Return the topics to which a node subscribes, sorted, with their types.
+
+        Those of actions are included. `no_demangle` has no effect.
+
+        Raises:
+            NodeNameNonExistentError: No such node is on the graph.
+        """
         nodes = self._named(node_name, node_namespace)
         return _sorted(
             (s._topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
@@ -532,21 +665,36 @@ class Node(NodeParameters, Destroyable):
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services that a node offers; raise NodeNameNonExistentError."""
+        """Return the services that a node offers, sorted, with their types; those of actions, too.
+
+        Raises:
+            NodeNameNonExistentError: No such node is on the graph.
+        """
         nodes = self._named(node_name, node_namespace)
         return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services that a node is a client of; raise NodeNameNonExistentError."""
+        """Return the services of which a node is a client, sorted, with their types; actions', too.
+
+        Raises:
+            NodeNameNonExistentError: No such node is on the graph.
+        """
         nodes = self._named(node_name, node_namespace)
         return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Return a topic's publishers with types and QoS; raise ValueError for a bad name."""
+        """Return a topic's publishers with types and QoS; an empty list for an unknown topic.
+
+        The name is expanded and remapped. As from DDS, history and depth are not told. `no_mangle`
+        has no effect.
+
+        Raises:
+            ValueError: The name is not valid.
+        """
         name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
@@ -555,28 +703,47 @@ class Node(NodeParameters, Destroyable):
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Return a topic's subscriptions with types and QoS; raise ValueError for a bad name."""
+        """Return a topic's subscriptions with types and QoS; an empty list for an unknown topic.
+
+        The name is expanded and remapped. As from DDS, history and depth are not told. `no_mangle`
+        has no effect.
+
+        Raises:
+            ValueError: The name is not valid.
+        """
         name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
             return [_info(endpoint) for endpoint in topic.subscriptions] if topic else []
 
     def count_publishers(self, topic_name: str) -> int:
-        """Return how many publishers a topic has; raise ValueError for a bad name."""
+        """Return how many publishers a topic has; raise ValueError for a bad name.
+
+        Unlike in rclpy, the name is not only expanded but also remapped.
+        """
         return len(self.get_publishers_info_by_topic(topic_name))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """Return how many subscriptions a topic has; raise ValueError for a bad name."""
+        """Return how many subscriptions a topic has; raise ValueError for a bad name.
+
+        Unlike in rclpy, the name is not only expanded but also remapped.
+        """
         return len(self.get_subscriptions_info_by_topic(topic_name))
 
     def count_services(self, service_name: str) -> int:
-        """Return how many servers a service has; raise ValueError for a bad name."""
+        """Return how many servers a service has; raise ValueError for a bad name.
+
+        Unlike in rclpy, the name is not only expanded but also remapped.
+        """
         name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.services.get(name, ()))
 
     def count_clients(self, service_name: str) -> int:
-        """Return how many clients a service has; raise ValueError for a bad name."""
+        """Return how many clients a service has; raise ValueError for a bad name.
+
+        Unlike in rclpy, the name is not only expanded but also remapped.
+        """
         name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.clients.get(name, ()))
@@ -596,7 +763,10 @@ class Node(NodeParameters, Destroyable):
         return nodes
 
     def destroy_node(self) -> None:
-        """Destroy everything this node made and leave the graph; its executor still lists it."""
+        """Destroy everything this node made and leave the graph; a second call does nothing.
+
+        Its executor still lists the node, and no longer calls it.
+        """
         self._leave_graph()
         if self._executor is not None:
             self._executor._drop_work(self)
@@ -653,4 +823,4 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
 
 
 def _nothing() -> None:
-    """Do nothing: a rate's timer calls it before the rate is made."""
+    """Do nothing: the callback of a rate's timer until the rate sets its own."""

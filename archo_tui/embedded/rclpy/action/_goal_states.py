@@ -32,7 +32,12 @@ ACTIVE = (
 
 
 def next_state(state: int, event: str) -> int:
-    """Return the state after an event; raise RCLError if the state does not allow the event."""
+    """Return the state of a goal after an event; raise RCLError if the state does not allow it.
+
+    Args:
+        state: One of GoalStatus's constants.
+        event: One of this module's constants, such as SUCCEED.
+    """
     try:
         return _NEXT[state, event]
     except KeyError:
@@ -43,5 +48,5 @@ def next_state(state: int, event: str) -> int:
 
 
 def is_cancelable(state: int) -> bool:
-    """Return True if a cancel request can still be taken."""
+    """Return True for an accepted or executing goal, which a cancel request may still reach."""
     return (state, CANCEL_GOAL) in _NEXT

@@ -10,26 +10,26 @@ from rclpy._rclpy_pybind11 import RCLError
 
 
 class TransitionCallbackReturn(Enum):
-    """The outcome of a transition's callback."""
+    """The outcome of a transition's callback, which decides the next state."""
 
     SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
     FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
     ERROR = Transition.TRANSITION_CALLBACK_ERROR
 
     def to_label(self) -> str:
-        """Return the label of the transition that follows."""
+        """Return the label of the transition that follows, such as `transition_success`."""
         return f"transition_{self.name.lower()}"
 
 
 class LifecycleState(NamedTuple):
-    """A state, with its label and id."""
+    """A state of a lifecycle node: its label and its number in lifecycle_msgs/State."""
 
     label: str
     state_id: int
 
 
 class Step(NamedTuple):
-    """A transition between two states."""
+    """A transition: its number and label, and the numbers of the states it leads from and to."""
 
     number: int
     label: str
@@ -55,7 +55,16 @@ LABELS = {
 def _through(
     state: int, begins: dict[int, int], label: str, ends: int, success: int, failure: int
 ) -> list[Step]:
-    """Return the transitions into a state, and those by which its callback leaves it."""
+    """Return the transitions into an intermediate state, and those by which its callback leaves it.
+
+    Args:
+        state: The intermediate state, in which the callback runs.
+        begins: Each state from which it is entered, with the number of that transition.
+        label: The label of these transitions.
+        ends: The number of the transition after SUCCESS; FAILURE and ERROR have the next two.
+        success: The state after SUCCESS.
+        failure: The state after FAILURE.
+    """
     error = State.TRANSITION_STATE_ERRORPROCESSING
     if state == error:
         error = State.PRIMARY_STATE_FINALIZED
@@ -98,7 +107,10 @@ STEPS = [
 
 
 class StateMachine:
-    """The current state of a node, and the transitions from there."""
+    """The current state of a lifecycle node, at first `unconfigured`, and its transitions.
+
+    It calls no callbacks.
+    """
 
     # The node's services, if it has a communication interface.
     service_change_state: Any = None
@@ -112,16 +124,23 @@ class StateMachine:
 
     @property
     def current_state(self) -> tuple[int, str]:
-        """Return id and label of the state."""
+        """Return number and label of the state."""
         return self._state, LABELS[self._state]
 
     @property
     def steps(self) -> list[Step]:
-        """Return the transitions from this state."""
+        """Return the transitions that start from the current state."""
         return [step for step in STEPS if step.start == self._state]
 
     def trigger_transition(self, transition: int | str) -> Step:
-        """Go through a transition by number or label; raise RCLError if it does not start here."""
+        """Change to the state to which a transition leads, and return the transition.
+
+        Args:
+            transition: Its number or its label.
+
+        Raises:
+            RCLError: No such transition starts from the current state.
+        """
         for step in self.steps:
             if transition in (step.number, step.label):
                 self._state = step.goal
