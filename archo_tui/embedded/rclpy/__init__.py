@@ -42,9 +42,20 @@ def init(
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
 ) -> InitContextManager:
-    """Begin to use rclpy. Arguments behind `--ros-args` hold for every node of the context.
+    """Begin to use rclpy: begin a context.
 
-    The returned context manager calls `shutdown` at the end of a `with`.
+    Args:
+        args: The command line; None means the program's own. ROS arguments behind `--ros-args` hold
+            for every node of the context.
+        context: The context; None means the default one.
+        domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
+        signal_handler_options: Has no effect: this engine installs no handlers.
+
+    Returns:
+        A context manager that shuts the context down at the end of a `with`.
+
+    Raises:
+        RuntimeError: The context was begun before.
     """
     context = context or get_default_context()
     if signal_handler_options is None:
@@ -55,7 +66,7 @@ def init(
 
 
 class InitContextManager:
-    """The result of `init`: a context manager that shuts the context down."""
+    """The result of `init`: a context manager that shuts the context down at its end."""
 
     def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
         self.context = context
@@ -70,26 +81,37 @@ class InitContextManager:
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End the use of rclpy; raise RuntimeError if it has not begun."""
+    """Shut the context and the global executor down; raise RuntimeError if it has not begun.
+
+    Args:
+        context: The context; None means the default one, of which `init` then begins a new one.
+        uninstall_handlers: Has no effect: there are no handlers.
+    """
     utilities.shutdown(context=context)
     _reset_executor()
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End the use of rclpy, if it has begun."""
+    """Shut the context and the global executor down, if the context has begun.
+
+    The arguments are those of `shutdown`.
+    """
     utilities.try_shutdown(context=context)
     _reset_executor()
 
 
 def create_node(node_name: str, **options: Any) -> Node:
-    """Return a plain Node; the options are those of `Node`."""
+    """Create a Node and return it; the options are those of `Node`."""
     from rclpy.node import Node
 
     return Node(node_name, **options)
 
 
 def get_global_executor() -> Executor:
-    """Return the executor that `spin` uses if none is given."""
+    """Return the executor that `spin` uses if none is given.
+
+    The first call makes a single-threaded one, which lasts until `shutdown`.
+    """
     process = _process.current()
     if process.executor is None:
         from rclpy.executors import SingleThreadedExecutor
@@ -99,7 +121,16 @@ def get_global_executor() -> Executor:
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
-    """Run the node's callbacks until the context is shut down, or one raises."""
+    """Run callbacks until the context is shut down, or one raises; then remove the node.
+
+    Args:
+        node: The node, added to the executor, whose other nodes are run as well.
+        executor: The executor; None means the global one.
+
+    Raises:
+        ExternalShutdownException: The context was shut down while a single-threaded executor
+            waited.
+    """
     executor = executor or get_global_executor()
     executor.add_node(node)
     try:
@@ -112,7 +143,18 @@ def spin(node: Node, executor: Executor | None = None) -> None:
 def spin_once(
     node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
-    """Run one callback of the node, waiting for it up to `timeout_sec` (s)."""
+    """Run one callback, of this node or another one of the executor.
+
+    The node is added to the executor, and removed again afterwards unless it was there before.
+
+    Args:
+        node: The node.
+        executor: The executor; None means the global one.
+        timeout_sec: The longest wait in s; None or negative means no limit.
+
+    Raises:
+        ExternalShutdownException: The context was shut down.
+    """
     executor = executor or get_global_executor()
     added = executor.add_node(node)
     try:
@@ -128,7 +170,16 @@ def spin_until_future_complete(
     executor: Executor | None = None,
     timeout_sec: float | None = None,
 ) -> None:
-    """Run the node's callbacks until the future is done or `timeout_sec` (s) have passed."""
+    """Run callbacks until the future is done or cancelled, or the time is up.
+
+    The node is added to the executor, and removed again afterwards unless it was there before.
+
+    Args:
+        node: The node.
+        future: The future.
+        executor: The executor; None means the global one.
+        timeout_sec: The longest time in s; None or negative means no limit.
+    """
     executor = executor or get_global_executor()
     added = executor.add_node(node)
     try:

@@ -8,13 +8,16 @@ from typing import Any
 
 
 class CallbackGroup:
-    """A group of entities that share a rule about running at the same time."""
+    """The base of groups of entities that share a rule about running at the same time.
+
+    A group does not keep its entities alive.
+    """
 
     def __init__(self) -> None:
         self.entities: set[weakref.ref[Any]] = set()
 
     def add_entity(self, entity: Any) -> None:
-        """Add an entity to the group."""
+        """Add an entity to the group; making an entity does this already."""
         self.entities.add(weakref.ref(entity, self.entities.discard))  # Discarded with the entity.
 
     def has_entity(self, entity: Any) -> bool:
@@ -22,15 +25,15 @@ class CallbackGroup:
         return weakref.ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
-        """Return True if the entity's callback may start now."""
+        """Return True if the entity's callback may start now; claim nothing."""
         raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Claim the group for the entity, and return False if it is taken."""
+        """Claim the group for the entity's callback; return False if the group is taken."""
         raise NotImplementedError
 
     def ending_execution(self, entity: Any) -> None:
-        """Release the group."""
+        """Release the group that `beginning_execution` claimed."""
         raise NotImplementedError
 
 
@@ -48,7 +51,7 @@ class ReentrantCallbackGroup(CallbackGroup):
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):
-    """A group that runs one callback at a time; a coroutine holds it while it awaits."""
+    """A group that runs one callback at a time; an `async def` holds it while it awaits."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -21,7 +21,10 @@ SrvResponseT = TypeVar("SrvResponseT")
 
 
 class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
-    """A client of a service, made by `Node.create_client`."""
+    """A client of a service, made by `Node.create_client`.
+
+    A full queue drops the oldest response.
+    """
 
     _rank = 4
 
@@ -44,9 +47,14 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self._pending_requests: dict[int, Future[Any]] = {}
 
     def call_async(self, request: SrvRequestT) -> Future[SrvResponseT]:
-        """Send a copy of `request`. The future stays pending for ever when nobody answers.
+        """Send a copy of `request`, and return the future of the response.
 
-        Raises TypeError for a request of another type, InvalidHandle after `destroy()`.
+        The future stays pending for ever when nobody answers. If several nodes offer the service,
+        all get the request, and the first response counts.
+
+        Raises:
+            TypeError: The request is of another type.
+            InvalidHandle: The client is destroyed.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
@@ -65,7 +73,14 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     def call(self, request: SrvRequestT, timeout_sec: float | None = None) -> Any:
         """Call and block until answered, while another thread spins the node.
 
-        Raises TimeoutError when `timeout_sec` (s) has passed.
+        Args:
+            request: The request.
+            timeout_sec: The longest wait in s; None means no limit.
+
+        Raises:
+            TimeoutError: The time is up; an answer that comes later is dropped.
+            TypeError: The request is of another type.
+            InvalidHandle: The client is destroyed.
         """
         future = self.call_async(request)
         if not wait_for(future, timeout_sec):
@@ -74,7 +89,10 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         return future.result()
 
     def remove_pending_request(self, future: Future[Any]) -> None:
-        """Forget a request; an answer that comes later is dropped."""
+        """Forget a request by its future; an answer that comes later is dropped.
+
+        A future that is not pending is ignored.
+        """
         with self._lock:
             for number, pending in list(self._pending_requests.items()):
                 if pending is future:
@@ -86,19 +104,33 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         return self._node.context
 
     def get_pending_request(self, sequence_number: int) -> Future[SrvResponseT]:
-        """Return the future of a request without an answer; raise KeyError for any other number."""
+        """Return the future of a request that has no answer yet.
+
+        Args:
+            sequence_number: The request's number; a client counts its requests from 1.
+
+        Raises:
+            KeyError: No such request is pending.
+        """
         with self._lock:
             return self._pending_requests[sequence_number]
 
     def service_is_ready(self) -> bool:
-        """Return True if a node offers the service; raise InvalidHandle after `destroy()`."""
+        """Return True if a node offers the service with this type.
+
+        Raises:
+            InvalidHandle: The client is destroyed.
+        """
         self._use()
         return bool(self._node._graph.servers(self._service_name, self.srv_type))
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Block until the service is offered; False when `timeout_sec` (s) passed before.
+        """Block until the service is offered; return False when `timeout_sec` (s) passed before.
 
-        Raises InvalidHandle after `destroy()`, and when the context is shut down meanwhile.
+        None means no limit, a negative timeout no wait.
+
+        Raises:
+            InvalidHandle: The client is destroyed, or is by the context's shutdown meanwhile.
         """
         self._use()
         graph = self._node._graph
@@ -111,7 +143,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             return self.service_is_ready()
 
     def destroy(self) -> None:
-        """Leave the graph; pending futures stay pending."""
+        """Leave the graph; futures that are pending stay pending for ever."""
         self._destroyed = True
         graph = self._node._graph
         graph.remove_named(graph.clients, self._service_name, self)
@@ -126,7 +158,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
 
 class _Answer(Future[Any]):
-    """The future of a call; cancelling it forgets the request."""
+    """The future of a call; cancelling it makes the client forget the request."""
 
     def __init__(self, client: Client[Any, Any]) -> None:
         super().__init__(executor=client._node.executor)

@@ -24,7 +24,7 @@ __all__ = [
 
 
 class Clock:
-    """A clock of one kind."""
+    """A clock of one kind; `Clock(clock_type=ClockType.ROS_TIME)` makes a ROSClock."""
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Clock:
         """Create a clock, a ROSClock for ROS_TIME; raise TypeError for no ClockType."""
@@ -49,7 +49,7 @@ class Clock:
         return False
 
     def now(self) -> Time:
-        """Return the time now: monotonic for STEADY_TIME, else since the Unix epoch."""
+        """Return the time now: monotonic for STEADY_TIME, simulated if active, else Unix time."""
         steady = self._clock_type == ClockType.STEADY_TIME
         now = _time_source.monotonic_ns() if steady else _time_source.time_ns()
         return Time(nanoseconds=now, clock_type=self._clock_type)
@@ -57,14 +57,18 @@ class Clock:
     create_jump_callback = absent.Attribute()
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Block until that time on this clock.
+        """Block until that time on this clock; a time that has passed returns True at once.
+
+        Args:
+            until: The time.
+            context: The context whose shutdown ends the sleep; None means the default one.
 
         Returns:
             False if the context was shut down before, or simulated time began or ended.
 
         Raises:
             ValueError: The time is of another kind of clock.
-            NotInitializedException: The context has been shut down.
+            NotInitializedException: The context has not begun, or was shut down before.
         """
         context = get_default_context() if context is None else context
         if not context.ok():
@@ -89,12 +93,12 @@ class Clock:
         return context.ok() and self._is_simulated == simulated
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
-        """Block for that long on this clock; see `sleep_until`."""
+        """Block for that long on this clock, and return as `sleep_until` does."""
         return self.sleep_until(self.now() + rel_time, context)
 
 
 class _ShutdownCondition:
-    """The condition that the shutdown of a context notifies."""
+    """A condition with a method that notifies it, which a context calls at its shutdown."""
 
     def __init__(self, condition: threading.Condition) -> None:
         self._condition = condition
@@ -105,7 +109,10 @@ class _ShutdownCondition:
 
 
 class ROSClock(Clock):
-    """The clock of a node: the system's, or simulated time while that is active."""
+    """The clock of a node: the system's, or simulated time while that is active.
+
+    Every ROSClock has its own simulated time.
+    """
 
     def __new__(cls, **_: Any) -> ROSClock:
         return object.__new__(cls)
@@ -118,7 +125,7 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Return True while time is simulated."""
+        """Return True while this clock tells simulated time."""
         return self._is_active
 
     @property
@@ -139,7 +146,13 @@ class ROSClock(Clock):
             timer._change_time(simulated=enabled, until_ns=before)
 
     def set_ros_time_override(self, time: Time) -> None:
-        """Set the simulated time; raise TypeError for anything but a Time."""
+        """Set the simulated time; while that is active, make due timers ready and wake sleepers.
+
+        While simulated time is not active, the time is only kept.
+
+        Raises:
+            TypeError: The argument is no Time.
+        """
         if not isinstance(time, Time):
             raise TypeError(
                 f"Time must be specified as rclpy.time.Time. Received type: {type(time)}"
@@ -152,11 +165,11 @@ class ROSClock(Clock):
             timer._announce_if_due()
 
     def _timer_ns(self) -> int:
-        """Return the time that timers of this clock count, in ns."""
+        """Return the time that timers of this clock count, in ns: simulated, or else monotonic."""
         return self._override_ns if self._is_active else _time_source.monotonic_ns()
 
     def _take(self, override_ns: int, active: bool) -> None:
-        """Set another time, and wake all sleepers."""
+        """Set the simulated time and whether it is active, and wake all sleepers."""
         self._override_ns, self._is_active = override_ns, active
         with self._changed:
             self._changed.notify_all()

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 
 
 class Context:
-    """A context: arguments, a domain, and the nodes made in it."""
+    """A context: arguments, a domain, and the nodes made in it.
+
+    Leaving a `with` shuts the context down.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -38,7 +41,7 @@ class Context:
         initialize_logging: bool = True,
         domain_id: int | None = None,
     ) -> None:
-        """Begin the context. Contexts of one domain can talk.
+        """Begin the context, which is possible once. Contexts of one domain can talk.
 
         Args:
             args: The command line; None means the program's own.
@@ -46,8 +49,9 @@ class Context:
             domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
 
         Raises:
-            RuntimeError: The context was begun before.
-            RCLError: The arguments are not valid.
+            RuntimeError: The context was begun before, or the domain is negative.
+            RCLInvalidROSArgsError: An argument is not valid.
+            UnknownROSArgsError: An argument of ROS is unknown.
             UnicodeEncodeError: The arguments are not UTF-8.
         """
         with self._lock:
@@ -72,7 +76,7 @@ class Context:
 
     @property
     def handle(self) -> object:
-        """Return the stand-in for rcl's context, or None before `init`."""
+        """Return a stand-in for rcl's context; None before `init`."""
         return self._arguments if self._has_begun else None
 
     def ok(self) -> bool:
@@ -95,12 +99,12 @@ class Context:
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Call a function at shutdown, or at once after one.
+        """Call a function once at shutdown, or at once after one.
 
         A bound method is not called if its object is gone by then.
 
         Raises:
-            TypeError: It cannot be called.
+            TypeError: The argument cannot be called.
         """
         if not callable(callback):
             raise TypeError(f"callback should be a callable, got {type(callback)}")
@@ -114,10 +118,12 @@ class Context:
             self._callbacks.append(lambda: callback)
 
     def shutdown(self) -> None:
-        """End the context: nodes leave the graph, executors stop.
+        """End the context: its nodes leave the graph, then callbacks of `on_shutdown` are called.
+
+        Executors of the context stop spinning.
 
         Raises:
-            RuntimeError: It has not begun.
+            RuntimeError: The context has not begun, or has ended.
         """
         with self._lock:
             if not self._ok:
@@ -134,12 +140,12 @@ class Context:
                 callback()
 
     def destroy(self) -> None:
-        """Release everything; `init` of this context is no longer possible."""
+        """Shut the context down if it has begun; `ok()` raises InvalidHandle from now on."""
         self.try_shutdown()
         self._is_destroyed = True
 
     def try_shutdown(self) -> None:
-        """End the context, if it has begun."""
+        """End the context if it has begun; do nothing else."""
         if self._ok:
             self.shutdown()
 

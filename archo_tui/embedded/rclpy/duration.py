@@ -14,7 +14,7 @@ _TOO_LARGE = "Total nanoseconds value is too large to store in C duration."
 
 
 def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
-    """Return the nanoseconds unchanged; raise OverflowError beyond 64 bits."""
+    """Return the nanoseconds unchanged; raise OverflowError with the text `said` beyond 64 bits."""
     if not -(2**63) <= nanoseconds < 2**63:
         raise OverflowError(said)
     return nanoseconds
@@ -22,7 +22,7 @@ def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
 
 @total_ordering
 class Duration:
-    """A span of time with nanosecond resolution."""
+    """A span of time in ns, which may be negative; beyond 64 bits it raises OverflowError."""
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
         self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
@@ -65,7 +65,7 @@ class Duration:
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Duration) -> Duration:
-        """Return the span that a message carries; raise TypeError for another message."""
+        """Return the span that a message carries; raise TypeError for another type of message."""
         if not isinstance(msg, builtin_interfaces.msg.Duration):
             raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)

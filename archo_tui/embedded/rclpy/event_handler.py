@@ -45,7 +45,7 @@ Kind = tuple[IntEnum, type[EventHandler], EventCallback]
 
 
 class SubscriptionEventCallbacks:
-    """The callbacks of a subscription's events."""
+    """The callbacks of a subscription's events, for `Node.create_subscription`."""
 
     def __init__(
         self,
@@ -58,7 +58,18 @@ class SubscriptionEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """Set the callbacks; a publisher that does not match is logged by default."""
+        """Set the callbacks, each called with an info such as QoSSubscriptionMatchedInfo.
+
+        Args:
+            deadline: Must be None: this engine has no such events.
+            incompatible_qos: Called when a publisher's QoS does not match.
+            liveliness: Must be None: this engine has no such events.
+            message_lost: Never called: no message is lost.
+            incompatible_type: Never called: publishers of other types are not reported.
+            matched: Called when a matching publisher comes or goes.
+            use_default_callbacks: True logs a warning of incompatible QoS, unless there is a
+                callback.
+        """
         self.deadline = deadline
         self.incompatible_qos = incompatible_qos
         self.liveliness = liveliness
@@ -70,7 +81,7 @@ class SubscriptionEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, subscription: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return the handlers that call these callbacks.
+        """Return new handlers, one for each of these callbacks that is set.
 
         Raises:
             UnsupportedEventTypeError: A callback for deadline or liveliness is given.
@@ -92,7 +103,7 @@ class SubscriptionEventCallbacks:
 
 
 class PublisherEventCallbacks:
-    """The callbacks of a publisher's events."""
+    """The callbacks of a publisher's events, for `Node.create_publisher`."""
 
     def __init__(
         self,
@@ -104,7 +115,17 @@ class PublisherEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """Set the callbacks; a subscription that does not match is logged by default."""
+        """Set the callbacks, each called with an info such as QoSPublisherMatchedInfo.
+
+        Args:
+            deadline: Must be None: this engine has no such events.
+            liveliness: Must be None: this engine has no such events.
+            incompatible_qos: Called when a subscription's QoS does not match.
+            incompatible_type: Never called: subscriptions of other types are not reported.
+            matched: Called when a matching subscription comes or goes.
+            use_default_callbacks: True logs a warning of incompatible QoS, unless there is a
+                callback.
+        """
         self.deadline = deadline
         self.liveliness = liveliness
         self.incompatible_qos = incompatible_qos
@@ -115,7 +136,7 @@ class PublisherEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, publisher: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return the handlers that call these callbacks.
+        """Return new handlers, one for each of these callbacks that is set.
 
         Raises:
             UnsupportedEventTypeError: A callback for deadline or liveliness is given.
@@ -136,7 +157,7 @@ class PublisherEventCallbacks:
 
 
 def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallbacks) -> None:
-    """Raise what rclpy raises if the middleware does not tell of such events."""
+    """Raise UnsupportedEventTypeError if a callback for deadline or liveliness is set."""
     for name in ("deadline", "liveliness"):
         if getattr(callbacks, name):
             where = f"{type(callbacks).__name__}({name}=...)"
@@ -158,4 +179,4 @@ def _warns_of_qos(endpoint: Any, said: str) -> Callable[[Any], None]:
 
 
 def _is_never_called(_: IncompatibleTypeInfo) -> None:
-    """Do nothing: no endpoint is told of other types."""
+    """Do nothing, and never get called: no endpoint is told of other types."""

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class NotInitializedException(Exception):
-    """A use of rclpy before `rclpy.init()`."""
+    """The error for a use of rclpy before `rclpy.init()`, or after `shutdown()`."""
 
     def __init__(self, message: str | None = None) -> None:
         said = "rclpy.init() has not been called."
@@ -20,7 +20,7 @@ class NotInitializedException(Exception):
 
 
 class NameValidationException(Exception):
-    """A name that ROS does not allow."""
+    """The base of errors for a name that ROS does not allow; the text points at the character."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         pointer = f"{' ' * invalid_index}^"
@@ -28,28 +28,28 @@ class NameValidationException(Exception):
 
 
 class InvalidNamespaceException(NameValidationException):
-    """A namespace that ROS does not allow."""
+    """The error for a namespace that ROS does not allow."""
 
     def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__("namespace", name, error_msg, invalid_index)
 
 
 class InvalidNodeNameException(NameValidationException):
-    """A node name that ROS does not allow."""
+    """The error for a node name that ROS does not allow."""
 
     def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__("node name", name, error_msg, invalid_index)
 
 
 class InvalidTopicNameException(NameValidationException):
-    """A topic name that ROS does not allow."""
+    """The error for a topic name that ROS does not allow."""
 
     def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__("topic name", name, error_msg, invalid_index)
 
 
 class InvalidServiceNameException(NameValidationException):
-    """A service name that ROS does not allow."""
+    """The error for a service name that ROS does not allow."""
 
     def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
         super().__init__("service name", name, error_msg, invalid_index)
@@ -63,28 +63,28 @@ class ParameterException(Exception):
 
 
 class ParameterNotDeclaredException(ParameterException):
-    """A use of a parameter before it is declared."""
+    """The error for a use of parameters that are not declared."""
 
     def __init__(self, parameters: Any, *args: Any) -> None:
         super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
-    """A second declaration of a parameter."""
+    """The error for a second declaration of parameters."""
 
     def __init__(self, parameters: Any, *args: Any) -> None:
         super().__init__("Parameter(s) already declared", parameters, *args)
 
 
 class InvalidParameterException(ParameterException):
-    """A parameter name that is not allowed."""
+    """The error for a parameter name that is not allowed: an empty one."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__("Invalid parameter name", parameter, *args)
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A parameter value that is not of the declared type."""
+    """The error for a declaration whose value is of another type than the declared one."""
 
     def __init__(self, parameter: Parameter[Any], type_name: str, *args: Any) -> None:
         Exception.__init__(
@@ -96,7 +96,10 @@ class InvalidParameterTypeException(ParameterException):
 
 
 class InvalidParameterValueException(ParameterException):
-    """A parameter value that its range or a callback refused."""
+    """The error for a value that a parameter's descriptor or a callback refuses.
+
+    `declare_parameter` and `set_descriptor` raise it; `set_parameters` returns the reason instead.
+    """
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
         Exception.__init__(
@@ -106,28 +109,31 @@ class InvalidParameterValueException(ParameterException):
 
 
 class ParameterImmutableException(ParameterException):
-    """A change of a read-only parameter."""
+    """The error for undeclaring a read-only parameter, or giving it another descriptor."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__("Attempted to modify read-only parameter", parameter, *args)
 
 
 class ParameterUninitializedException(ParameterException):
-    """A reading of a statically typed parameter without a value."""
+    """The error for reading a statically typed parameter that has no value."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__(f"The parameter '{parameter}' is not initialized", parameter, *args)
 
 
 class ROSInterruptException(Exception):
-    """A shutdown of the context during a sleep."""
+    """The error of `Rate.sleep()` when the context is shut down."""
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
 
 
 class NoTypeSupportImportedException(Exception):
-    """An interface without type support; here every interface file has it."""
+    """The error for a class of the user's own without type support.
+
+    Classes made from interface files never raise it.
+    """
 
     def __init__(self) -> None:
         super().__init__("no type_support imported")

@@ -40,7 +40,7 @@ Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # What to call, its en
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
-    """Call a function, and await the coroutine of an `async def`."""
+    """Call a function and return its value; that of an `async def` is awaited."""
     if inspect.iscoroutinefunction(callback):
         return await callback(*args)
     return callback(*args)
@@ -51,25 +51,26 @@ def _never() -> bool:
 
 
 class TimeoutException(Exception):
-    """The end of a wait in which nothing became ready."""
+    """The error for a wait in which nothing became ready in time."""
 
 
 class ShutdownException(Exception):
-    """A shutdown of the executor while it was spun."""
+    """The error for a wait on an executor that is shut down."""
 
 
 class ExternalShutdownException(Exception):
-    """A shutdown of the context while an executor was spun."""
+    """The error for spinning an executor whose context is shut down."""
 
 
 class ConditionReachedException(Exception):
-    """The fulfilment of the condition before there was anything to call."""
+    """The error for a wait whose condition was fulfilled before there was anything to call."""
 
 
 class Executor:
     """The base of executors, which collects work and hands it out piece by piece.
 
-    A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`.
+    A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`. A context that has
+    not begun, or has ended, raises RuntimeError.
     """
 
     _is_concurrent = False  # True if several threads run callbacks.
@@ -100,7 +101,10 @@ class Executor:
         return self._context
 
     def add_node(self, node: Node) -> bool:
-        """Run this node's callbacks, also waiting ones; return False if it was added before."""
+        """Run this node's callbacks, also waiting ones; return False if it was added before.
+
+        The node leaves the executor that it had before.
+        """
         with self._condition:
             if node in self._nodes:
                 return False
@@ -115,14 +119,17 @@ class Executor:
             return True
 
     def remove_node(self, node: Node) -> None:
-        """Stop running this node's callbacks after those of the current round."""
+        """Stop running this node's callbacks after those of the current round.
+
+        `node.executor` stays as it is. A node that was not added is ignored.
+        """
         with self._condition:
             if node in self._nodes:
                 del self._nodes[node]
                 self._drop_work(node)
 
     def _drop_work(self, node: Node) -> None:
-        """Drop the waiting work of a node."""
+        """Forget a node's timers and that its entities are ready; their queues stay as they are."""
         with self._condition:
             self._timers = [entry for entry in self._timers if entry[2]._node is not node]
             heapq.heapify(self._timers)
@@ -130,11 +137,14 @@ class Executor:
             self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
-        """Return the nodes that were added."""
+        """Return the nodes in the order in which they were added."""
         return list(self._nodes)
 
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task[Any]:
-        """Run a function or coroutine on this executor, from any thread."""
+        """Schedule a function or coroutine on this executor, from any thread, and return its task.
+
+        A spin runs it, as soon as one does.
+        """
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
         with self._condition:
             self._tasks.append(task)
@@ -142,11 +152,11 @@ class Executor:
         return task
 
     def create_future(self) -> Future[Any]:
-        """Return a future whose callbacks run on this executor."""
+        """Return a new future whose callbacks run on this executor."""
         return Future(executor=self)
 
     def wake(self) -> None:
-        """Make a waiting spin check for work; this alone does not end `spin_once`."""
+        """Make a waiting spin check for work, from any thread; this alone ends no `spin_once`."""
         with self._condition:
             self._notify()
 
@@ -157,9 +167,9 @@ class Executor:
         self.shutdown()
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """End all spinning and release the nodes; return True.
+        """End all spinning and remove the nodes; return True.
 
-        Callbacks that run are not waited for, so `timeout_sec` has no effect.
+        Unlike in rclpy, callbacks that run are not waited for: `timeout_sec` has no effect.
         """
         with self._condition:
             self._is_shutdown = True
@@ -170,16 +180,33 @@ class Executor:
         return True
 
     def spin(self) -> None:
-        """Run callbacks until the executor or the context is shut down, or a callback raises."""
+        """Run callbacks until the executor or the context is shut down, or a callback raises.
+
+        What a callback raises is raised here.
+
+        Raises:
+            ExternalShutdownException: The context was shut down while a single-threaded executor
+                waited.
+        """
         while self._context.ok() and not self._is_shutdown:
             self.spin_once()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Run one callback, waiting for it up to `timeout_sec` (s; None or negative: no limit)."""
+        """Run one callback or task; return without one when the time is up or at `shutdown()`.
+
+        What the callback raises is raised here.
+
+        Args:
+            timeout_sec: The longest wait in s; None or negative means no limit.
+
+        Raises:
+            ExternalShutdownException: The context was shut down; a MultiThreadedExecutor returns
+                instead.
+        """
         raise NotImplementedError
 
     def can_execute(self, entity: Entity) -> bool:
-        """Return True if the entity's callback group lets its callback start now."""
+        """Return True if the entity's callback group lets its callback start now; claim nothing."""
         return entity.callback_group.can_execute(entity)
 
     def wait_for_ready_callbacks(
@@ -190,10 +217,11 @@ class Executor:
     ) -> Ready:
         """Return the next task to call, with its entity and node, for a user's own executor.
 
-        Entity and node are None for a task of `create_task`.
+        The entity's callback group is taken until the task has been called. Entity and node are
+        None for a task of `create_task`.
 
         Args:
-            timeout_sec: The longest wait in s; None means no limit.
+            timeout_sec: The longest wait in s; None or negative means no limit.
             nodes: The nodes to wait for; None means all.
             condition: Checked before each wait; True ends the waiting.
 
@@ -211,7 +239,7 @@ class Executor:
         nodes: Collection[Node] | None = None,
         condition: Callable[[], bool] = _never,
     ) -> Iterator[Ready]:
-        """Yield one piece of work after the other, without an end."""
+        """Yield one result of `wait_for_ready_callbacks` after the other, until it raises."""
         while True:
             work, entity = self._next_work(timeout_sec, condition, nodes)
             if entity is None:
@@ -223,7 +251,16 @@ class Executor:
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
-        """Spin until the future is done, or `timeout_sec` (s) have passed."""
+        """Run callbacks until the future is done or cancelled, the time is up, or all is shut down.
+
+        Args:
+            future: The future.
+            timeout_sec: The longest time in s; None or negative means no limit.
+
+        Raises:
+            ExternalShutdownException: The context was shut down while a single-threaded executor
+                waited.
+        """
         deadline = _time_source.deadline_ns(timeout_sec)
         future._when_done(self.wake)
         while self._context.ok() and not future.done() and not future.cancelled():
@@ -238,7 +275,12 @@ class Executor:
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
-        """Run one callback unless the future is done before there is one."""
+        """Run one callback, unless the future is done or the time is up before there is one.
+
+        Args:
+            future: The future.
+            timeout_sec: The longest wait in s; None or negative means no limit.
+        """
         raise NotImplementedError
 
     def _spin_once_until_future_complete(
@@ -247,7 +289,14 @@ class Executor:
         raise NotImplementedError
 
     def _execute(self, work: Work, entity: Entity | None) -> None:
-        """Run a piece of work, raising what it raises; only coroutines need a task."""
+        """Run a piece of work, release its callback group, and raise what the work raises.
+
+        The coroutine of an `async def` becomes a task, which holds the group until it ends.
+
+        Args:
+            work: The function, or the task if there is no entity.
+            entity: The entity whose work it is.
+        """
         if entity is None:
             self._run_task(work)  # type: ignore[arg-type]
         else:
@@ -281,7 +330,10 @@ class Executor:
             self._condition.notify_all()
 
     def _make_ready(self, entity: Entity) -> None:
-        """Note that an entity has work."""
+        """Queue an entity that has work, and wake a waiting spin.
+
+        An entity whose node has left is ignored.
+        """
         with self._lock:
             if entity._node in self._nodes:  # The node may have left meanwhile.
                 self._ready[entity] = None
@@ -289,7 +341,7 @@ class Executor:
                     self._notify()
 
     def _resume(self, task: Task[Any]) -> None:
-        """Queue a task whose awaited future is done, without waking anybody."""
+        """Queue a task whose awaited future is done, without waking a waiting spin."""
         with self._condition:
             self._tasks.append(task)
 
@@ -316,7 +368,10 @@ class Executor:
             return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
 
     def _has_nothing_to_do(self) -> bool:
-        """Return True if no work is left and no timer is due, so that a new round begins."""
+        """Return True if no work is left and no timer is due, so that a new round begins.
+
+        In that case the time of the next timer is noted for the wait.
+        """
         if self._round or self._ready or self._tasks:
             return False
         self._had_tasks = False
@@ -326,7 +381,14 @@ class Executor:
     def _wait_for_work(
         self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
     ) -> tuple[Work, Entity | None]:
-        """Wait for a piece of work; the caller holds the condition."""
+        """Block until there is a piece of work, and take it; the caller holds the condition.
+
+        Raises:
+            ConditionReachedException: `stop()` returned True.
+            TimeoutException: The time is up.
+            ShutdownException: The executor was shut down.
+            ExternalShutdownException: The context was shut down.
+        """
         deadline = _time_source.deadline_ns(timeout_sec)
         while True:
             if stop():
@@ -350,11 +412,14 @@ class Executor:
             raise ExternalShutdownException
 
     def _is_idle(self) -> bool:
-        """Return True while no work has been announced."""
+        """Return True until work is announced, so that a wait goes on."""
         return not self._notified
 
     def _collect_timers(self) -> int | None:
-        """Queue the timers that are due, and return the time (ns) of the next one, or None."""
+        """Queue the timers that are due, and return when the next one is, or None without one.
+
+        The time is monotonic, in ns.
+        """
         while self._timers:
             when, _, timer = self._timers[0]
             if when > _time_source.monotonic_ns():
@@ -366,7 +431,11 @@ class Executor:
         return None
 
     def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
-        """Return the next piece of work of this round or else of the next, or None."""
+        """Take the next piece of work of this round or else of the next, or return None.
+
+        Args:
+            nodes: The nodes whose work is taken, that of others stays; None means all.
+        """
         others: list[Entity] = []  # Entities of nodes that are not spun now.
         found: tuple[Work, Entity | None] | None = None
         while found is None:
@@ -388,7 +457,10 @@ class Executor:
         return found
 
     def _begin_round(self) -> None:
-        """Queue the tasks; what these make ready comes with the entities behind them."""
+        """Fill the round with all waiting tasks, or with all ready entities and due timers.
+
+        After a round of tasks comes one of entities, if any is ready.
+        """
         if self._tasks and not (self._had_tasks and self._ready):
             self._had_tasks = True
             self._round.extend(self._tasks)
@@ -400,13 +472,17 @@ class Executor:
         self._ready = {}
 
     def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
-        """Sort entities by node, then by kind, then by the order in which they became ready."""
+        """Return entities sorted by node, then by kind, then by when they became ready."""
         if len(self._nodes) == 1:
             return sorted(entities, key=_KIND)
         return sorted(entities, key=lambda entity: (self._nodes[entity._node], entity._rank))
 
     def _take(self, entity: Entity) -> Work | None:
-        """Return a piece of an entity's work, or None without work or with its group taken."""
+        """Claim an entity's callback group and take a piece of its work.
+
+        None is returned without work, and while the group is taken: then the entity is tried again
+        as soon as a callback has ended.
+        """
         if not entity.callback_group.beginning_execution(entity):
             if entity._node in self._nodes:
                 self._blocked.append(entity)
@@ -447,7 +523,10 @@ class SingleThreadedExecutor(Executor):
 
 
 class MultiThreadedExecutor(SingleThreadedExecutor):
-    """An executor with a pool of threads; callback groups say what may run at the same time."""
+    """An executor with a pool of threads; callback groups say what may run at the same time.
+
+    `spin_once` starts a callback and does not wait for its end; a later one raises what it raised.
+    """
 
     _is_concurrent = True
 
@@ -455,11 +534,12 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
         """Create the executor.
 
         Args:
-            num_threads: The size of the pool; None means one for each core. One gives a warning.
+            num_threads: The size of the pool; None means one for each core; 1 gives a warning.
             context: The context; None means the default one.
 
         Raises:
             ValueError: The number of threads is below one.
+            RuntimeError: The context has not begun, or has ended.
         """
         super().__init__(context=context)
         if num_threads is None:
@@ -494,7 +574,12 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
             self.wake()
 
     def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
-        """Shut down like the base; without `wait_for_threads` callbacks may still be running."""
+        """End all spinning, remove the nodes, and wait for callbacks that run; return True.
+
+        Args:
+            timeout_sec: Has no effect: the wait has no limit.
+            wait_for_threads: False does not wait.
+        """
         result = super().shutdown(timeout_sec)
         self._executor.shutdown(wait=wait_for_threads)
         return result

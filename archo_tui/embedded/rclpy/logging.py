@@ -25,24 +25,32 @@ _root_logger = RcutilsLogger()
 
 
 def get_logger(name: str) -> RcutilsLogger:
-    """Return the logger of that name; raise ValueError for an empty name."""
+    """Return a new logger of that name, without a node; raise ValueError for an empty name."""
     if not name:
         raise ValueError("Logger name must not be empty.")
     return _root_logger.get_child(name)
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
-    """Set a logger's level by name. Raises ValueError for anything but a severity."""
+    """Set a logger's level by name, as `RcutilsLogger.set_level`; "" means the root.
+
+    Raises:
+        ValueError: The level is no severity.
+    """
     _logging.set_level(name, LoggingSeverity(level))
 
 
 def get_logger_level(name: str) -> LoggingSeverity:
-    """Return the level that was set for that name itself; UNSET if it inherits one."""
+    """Return the level that was set for that name itself; UNSET if the logger inherits one."""
     return LoggingSeverity(_logging.configured_level(name))
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """Return the severity of a word such as `WARN`; raise RuntimeError for another word."""
+    """Return the severity of a word such as `WARN`, in any case.
+
+    Raises:
+        RuntimeError: The word is no severity.
+    """
     try:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
@@ -50,7 +58,7 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
 
 
 def clear_config() -> None:
-    """Forget all levels that were set."""
+    """Reset the root's level to INFO, and let every other logger inherit it."""
     _logging.forget_levels()
 
 
@@ -72,5 +80,5 @@ def get_logging_directory() -> Path:
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:
-    """Return the level in force for that name."""
+    """Return the level in force for that name, which may be inherited."""
     return LoggingSeverity(_logging.effective_level(name))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LoggingService:
-    """The two services of one node."""
+    """The services `~/get_logger_levels` and `~/set_logger_levels` of one node."""
 
     def __init__(self, node: Node) -> None:
         node.create_service(srv.GetLoggerLevels, "~/get_logger_levels", self._get)

@@ -23,7 +23,7 @@ _SEQUENCES = (list, tuple, array.array)
 
 
 class Parameter(Generic[AllowableParameterValueT]):
-    """A name and a typed value."""
+    """A parameter: a name and a typed value, which do not change."""
 
     class Type(IntEnum):
         """The types a parameter may have."""
@@ -41,7 +41,10 @@ class Parameter(Generic[AllowableParameterValueT]):
 
         @classmethod
         def from_parameter_value(cls, value: Any) -> Parameter.Type:
-            """Return the type of a Python value; raise TypeError if no parameter can have it."""
+            """Return the type of a Python value; raise TypeError if no parameter can have it.
+
+            None is NOT_SET, and an empty list a BYTE_ARRAY.
+            """
             if value is None:
                 return cls.NOT_SET
             for kind, element in _SCALARS.items():
@@ -57,7 +60,10 @@ class Parameter(Generic[AllowableParameterValueT]):
             raise TypeError(f"The given value is not one of the allowed types '{value}'.")
 
         def check(self, value: Any) -> bool:
-            """Return True if a parameter of this type may have that value."""
+            """Return True if a parameter of this type may have that value.
+
+            NOT_SET may have None, and no other type may.
+            """
             if self == Parameter.Type.NOT_SET:
                 return value is None
             if self in _SCALARS:
@@ -72,8 +78,13 @@ class Parameter(Generic[AllowableParameterValueT]):
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
         """Create a parameter.
 
+        Args:
+            name: The name, which is not checked.
+            type_: The type; None means that of the value.
+            value: The value, kept without a copy; None means that it is not set.
+
         Raises:
-            TypeError: No parameter can have the value.
+            TypeError: No parameter can have the value, or the type is no Type.
             ValueError: The value is of another type.
         """
         if type_ is None:
@@ -88,7 +99,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @property
     def name(self) -> str:
-        """Return the name, in which dots part the levels."""
+        """Return the name, in which dots separate the levels."""
         return self._name
 
     @property
@@ -98,7 +109,10 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @property
     def value(self) -> Any:
-        """Return the value: bool, int, float, str, or a sequence of one of them."""
+        """Return the value: bool, int, float, str, or a sequence of these or of bytes.
+
+        The value of a parameter that is not set is None.
+        """
         return self._value
 
     def get_parameter_value(self) -> ParameterValue:
@@ -114,7 +128,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @classmethod
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
-        """Return the parameter that a message carries."""
+        """Return the parameter that a message of rcl_interfaces/Parameter carries."""
         kind = Parameter.Type(message.value.type)
         unset = kind == Parameter.Type.NOT_SET
         return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
@@ -123,8 +137,11 @@ class Parameter(Generic[AllowableParameterValueT]):
 def get_parameter_value(string_value: str) -> ParameterValue:
     """Return the value that a text means on a command line: read as YAML, else a string.
 
-    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does. It raises what PyYAML
-    raises for characters that begin nothing, and AssertionError for a map or a date, as rclpy does.
+    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does.
+
+    Raises:
+        YAMLError: A character of the text can begin nothing in YAML.
+        AssertionError: The text is a map or a date, as in rclpy.
     """
     try:
         value = yaml.safe_load(string_value)
@@ -149,16 +166,18 @@ def parameter_dict_from_yaml_file(
     target_nodes: Sequence[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """Return what a parameter file has for the nodes, after what it has for all nodes.
+    """Return the parameters that a file sets, as messages by name.
+
+    Those for all nodes come first; those for a node named later win.
 
     Args:
         parameter_file: The path of the file.
-        use_wildcard: True includes what the file has for all nodes.
-        target_nodes: The full names of the nodes; None means all.
+        use_wildcard: True includes what the file has for all nodes (`/**`).
+        target_nodes: The full names of the nodes; None means none.
         namespace: Put before each name, unchanged.
 
     Raises:
-        RuntimeError: The file has nothing for them.
+        RuntimeError: The file is not valid, or has nothing for them.
         FileNotFoundError: There is no such file.
     """
     patterns = ["/**"] if use_wildcard else []

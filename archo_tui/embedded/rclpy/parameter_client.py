@@ -25,7 +25,10 @@ DoneCallback = Callable[[Future[Any]], Any] | None  # Called with the future whe
 
 
 class AsyncParameterClient:
-    """A client of a remote node's parameter services; each method returns the call's future."""
+    """A client of a remote node's parameter services; each request returns the future of its call.
+
+    A `callback` is called with that future when it is done.
+    """
 
     def __init__(
         self,
@@ -56,11 +59,15 @@ class AsyncParameterClient:
         ]  # fmt: skip
 
     def services_are_ready(self) -> bool:
-        """Return True if the remote node offers all six services."""
+        """Return True if the remote node offers all six parameter services."""
         return all(client.service_is_ready() for client in self._clients)
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
-        """Block until all are offered, and return False if `timeout_sec` (s) passed before."""
+        """Block until the remote node offers all six services; return False if it does not in time.
+
+        Args:
+            timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
+        """
         deadline = _time_source.patience_ns(timeout_sec)
         for client in self._clients:
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
@@ -74,57 +81,72 @@ class AsyncParameterClient:
         depth: int | None = None,
         callback: DoneCallback = None,
     ) -> Future[Any]:
-        """Request the names below the prefixes (default all), `depth` levels deep (default any)."""
+        """Request the names of parameters.
+
+        Args:
+            prefixes: What the names begin with; None means all parameters.
+            depth: The number of levels below a prefix; None means any.
+            callback: Called with the future when it is done.
+        """
         request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
         return self._call(self._list, request, callback)
 
     def get_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request values, in the order of the names."""
+        """Request values; the response has them in the order of the names."""
         return self._call(self._get, srv.GetParameters.Request(names=names), callback)
 
     def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request types, in the order of the names."""
+        """Request types; the response has them in the order of the names."""
         return self._call(self._types, srv.GetParameterTypes.Request(names=names), callback)
 
     def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request descriptors, in the order of the names."""
+        """Request descriptors; the response has them in the order of the names."""
         return self._call(self._describe, srv.DescribeParameters.Request(names=names), callback)
 
     def set_parameters(
         self, parameters: Sequence[Any], callback: DoneCallback = None
     ) -> Future[Any]:
-        """Request to set parameters one by one; the response has a result for each."""
+        """Request to set parameters one by one; the response has a result for each.
+
+        `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
+        """
         request = srv.SetParameters.Request(parameters=_messages(parameters))
         return self._call(self._set, request, callback)
 
     def set_parameters_atomically(
         self, parameters: Sequence[Any], callback: DoneCallback = None
     ) -> Future[Any]:
-        """Request to set all parameters or none; the response has one result."""
+        """Request to set all parameters or none; the response has one result.
+
+        `parameters` may be Parameters and messages of rcl_interfaces/Parameter.
+        """
         request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
         return self._call(self._atomically, request, callback)
 
     def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request to undeclare parameters; those of a static type are refused."""
+        """Request to undeclare parameters one by one; those of a static type are refused."""
         return self.set_parameters([Parameter(name) for name in names], callback)
 
     def load_parameter_file(
         self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
-        """Request to set what a file has for the node, one by one.
+        """Read a parameter file and request to set what it has for the remote node, one by one.
 
         With `use_wildcard`, also what it has for all nodes is set.
 
         Raises:
             FileNotFoundError: There is no such file.
-            RuntimeError: The file is no parameter file.
+            RuntimeError: The file is no parameter file, or has nothing for the node.
         """
         return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
 
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
-        """Request to set what a file has for the node, all or none."""
+        """Read a parameter file and request to set what it has for the remote node, all or none.
+
+        Arguments and errors are those of `load_parameter_file`.
+        """
         return self.set_parameters_atomically(self._read(parameter_file, use_wildcard), callback)
 
     def on_parameter_event(
@@ -133,7 +155,13 @@ class AsyncParameterClient:
         qos_profile: QoSProfile = qos_profile_parameter_events,
         **options: Any,
     ) -> Any:
-        """Follow the changes of all nodes; returns the subscription, made with the options."""
+        """Subscribe to the changes of all nodes' parameters, and return the subscription.
+
+        Args:
+            callback: Called with each ParameterEvent.
+            qos_profile: The QoS of the subscription.
+            **options: Further arguments of `create_subscription`.
+        """
         return self.node.create_subscription(
             ParameterEvent, "/parameter_events", callback, qos_profile, **options
         )

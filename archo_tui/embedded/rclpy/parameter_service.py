@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 
 class ParameterService:
-    """The six parameter services of one node."""
+    """The six parameter services of one node, which exist from now on.
+
+    Errors of a request are told by an empty or unsuccessful response.
+    """
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -48,10 +48,16 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._has_published = False
 
     def publish(self, msg: MsgT | bytes) -> None:
-        """Send a copy of `msg`, or what serialized bytes hold, to every matching subscription.
+        """Send a copy of a message to every matching subscription.
 
-        Raises TypeError for a message of another type, InvalidHandle after `destroy()` and after
-        the context was shut down.
+        With the durability TRANSIENT_LOCAL a copy is also kept for late joiners.
+
+        Args:
+            msg: The message, or a message as CDR bytes.
+
+        Raises:
+            TypeError: The message is of another type.
+            InvalidHandle: The publisher is destroyed, or the context was shut down.
         """
         if isinstance(msg, bytes):
             msg = deserialize_message(msg, self.msg_type)
@@ -76,12 +82,17 @@ class Publisher(Endpoint, Generic[MsgT]):
             self._kept.popleft()
 
     def _set_latched(self, make: Callable[[], Any]) -> None:
-        """Set the function that makes what a late joiner gets."""
+        """Set the function that makes the message for late joiners, instead of keeping any."""
         self._make_kept = make
         self._keeps = False
 
     def _publish_lazily(self, make: Callable[[], Any], news: Any) -> None:
-        """Send what `make()` returns; to subscriptions that follow changes only, `news`."""
+        """Send the message that `make()` returns, made only if a subscription needs it.
+
+        Args:
+            make: Returns the message.
+            news: Sent instead to subscriptions that follow changes only.
+        """
         self._use()
         self._has_published = True
         message: Any = None
@@ -93,14 +104,18 @@ class Publisher(Endpoint, Generic[MsgT]):
             subscription._receive(message, self)
 
     def assert_liveliness(self) -> None:
-        """Do nothing: no liveliness events are emulated. Raises InvalidHandle after `destroy()`."""
+        """Do nothing: this engine has no liveliness events.
+
+        Raises:
+            InvalidHandle: The publisher is destroyed.
+        """
         self._use()
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
-        """Return True: in one process every message has arrived at once.
+        """Return True at once: in one process every message has arrived.
 
         Raises:
-            InvalidHandle: After `destroy()`.
+            InvalidHandle: The publisher is destroyed.
             TypeError: The timeout is no Duration.
         """
         self._use()
@@ -110,7 +125,7 @@ class Publisher(Endpoint, Generic[MsgT]):
 
     @property
     def topic_name(self) -> str:
-        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
+        """Return the topic's name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._topic_name
 
@@ -120,7 +135,11 @@ class Publisher(Endpoint, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
-        """Return how many subscriptions match; raise InvalidHandle after `destroy()`."""
+        """Return how many subscriptions match in type and QoS.
+
+        Raises:
+            InvalidHandle: The publisher is destroyed.
+        """
         self._use()
         return len(self._matched)
 
@@ -131,13 +150,16 @@ class Publisher(Endpoint, Generic[MsgT]):
         self.destroy()
 
     def destroy(self) -> None:
-        """Leave the topic."""
+        """Leave the topic: messages that are kept for late joiners are no longer sent."""
         self._destroyed = True
         self._node._graph.remove_publisher(self)
         self._forget_events()
 
     def _replay(self, subscription: Subscription[Any]) -> None:
-        """Hand what is kept to a late joiner that asked for it."""
+        """Hand the kept messages to a late joiner, unless its durability is VOLATILE.
+
+        Messages older than the lifespan are dropped.
+        """
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             if self._make_kept is not None and self._has_published:
                 subscription._receive(self._make_kept(), self)

@@ -18,7 +18,10 @@ _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
 
 
 class _OldNames(EnumMeta):
-    """A metaclass that knows `RMW_QOS_POLICY_HISTORY_KEEP_LAST` and the like, for old programs."""
+    """A metaclass that gives policies their old names, such as `RMW_QOS_POLICY_HISTORY_KEEP_LAST`.
+
+    Using an old name warns.
+    """
 
     def __getattr__(cls, name: str) -> Any:
         kind = cls.__name__.removesuffix("Policy")
@@ -36,17 +39,17 @@ class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Return every short key."""
+        """Return the short key of every member."""
         return [member.name.lower() for member in cls]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> int:
-        """Return the member of a short key; raise KeyError for an unknown one."""
+        """Return the number of the member with a short key; raise KeyError for an unknown one."""
         return cls[name.upper()].value
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """The policy for how many samples are kept."""
+    """The policy for how many samples are kept: KEEP_ALL has no limit, all others keep `depth`."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -55,7 +58,10 @@ class HistoryPolicy(QoSPolicyEnum):
 
 
 class ReliabilityPolicy(QoSPolicyEnum):
-    """The policy for lost samples: in one process none is lost, but the policies must match."""
+    """The policy for samples lost on the way.
+
+    In one process none is lost, but a reliable subscription still needs a reliable publisher.
+    """
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
@@ -65,7 +71,7 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """The policy for late subscribers: do they get what was published before?"""
+    """The policy for late subscriptions: TRANSIENT_LOCAL gives them what was published before."""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -75,7 +81,7 @@ class DurabilityPolicy(QoSPolicyEnum):
 
 
 class LivelinessPolicy(QoSPolicyEnum):
-    """The policy for how a publisher shows that it is alive."""
+    """The policy for how a publisher shows that it is alive; here it is only compared."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1
@@ -123,11 +129,14 @@ _TYPES: dict[
 
 
 class InvalidQoSProfileException(Exception):
-    """A profile without what it needs to be one."""
+    """The error for a profile without a depth that it needs."""
 
 
 class QoSProfile:
-    """The policies of one publisher or subscription; `depth` counts samples."""
+    """The policies of one publisher or subscription; `depth` counts samples.
+
+    A `depth` of None is 10. A zero duration means that the policy is not used.
+    """
 
     history: HistoryPolicy
     depth: int
@@ -151,10 +160,10 @@ class QoSProfile:
         liveliness_lease_duration: Duration = _NO_TIME,
         avoid_ros_namespace_conventions: bool = False,
     ) -> None:
-        """Create a profile.
+        """Create a profile; without a `history` it is KEEP_LAST.
 
         Raises:
-            InvalidQoSProfileException: The depth is missing.
+            InvalidQoSProfileException: The depth is missing for KEEP_LAST.
             AssertionError: A value is of another type.
         """
         if history is None and depth is None:
@@ -169,7 +178,12 @@ class QoSProfile:
             self.depth = _DEFAULT_DEPTH
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set a policy; raise AssertionError for another type, AttributeError for another name."""
+        """Set a policy; a depth of 0 with KEEP_LAST gives a warning.
+
+        Raises:
+            AssertionError: The value is of another type.
+            AttributeError: There is no such policy.
+        """
         if name not in _TYPES:
             raise AttributeError(f"'QoSProfile' object has no attribute {name!r}")
         taken, kind = _TYPES[name]
@@ -199,7 +213,7 @@ class QoSProfile:
 
     @property
     def _queue_size(self) -> int | None:
-        """Return how many samples a queue of this profile holds; None for no bound."""
+        """Return how many samples a queue of this profile holds, at least 1; None for no bound."""
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
 
 
@@ -251,18 +265,23 @@ class QoSPresetProfiles(Enum):
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Return every name in small letters."""
+        """Return every name in small letters, aliases too."""
         return [name.lower() for name in cls.__members__]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
-        """Return the profile of a name; raise KeyError for an unknown one."""
+        """Return the profile itself, not a copy, by its name; raise KeyError for an unknown one."""
         profile: QoSProfile = cls[name.upper()].value
         return profile
 
 
 def as_profile(qos: QoSProfile | int) -> QoSProfile:
-    """Return a new profile from a profile or a depth, with rclpy's errors for others."""
+    """Return a copy of a profile, or a default profile with a depth.
+
+    Raises:
+        TypeError: The argument is neither a profile nor a depth.
+        ValueError: The depth is negative.
+    """
     if isinstance(qos, QoSProfile):
         return copy(qos)
     if isinstance(qos, bool) or not isinstance(qos, int):
@@ -273,12 +292,15 @@ def as_profile(qos: QoSProfile | int) -> QoSProfile:
 
 
 def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
-    """Return the name of a policy; raise ValueError for no policy."""
+    """Return the name of a policy, such as `DEPTH`; raise ValueError for an unknown kind."""
     return QoSPolicyKind(policy_kind).name
 
 
 def incompatible_policy(offered: QoSProfile, requested: QoSProfile) -> QoSPolicyKind | None:
-    """Return the last policy for which a subscription asks more than the publisher offers."""
+    """Return the last policy for which a subscription asks more than a publisher offers, or None.
+
+    The order is reliability, durability, deadline, liveliness.
+    """
     faults = {
         QoSPolicyKind.RELIABILITY: (
             offered.reliability == ReliabilityPolicy.BEST_EFFORT
@@ -299,7 +321,10 @@ def incompatible_policy(offered: QoSProfile, requested: QoSProfile) -> QoSPolicy
 
 
 def _is_longer(offered: Duration, requested: Duration) -> bool:
-    """Return True when a publisher's duration exceeds the one that a subscription asks for."""
+    """Return True if a publisher's duration exceeds the one that a subscription asks for.
+
+    Zero means infinite; "best available" fits everything.
+    """
     if requested.nanoseconds in (0, _BEST_TIME.nanoseconds) or offered == _BEST_TIME:
         return False
     return offered.nanoseconds == 0 or requested.nanoseconds < offered.nanoseconds

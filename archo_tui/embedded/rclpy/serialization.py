@@ -13,17 +13,17 @@ MsgT = TypeVar("MsgT")
 
 
 def serialize_message(message: Any) -> bytes:
-    """Return a message as bytes; raise AttributeError for anything but a message."""
+    """Return a message as CDR bytes; raise AttributeError for anything but a message."""
     check_is_valid_msg_type(type(message))
     return encode(message)
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
-    """Return the message that bytes hold.
+    """Return the message that CDR bytes hold; bytes after it are ignored.
 
     Raises:
         RMWError: The bytes are no such message.
-        TypeError: The argument is no bytes.
+        TypeError: The first argument is not bytes.
     """
     check_is_valid_msg_type(message_type)
     if not isinstance(serialized_message, bytes):

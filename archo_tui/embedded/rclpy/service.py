@@ -19,14 +19,17 @@ SrvResponseT = TypeVar("SrvResponseT")
 
 
 class RequestHeader(NamedTuple):
-    """The client and the request that a response is for."""
+    """The request that a response is for: its client, and its number for that client."""
 
     client: Client[Any, Any]
     sequence_number: int
 
 
 class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
-    """A server of a service, made by `Node.create_service`."""
+    """A server of a service, made by `Node.create_service`.
+
+    A full queue drops the oldest request.
+    """
 
     _rank = 5
 
@@ -48,10 +51,11 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
-        """Send a copy of `response` to the client that asked.
+        """Send a copy of `response` to the client of a request.
 
-        Raises TypeError for another type, InvalidHandle once the service is destroyed, if only in
-        its own callback.
+        Raises:
+            TypeError: The response or the header is of another type.
+            InvalidHandle: The service is destroyed, perhaps by its own callback.
         """
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
@@ -80,7 +84,7 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
 
 class DeferredService(Service[Any, Any]):
-    """A service whose callback takes (request, header) and answers when it likes."""
+    """A service whose callback takes request and header, and sends the response itself."""
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item

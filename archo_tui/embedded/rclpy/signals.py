@@ -4,7 +4,10 @@ from enum import IntEnum
 
 
 class SignalHandlerOptions(IntEnum):
-    """The options of rclpy; every value means NO here: Ctrl-C raises KeyboardInterrupt."""
+    """The options of rclpy, all without effect here: no handler is installed.
+
+    Ctrl-C raises KeyboardInterrupt.
+    """
 
     NO = 0
     SIGINT = 1

@@ -26,7 +26,10 @@ MsgT = TypeVar("MsgT")
 
 
 class MessageInfo(TypedDict):
-    """The info of a message: times in ns since the epoch, and the publisher's count."""
+    """The info of a message: times in ns since the epoch, and the publisher's count.
+
+    Both times are that of sending; messages received are not counted.
+    """
 
     source_timestamp: int
     received_timestamp: int
@@ -36,7 +39,10 @@ class MessageInfo(TypedDict):
 
 
 class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
-    """A subscription to one topic, made by `Node.create_subscription`."""
+    """A subscription to one topic, made by `Node.create_subscription`.
+
+    A full queue drops the oldest message.
+    """
 
     _rank = 2
     _follows_changes = False  # True takes the changes of a status instead of all of it.
@@ -62,14 +68,17 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         self._gid = list(uuid.uuid4().bytes)
 
     class CallbackType(Enum):
-        """The arguments that a callback takes."""
+        """The kinds of callback by what they are called with."""
 
         MessageOnly = 0
         WithMessageInfo = 1
 
     @property
     def callback(self) -> Callable[..., Any]:
-        """Return the callback: a function of the message, or of the message and its info."""
+        """Return the callback: a function of the message, or of the message and its info.
+
+        Setting one that takes neither one nor two arguments raises RuntimeError.
+        """
         return self._callback
 
     @callback.setter
@@ -81,7 +90,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     @property
     def topic_name(self) -> str:
-        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
+        """Return the topic's name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._topic_name
 
@@ -91,7 +100,11 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
-        """Return how many publishers match; raise InvalidHandle after `destroy()`."""
+        """Return how many publishers match in type and QoS.
+
+        Raises:
+            InvalidHandle: The subscription is destroyed.
+        """
         self._use()
         graph = self._node._graph
         with graph.lock:
@@ -102,14 +115,14 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     get_content_filter = absent.Attribute()
 
     def destroy(self) -> None:
-        """Leave the topic; what is still queued is dropped."""
+        """Leave the topic; messages that are still queued are dropped."""
         self._destroyed = True
         self._node._graph.remove_subscription(self)
         self._forget_events()
         self._queue.clear()
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
-        """Queue a copy of a message that a publisher sends."""
+        """Queue a copy of a message, with its info if the callback takes it; as bytes if raw."""
         copied = encode(message) if self.raw else message.__received__()
         if not self._with_info:
             self._deliver(copied)

@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 
 class _Awaiting(threading.local):
-    """The future for which this thread's last coroutine waits."""
+    """The future for which the coroutine waits that this thread ran last."""
 
     future: Future[Any] | None = None
 
@@ -33,7 +33,8 @@ class Future(Generic[T]):
     """A value that will be there later.
 
     Callbacks run on the executor when the future knows one, else in the thread that sets the value.
-    `done()` is False for a cancelled future, as in rclpy.
+    `done()` is False for a cancelled future, as in rclpy. An exception that nobody asks for is
+    printed to standard error when the future is deleted.
     """
 
     def __init__(self, *, executor: Executor | None = None) -> None:
@@ -69,33 +70,41 @@ class Future(Generic[T]):
         return self._state == _CANCELLED
 
     def cancel(self) -> None:
-        """Cancel the future; no effect once it is done."""
+        """Cancel the future and schedule the callbacks; do nothing once it is done."""
         self._finish(_CANCELLED)
 
     def result(self) -> Any:
-        """Return the value, None while there is none; raise the exception if one was set."""
+        """Return the value; raise the exception if one was set.
+
+        While there is none, and for a cancelled future, the value is None.
+        """
         self._is_retrieved = True
         if self._exception is not None:
             raise self._exception
         return self._result
 
     def exception(self) -> BaseException | None:
-        """Return the exception, or None."""
+        """Return the exception, or None while none is set."""
         self._is_retrieved = True
         return self._exception
 
     def set_result(self, result: T) -> None:
-        """Set the value and schedule the callbacks."""
+        """Set the value and schedule the callbacks; a value set before is replaced."""
         self._result = result
         self._finish(_FINISHED, force=True)
 
     def set_exception(self, exception: BaseException) -> None:
-        """Set an exception and schedule the callbacks."""
+        """Set an exception and schedule the callbacks; one set before is replaced."""
         self._exception, self._is_retrieved = exception, False
         self._finish(_FINISHED, force=True)
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
-        """Call `callback(self)` when done; at once (or on the executor) if that is now."""
+        """Call `callback(self)` when the future is done or cancelled.
+
+        The callback runs on the future's executor; without one it is called in the thread that ends
+        the future, or at once if that has happened. There an exception becomes a warning, or is
+        raised at once.
+        """
         with self._lock:
             if self._state == _PENDING:
                 self._callbacks.append(callback)
@@ -107,7 +116,7 @@ class Future(Generic[T]):
             executor.create_task(callback, self)
 
     def remove_done_callback(self, callback: Callable[[Any], Any]) -> bool:
-        """Remove a callback, and return False if it was not there or has been scheduled."""
+        """Remove a callback; return False if it is not there, or has been scheduled."""
         with self._lock:
             if callback not in self._callbacks:
                 return False
@@ -142,13 +151,16 @@ class Future(Generic[T]):
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
     def _when_done(self, hook: Callable[[], None]) -> None:
-        """Call the engine's own `hook()` at once when done, on whichever thread."""
+        """Call `hook()` in the thread that ends the future, before the callbacks.
+
+        Nothing is called if the future has ended already. The same hook is kept once.
+        """
         with self._lock:
             if self._state == _PENDING and hook not in self._hooks:
                 self._hooks.append(hook)
 
     def _wait(self, task: Task[Any]) -> bool:
-        """Resume a task when done, and return False if that is already so."""
+        """Resume a task when the future ends; return False, and resume nothing, if it has ended."""
         with self._lock:
             if self._state != _PENDING:
                 return False
@@ -157,7 +169,7 @@ class Future(Generic[T]):
 
 
 class Task(Future[T]):
-    """A function or coroutine on an executor; its value is what the function returns."""
+    """A function or coroutine on an executor: a future of the value that it returns."""
 
     def __init__(
         self,
@@ -166,14 +178,14 @@ class Task(Future[T]):
         kwargs: dict[str, Any] | None = None,
         executor: Executor | None = None,
     ) -> None:
-        """Create the task.
+        """Create the task; `Executor.create_task` also schedules it.
 
         Args:
             handler: A function, a coroutine function, or a coroutine. What a plain function returns
                 is the value, a coroutine too: nobody awaits that.
             args: Positional arguments of a function.
             kwargs: Keyword arguments of a function.
-            executor: Runs the task's callbacks.
+            executor: Runs the task's callbacks, and the task again after an `await`.
         """
         super().__init__(executor=executor)
         kwargs = kwargs or {}
@@ -192,11 +204,14 @@ class Task(Future[T]):
         super()._finish(state, force=force)
 
     def executing(self) -> bool:
-        """Return True while the task runs; False while it waits in the middle."""
+        """Return True while the task runs, False while it waits at an `await`."""
         return self._is_executing
 
     def __call__(self) -> None:
-        """Run, or go on from the last `await`."""
+        """Run the task, or go on from its last `await`; do nothing once it has ended.
+
+        What the function raises becomes the task's exception.
+        """
         if self._state != _PENDING:
             return
         self._is_executing = True
@@ -211,7 +226,7 @@ class Task(Future[T]):
         self._is_executing = False
 
     def cancel(self) -> None:
-        """Cancel the task: a coroutine is closed."""
+        """Cancel the task, and close its coroutine; do nothing once it has ended."""
         if self._state == _PENDING and self._coroutine is not None:
             self._coroutine.close()
         super().cancel()
@@ -247,10 +262,10 @@ class Task(Future[T]):
 
 
 def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
-    """Block until the future is done, while another thread spins.
+    """Block until the future is done or cancelled, while another thread spins.
 
     Returns:
-        False if `timeout_sec` (s) passed before.
+        False if `timeout_sec` (s; None means no limit) passed before.
     """
     answered = threading.Condition()
 

@@ -15,7 +15,10 @@ _TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
 
 @total_ordering
 class Time:
-    """A point in time, in ns since its clock's epoch. Times of two kinds of clock do not mix."""
+    """A point in time, in ns since its clock's epoch.
+
+    Comparing or subtracting times of two kinds of clock raises TypeError.
+    """
 
     def __init__(
         self,
@@ -24,11 +27,11 @@ class Time:
         nanoseconds: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Create a time.
+        """Create a time, the sum of both arguments since the clock's epoch.
 
         Raises:
             TypeError: The clock type is no ClockType.
-            ValueError: The time is negative.
+            ValueError: An argument is negative.
             OverflowError: The time has more than 64 bits.
         """
         if not isinstance(clock_type, ClockType):
@@ -52,7 +55,7 @@ class Time:
         return self._clock_type
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Return whole seconds, and the nanoseconds left."""
+        """Return whole seconds since the epoch, and the nanoseconds left."""
         return divmod(self._nanoseconds, S_TO_NS)
 
     def __repr__(self) -> str:
@@ -104,7 +107,10 @@ class Time:
             raise TypeError(f"Can't {doing} times with different clock types")
 
     def to_msg(self) -> builtin_interfaces.msg.Time:
-        """Return it as builtin_interfaces/Time, which ends in January 2038."""
+        """Return the time as builtin_interfaces/Time.
+
+        That ends in January 2038: later seconds become the last one.
+        """
         sec, nanosec = self.seconds_nanoseconds()
         sec = min(sec, _LAST_SECOND)
         return builtin_interfaces.msg.Time(sec=sec, nanosec=nanosec)
@@ -113,7 +119,15 @@ class Time:
     def from_msg(
         cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME
     ) -> Time:
-        """Return the time that a message carries; raise TypeError for another message."""
+        """Return the time that a message carries.
+
+        Args:
+            msg: The message.
+            clock_type: The kind of clock that told the time, which a message does not say.
+
+        Raises:
+            TypeError: The message is of another type.
+        """
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

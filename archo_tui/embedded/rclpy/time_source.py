@@ -21,7 +21,7 @@ USE_SIM_TIME_NAME = "use_sim_time"
 
 
 class TimeSource:
-    """A source that gives attached clocks the time of /clock while its node asks for that."""
+    """A source that gives clocks the time of /clock while its node's `use_sim_time` is True."""
 
     def __init__(self, *, node: Node | None = None) -> None:
         self._get_node: Any = lambda: None
@@ -34,7 +34,10 @@ class TimeSource:
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Return True while time is simulated."""
+        """Return True while the attached clocks tell simulated time.
+
+        Setting it switches all of them, and subscribes to /clock or ends the subscription.
+        """
         return self._is_active
 
     @ros_time_is_active.setter
@@ -50,7 +53,11 @@ class TimeSource:
             self._unsubscribe()
 
     def attach_node(self, node: Node) -> None:
-        """Follow that node's parameter, declared if it is not."""
+        """Follow the parameter `use_sim_time` of a node, now and whenever it changes.
+
+        The parameter is declared, as False, if it is not. A value that is no bool is logged as an
+        error. Another node is detached first.
+        """
         self.detach_node()
         self._get_node = weakref.ref(node)
         if not node.has_parameter(USE_SIM_TIME_NAME):
@@ -65,12 +72,18 @@ class TimeSource:
         node.add_on_set_parameters_callback(self._on_parameters)
 
     def detach_node(self) -> None:
-        """Stop following the node."""
+        """Unsubscribe from /clock and forget the node; clocks keep the time that they have."""
         self._unsubscribe()
         self._get_node = lambda: None
 
     def attach_clock(self, clock: ROSClock) -> None:
-        """Attach a clock; raise ValueError for another kind of clock."""
+        """Let a clock follow this source from now on, and give it the last time of /clock.
+
+        The clock tells simulated time only while `ros_time_is_active`.
+
+        Raises:
+            ValueError: The clock is no ROSClock.
+        """
         if not isinstance(clock, ROSClock):
             raise ValueError("Only clocks with type ROS_TIME can be attached.")
         clock.set_ros_time_override(self._last)
@@ -78,7 +91,7 @@ class TimeSource:
         self._clocks.add(clock)
 
     def clock_callback(self, msg: ClockMsg) -> None:
-        """Take the time of a message of /clock."""
+        """Set the time of a message of /clock on all attached clocks."""
         self._last = Time.from_msg(msg.clock)
         for clock in self._clocks:
             clock.set_ros_time_override(self._last)

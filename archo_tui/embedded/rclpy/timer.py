@@ -32,7 +32,12 @@ class TimerInfo:
         actual_call_time: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Set the times, in ns of the timer's clock, with rclpy's errors for others."""
+        """Set the times, in ns of the timer's clock.
+
+        Raises:
+            TypeError: The clock type is no ClockType.
+            ValueError: A time is negative.
+        """
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         if expected_call_time < 0 or actual_call_time < 0:
@@ -52,7 +57,7 @@ class TimerInfo:
 
 
 class Timer(TimedEntity):
-    """A timer, made by `Node.create_timer`; it calls back once a period, first after one.
+    """A timer, made by `Node.create_timer`; it calls back once a period, first after a full one.
 
     Late ticks are skipped, never queued. The timer counts monotonic time, or simulated time while
     its clock has that. After `destroy()` every method raises InvalidHandle.
@@ -88,7 +93,7 @@ class Timer(TimedEntity):
 
     @property
     def timer_period_ns(self) -> int:
-        """Return the period in ns; a new one counts from the next call on (or from `reset()`)."""
+        """Return the period in ns; a new one counts from the next call on, or from `reset()`."""
         self._use()
         return self._period_ns
 
@@ -98,12 +103,12 @@ class Timer(TimedEntity):
         self._period_ns = int(value)
 
     def is_ready(self) -> bool:
-        """Return True if the callback is due."""
+        """Return True if the callback is due and the timer is not canceled."""
         self._use()
         return self._is_due()
 
     def is_canceled(self) -> bool:
-        """Return True between `cancel()` and `reset()`."""
+        """Return True between `cancel()` and `reset()`; without autostart, also before."""
         self._use()
         return self._canceled
 
@@ -113,14 +118,14 @@ class Timer(TimedEntity):
         self._canceled = True
 
     def reset(self) -> None:
-        """Tick (again), a full period from now."""
+        """Start or start again: the callback is due a full period from now."""
         self._use()
         self._canceled = False
         self._next_ns = self._now_ns() + self._period_ns
         self._schedule()
 
     def time_since_last_call(self) -> int:
-        """Return the ns since the callback was last called (or the timer made)."""
+        """Return the ns since the callback was last called, or else since the timer was made."""
         self._use()
         return self._now_ns() - self._last_ns
 
@@ -130,7 +135,7 @@ class Timer(TimedEntity):
         return None if self._canceled else self._next_ns - self._now_ns()
 
     def destroy(self) -> None:
-        """End the ticking for good."""
+        """End the ticking for good; the node lists the timer until `destroy_timer`."""
         self._destroyed = self._canceled = True
 
     def _is_due(self) -> bool:
@@ -151,7 +156,7 @@ class Timer(TimedEntity):
             executor._add_timer(self)
 
     def _announce_if_due(self) -> None:
-        """Announce the timer if the new simulated time makes it due.
+        """Tell the executor if the new simulated time makes the timer due.
 
         After a jump backward a full period is waited for.
         """
@@ -162,10 +167,10 @@ class Timer(TimedEntity):
             self._notify()
 
     def _change_time(self, *, simulated: bool, until_ns: int) -> None:
-        """Count another time from now on.
+        """Count simulated time instead of monotonic time from now on, or the other way round.
 
-        Into simulated time, which is behind, the next message of /clock begins a period. Out of it
-        what was left of the period has passed, and what had passed is left, as in rcl.
+        Simulated time is usually behind: the next message of /clock then begins a period. When it
+        ends, what was left of the period counts as passed, and what had passed as left, as in rcl.
 
         Args:
             simulated: True if the new time is simulated.
@@ -196,7 +201,15 @@ class Timer(TimedEntity):
         return self._with_info(expected, now)
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
-        """Return the callback, given a TimerInfo if one of its arguments is annotated so."""
+        """Return the callback, with a TimerInfo if one of its arguments is annotated so.
+
+        Args:
+            expected: When the callback was due, in ns of `_now_ns`.
+            actual: When it is called, in ns of `_now_ns`.
+
+        Raises:
+            UnboundLocalError: The callback is None.
+        """
         if self.callback is None:  # rclpy fails with this name of its own variable.
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
@@ -226,7 +239,10 @@ def _info_argument(callback: Any) -> str:
 
 
 class Rate:
-    """A sleeper at a fixed rate, made by `Node.create_rate`; another thread must spin the node."""
+    """A sleeper at a fixed rate, made by `Node.create_rate`; another thread must spin the node.
+
+    The shutdown of the context destroys it.
+    """
 
     def __init__(self, timer: Timer, *, context: Context) -> None:
         self._timer, self._context = timer, context
@@ -237,13 +253,18 @@ class Rate:
         context.on_shutdown(self.destroy)
 
     def destroy(self) -> None:
-        """Wake all sleepers, and end the rate."""
+        """Wake all sleepers, and let every later `sleep()` raise."""
         with self._ticked:
             self._is_destroyed = True
             self._ticked.notify_all()
 
     def sleep(self) -> None:
-        """Block until the next tick; raise ROSInterruptException after shutdown."""
+        """Block until the next tick, or until the rate is destroyed.
+
+        Raises:
+            RuntimeError: The rate was destroyed before.
+            ROSInterruptException: The context was shut down, before or meanwhile.
+        """
         if self._is_destroyed and self._context.ok():
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
         with self._ticked:

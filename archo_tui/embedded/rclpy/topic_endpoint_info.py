@@ -12,7 +12,7 @@ from archo_tui.embedded import absent
 
 
 class TopicEndpointTypeEnum(IntEnum):
-    """The two sides of a topic."""
+    """The two sides of a topic, and INVALID for none."""
 
     INVALID = 0
     PUBLISHER = 1
@@ -21,7 +21,7 @@ class TopicEndpointTypeEnum(IntEnum):
 
 @dataclass
 class TopicEndpointInfo:
-    """The description of an endpoint by DDS, which leaves out history and depth."""
+    """The description of an endpoint as DDS gives it: history and depth of the QoS are unknown."""
 
     node_name: str = ""
     node_namespace: str = ""
@@ -32,7 +32,12 @@ class TopicEndpointInfo:
     topic_type_hash = absent.Attribute()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute, with rclpy's errors for other names and types."""
+        """Set an attribute; a dict makes a QoSProfile, as in rclpy.
+
+        Raises:
+            AttributeError: There is no such attribute.
+            AssertionError: The value is of another type.
+        """
         if name not in _TYPES:
             raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
         if name == "endpoint_gid":

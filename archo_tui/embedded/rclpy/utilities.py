@@ -10,7 +10,7 @@ from rclpy.context import Context
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that is meant if none is given.
+    """Return the context that is meant if none is given, made when there is none.
 
     Args:
         shutting_down: True forgets it: the next call makes a new one.
@@ -25,6 +25,8 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the arguments (of the program, if None) that are not ROS's.
 
+    Those of ROS are parsed, and parameter files that they name are read, to find errors.
+
     Raises:
         RCLInvalidROSArgsError: An argument of ROS is not valid.
         UnknownROSArgsError: An argument of ROS is unknown.
@@ -35,30 +37,36 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """Return True if the (default) context is initialised."""
+    """Return True if the (default) context has begun and is not shut down."""
     return (context or get_default_context()).ok()
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """End the (default) context; raise RuntimeError if it has not begun."""
+    """Shut the (default) context down; raise RuntimeError if it has not begun.
+
+    The default context is forgotten: the next one asked for is new.
+    """
     (context or get_default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """End the (default) context, if it has begun."""
+    """Shut the (default) context down, if it has begun.
+
+    The default context is forgotten: the next one asked for is new.
+    """
     (context or get_default_context(shutting_down=True)).try_shutdown()
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
-    """Return a timeout in ns; -1 for None and for a negative one, which never pass."""
+    """Return a timeout in ns; -1, which means no limit, for None and for a negative one."""
     return -1 if timeout_sec is None or timeout_sec < 0 else int(timeout_sec * 1e9)
 
 
 def get_available_rmw_implementations() -> set[str]:
-    """Return the names of the middlewares that can be used."""
+    """Return the names of the middlewares that can be used: here only "embedded"."""
     return {get_rmw_implementation_identifier()}
 
 
 def get_rmw_implementation_identifier() -> str:
-    """Return the name of the middleware, of which there is none: messages stay in the process."""
+    """Return "embedded": there is no middleware, since messages stay in the process."""
     return "embedded"

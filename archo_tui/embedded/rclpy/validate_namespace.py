@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_namespace(namespace: str) -> bool:
-    """Return True, or raise InvalidNamespaceException."""
+    """Return True for a valid namespace, else raise InvalidNamespaceException."""
     _names.validate_namespace(namespace)
     return True

@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_node_name(node_name: str) -> bool:
-    """Return True, or raise InvalidNodeNameException."""
+    """Return True for a valid node name, else raise InvalidNodeNameException."""
     _names.validate_node_name(node_name)
     return True

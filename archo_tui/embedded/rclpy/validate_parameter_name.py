@@ -6,7 +6,7 @@ from rclpy.exceptions import InvalidParameterException
 
 
 def validate_parameter_name(name: str) -> bool:
-    """Return True, or raise InvalidParameterException for an empty name."""
+    """Return True for any name but an empty one, which raises InvalidParameterException."""
     if not name:
         raise InvalidParameterException(name)
     return True

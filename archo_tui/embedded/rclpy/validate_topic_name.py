@@ -6,6 +6,11 @@ from rclpy import _names
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Return True, or raise InvalidTopicNameException or InvalidServiceNameException."""
+    """Return True for a valid topic or service name as a program writes it (`x`, `~/x`, `/x`).
+
+    Raises:
+        InvalidTopicNameException: The name is not valid.
+        InvalidServiceNameException: The name is not valid, and `is_service` is True.
+    """
     _names.validate_topic_name(name, is_service=is_service)
     return True

@@ -35,7 +35,10 @@ if TYPE_CHECKING:
 
 
 class ClientGoalHandle:
-    """A goal that was sent, as its client sees it."""
+    """A goal that was sent and that the server has answered, as its client sees it.
+
+    Handles of the same goal are equal; they have no hash.
+    """
 
     def __init__(self, client: ActionClient, goal_id: UUID, response: Any) -> None:
         self._client = client
@@ -64,16 +67,19 @@ class ClientGoalHandle:
 
     @property
     def stamp(self) -> Any:
-        """Return when the server accepted the goal."""
+        """Return when the server accepted the goal, as builtin_interfaces/Time."""
         return self._response.stamp
 
     @property
     def status(self) -> int:
-        """Return the last status received, one of GoalStatus's constants."""
+        """Return the last status received, one of GoalStatus's constants, at first unknown."""
         return self._status
 
     def get_result_async(self) -> Future[Any]:
-        """Ask for the result; the future gets a response with `status` and `result`."""
+        """Request the result; the future gets a response with `status` and `result`.
+
+        The response comes when the goal has ended. From then on no feedback is handed on.
+        """
         request = self._client._action_type.Impl.GetResultService.Request(goal_id=self.goal_id)
         future: Future[Any] = self._client._result_client.call_async(request)
         key = bytes(self.goal_id.uuid)
@@ -82,21 +88,27 @@ class ClientGoalHandle:
         return future
 
     def cancel_goal_async(self) -> Future[CancelGoal.Response]:
-        """Ask to cancel; an empty `goals_canceling` in the response means refused."""
+        """Request to cancel the goal; an empty `goals_canceling` in the response means refused."""
         info = GoalInfo(goal_id=self.goal_id)
         return self._client._cancel_client.call_async(CancelGoal.Request(goal_info=info))
 
     def get_result(self) -> Any:
-        """Return the result like `get_result_async`, blocking; another thread must spin."""
+        """Block until the goal has ended, and return the response of `get_result_async`.
+
+        Another thread must spin the node.
+        """
         return _wait(self.get_result_async())
 
     def cancel_goal(self) -> Any:
-        """Cancel like `cancel_goal_async`, blocking; another thread must spin."""
+        """Request to cancel the goal, and block until the response of `cancel_goal_async` is there.
+
+        Another thread must spin the node.
+        """
         return _wait(self.cancel_goal_async())
 
 
 class ActionClient:
-    """A client of an action."""
+    """A client of an action: it sends goals and receives their status, feedback and results."""
 
     configure_introspection = absent.Attribute()
 
@@ -113,7 +125,12 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
-        """Create the client; raise ValueError for an invalid name."""
+        """Create the client.
+
+        Raises:
+            ValueError: The name is not valid.
+            AttributeError: The class is no action.
+        """
         check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
@@ -171,8 +188,14 @@ class ActionClient:
     ) -> Future[ClientGoalHandle]:
         """Send a goal; the future gets its handle when the server has accepted or refused.
 
-        `feedback_callback` gets messages with `.feedback`. Raises TypeError for another goal type,
-        RCLError after `destroy()`.
+        Args:
+            goal: The goal.
+            feedback_callback: Called with each feedback message, whose `.feedback` is the action's.
+            goal_uuid: The goal's id; None means a random one.
+
+        Raises:
+            TypeError: The goal is of another type.
+            RCLError: The client is destroyed.
         """
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError(
@@ -202,17 +225,18 @@ class ActionClient:
         return accepted
 
     def send_goal(self, goal: Any, **options: Any) -> Any:
-        """Send a goal and return its result, blocking; another thread must spin the node.
+        """Send a goal and return its result response, blocking; another thread must spin the node.
 
-        The result of a goal that was refused has STATUS_UNKNOWN.
+        The options are those of `send_goal_async`. The response for a goal that was refused has
+        STATUS_UNKNOWN.
         """
         return _wait(self.send_goal_async(goal, **options)).get_result()
 
     def server_is_ready(self) -> bool:
-        """Return True if a server offers the action, and its feedback and status reach this client.
+        """Return True if the action's services are offered, and its feedback and status published.
 
         Raises:
-            RCLError: After `destroy()`.
+            RCLError: The client is destroyed.
         """
         self._use("check if action server is available")
         return all(client.service_is_ready() for client in self._clients) and all(
@@ -220,9 +244,12 @@ class ActionClient:
         )
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        """Block until the action is offered; False when `timeout_sec` (s) passed before.
+        """Block until the action is offered; return False when `timeout_sec` (s) passed before.
 
-        Raises RCLError after `destroy()`, and when the context is shut down meanwhile.
+        None means no limit, a negative timeout no wait.
+
+        Raises:
+            RCLError: The client is destroyed, or is by the context's shutdown meanwhile.
         """
         graph = self._node._graph
         with graph.changed:
@@ -237,10 +264,14 @@ class ActionClient:
         """Return None, as rclpy does; the end of the `with` destroys nothing."""
 
     def __exit__(self, *_: object) -> None:
-        """Do nothing."""
+        """Do nothing: the client lives until `destroy()`."""
 
     def destroy(self) -> None:
-        """Leave the graph. Raises ValueError the second time, as rclpy does."""
+        """Leave the graph; futures that are pending stay pending.
+
+        Raises:
+            ValueError: The client was destroyed before, as in rclpy.
+        """
         if self._was_destroyed:
             raise ValueError("list.remove(x): x not in list")
         self._was_destroyed = True
@@ -260,9 +291,12 @@ class ActionClient:
         return found if inspect.iscoroutinefunction(callback) else None
 
     def _on_status(self, news: Any) -> None:
-        """Take the whole status at first, then what changed in it.
+        """Note the statuses of a message, and of all that are queued behind it.
 
-        All of it is taken before a result that arrived together with it.
+        So the handles have them before a result that arrived together with them.
+
+        Args:
+            news: The whole status at first, later a tuple of (goal id, status) that changed.
         """
         self._take_status(news)
         with contextlib.suppress(IndexError):  # The queue is empty.
@@ -281,7 +315,10 @@ class ActionClient:
 
 
 class _Together(Entity):
-    """The received messages of an action client, taken one of each at once as by rclpy."""
+    """The received messages of an action client; an executor takes one of each kind at once.
+
+    rclpy does the same.
+    """
 
     _rank, _is_part_of_action = 0, True
 
@@ -305,7 +342,7 @@ class _Together(Entity):
 
 
 def _all(taken: Sequence[Callable[[], Any]]) -> Any:
-    """Run all pieces of work, and return the coroutine of an async feedback callback, if any."""
+    """Run all pieces of work; return the coroutine of an async feedback callback, or None."""
     return next(filter(None, [work() for work in taken]), None)
 
 

@@ -12,14 +12,18 @@ _TYPE_SUFFIX = "_FeedbackMessage"
 
 
 def get_action_names_and_types(node: Node) -> NamesAndTypes:
-    """Return every action that has a server or a client."""
+    """Return every action that has a server or a client, sorted, with its types."""
     return _actions(node.get_topic_names_and_types())
 
 
 def get_action_server_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """Return the actions that a node serves; raise NodeNameNonExistentError."""
+    """Return the actions that a node serves, sorted, with their types.
+
+    Raises:
+        NodeNameNonExistentError: No such node is on the graph.
+    """
     return _actions(
         node.get_publisher_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )
@@ -28,7 +32,11 @@ def get_action_server_names_and_types_by_node(
 def get_action_client_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """Return the actions that a node is a client of; raise NodeNameNonExistentError."""
+    """Return the actions of which a node is a client, sorted, with their types.
+
+    Raises:
+        NodeNameNonExistentError: No such node is on the graph.
+    """
     return _actions(
         node.get_subscriber_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )

@@ -32,21 +32,24 @@ if TYPE_CHECKING:
 
 
 class GoalResponse(Enum):
-    """A goal callback's answer."""
+    """The answer of a goal callback."""
 
     REJECT = 1
     ACCEPT = 2
 
 
 class CancelResponse(Enum):
-    """A cancel callback's answer."""
+    """The answer of a cancel callback."""
 
     REJECT = 1
     ACCEPT = 2
 
 
 class ServerGoalHandle:
-    """An accepted goal, as its server sees it."""
+    """An accepted goal, as its server sees it: callbacks get it, and end the goal by it.
+
+    Handles of the same goal are equal; they have no hash.
+    """
 
     def __init__(self, server: ActionServer, info: GoalInfo, request: Any) -> None:
         self._server = server
@@ -75,13 +78,16 @@ class ServerGoalHandle:
 
     @property
     def status(self) -> int:
-        """Return one of GoalStatus's constants; unknown once the goal is forgotten."""
+        """Return one of GoalStatus's constants; STATUS_UNKNOWN once the goal is forgotten.
+
+        A goal is forgotten when its result expires, or by `destroy()`.
+        """
         self._server._forget_expired()
         return GoalStatus.STATUS_UNKNOWN if self._destroyed else int(self._status)
 
     @property
     def is_active(self) -> bool:
-        """Return True until the goal has succeeded, was aborted or canceled."""
+        """Return True until the goal has succeeded, or was aborted, canceled or forgotten."""
         return self.status in states.ACTIVE
 
     @property
@@ -90,13 +96,26 @@ class ServerGoalHandle:
         return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
-        """Schedule the goal's execution in a later turn of the executor."""
+        """Set the goal EXECUTING, unless a cancel was accepted, and schedule its execution.
+
+        The status is published at once; the callback runs in a later turn of the executor.
+
+        Args:
+            execute_callback: The callback; None means the server's.
+
+        Raises:
+            RCLError: The goal is executing already, or has ended.
+        """
         if not self.is_cancel_requested:
             self._update(states.EXECUTE)
         self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Send feedback to the clients. Raises TypeError for another type."""
+        """Publish feedback on this goal; do nothing once the goal is forgotten.
+
+        Raises:
+            TypeError: The feedback is of another type.
+        """
         if not isinstance(feedback, self._server.action_type.Feedback):
             raise TypeError
         if self._destroyed:
@@ -107,19 +126,31 @@ class ServerGoalHandle:
         self._server._feedback.publish(message)
 
     def succeed(self) -> None:
-        """End the goal as SUCCEEDED. Raises RCLError when it has ended."""
+        """End the goal as SUCCEEDED, and publish that; do nothing once the goal is forgotten.
+
+        Raises:
+            RCLError: The goal is not executing or canceling.
+        """
         self._update(states.SUCCEED)
 
     def abort(self) -> None:
-        """End the goal as ABORTED. Raises RCLError when it has ended."""
+        """End the goal as ABORTED, and publish that; do nothing once the goal is forgotten.
+
+        Raises:
+            RCLError: The goal is not executing or canceling.
+        """
         self._update(states.ABORT)
 
     def canceled(self) -> None:
-        """End the goal as CANCELED. Raises RCLError unless a cancel was accepted."""
+        """End the goal as CANCELED, and publish that; do nothing once the goal is forgotten.
+
+        Raises:
+            RCLError: No cancel was accepted, or the goal has ended.
+        """
         self._update(states.CANCELED)
 
     def destroy(self) -> None:
-        """Forget the goal: it can no longer be cancelled, and its end is not told."""
+        """Forget the goal: it can no longer be canceled, and its end is not published."""
         self._destroyed = True
 
     def _update(self, event: str) -> None:
@@ -131,7 +162,7 @@ class ServerGoalHandle:
 
 
 class GoalEvent(Enum):
-    """The events that move a goal from one state to another."""
+    """The events that move a goal from one state to another, as rclpy names them."""
 
     EXECUTE = 0
     CANCEL_GOAL = 1
@@ -141,22 +172,25 @@ class GoalEvent(Enum):
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
-    """Execute the goal."""
+    """Call `execute()` of an accepted goal."""
     goal_handle.execute()
 
 
 def default_goal_callback(goal_request: Any) -> GoalResponse:
-    """Accept the goal."""
+    """Accept every goal."""
     return GoalResponse.ACCEPT
 
 
 def default_cancel_callback(cancel_request: Any) -> CancelResponse:
-    """Reject the cancel."""
+    """Reject every cancel."""
     return CancelResponse.REJECT
 
 
 class ActionServer:
-    """A server of an action. Cancels are rejected unless `cancel_callback` accepts them."""
+    """A server of an action. Cancels are rejected unless `cancel_callback` accepts them.
+
+    A goal that `execute_callback` leaves active is aborted; an exception is logged.
+    """
 
     configure_introspection = absent.Attribute()
 
@@ -188,9 +222,10 @@ class ActionServer:
             action_name: The action's name.
             execute_callback: Executes a goal, called with its handle; returns the result.
             callback_group: The group of the callbacks; None means the node's default one.
-            goal_callback: Accepts or refuses a goal.
-            handle_accepted_callback: Called with the handle of an accepted goal.
-            cancel_callback: Accepts or refuses a cancel.
+            goal_callback: Called with a goal message; returns a GoalResponse.
+            handle_accepted_callback: Called with the handle of an accepted goal; by default,
+                executes it.
+            cancel_callback: Called with a goal's handle; returns a CancelResponse.
             goal_service_qos_profile: The QoS of the goal service.
             result_service_qos_profile: The QoS of the result service.
             cancel_service_qos_profile: The QoS of the cancel service.
@@ -202,6 +237,7 @@ class ActionServer:
         Raises:
             TypeError: `execute_callback` cannot be called.
             ValueError: The name is invalid, or the timeout is negative.
+            AttributeError: The class is no action.
         """
         check_action(action_type)
         problem = topic_problem(action_name)
@@ -256,45 +292,49 @@ class ActionServer:
 
     @property
     def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
-        """Return the goals whose results are not forgotten yet, by their id."""
+        """Return the handles of goals whose results have not expired, by the bytes of their ids."""
         self._forget_expired()
         return self._kept
 
     def register_execute_callback(self, execute_callback: Callable[..., Any]) -> None:
-        """Execute goals with this callback from now on; raise TypeError for no callable."""
+        """Execute goals with this callback from now on; raise TypeError if it cannot be called."""
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
         self._execute_callback = execute_callback
 
     def register_goal_callback(self, goal_callback: Callable[..., Any] | None) -> None:
-        """Let this callback accept or refuse goals; None means the default."""
+        """Let this callback accept or refuse goals from now on; None accepts all of them."""
         self._goal_callback = goal_callback or default_goal_callback
 
     def register_cancel_callback(self, cancel_callback: Callable[..., Any] | None) -> None:
-        """Let this callback accept or refuse cancels; None means the default."""
+        """Let this callback accept or refuse cancels from now on; None refuses all of them."""
         self._cancel_callback = cancel_callback or default_cancel_callback
 
     def register_handle_accepted_callback(
         self, handle_accepted_callback: Callable[..., Any] | None
     ) -> None:
-        """Hand accepted goals to this callback; None means the default."""
+        """Hand accepted goals to this callback from now on; None executes them."""
         self._handle_accepted_callback = (
             handle_accepted_callback or default_handle_accepted_callback
         )
 
     @property
     def action_type(self) -> Any:
-        """Return the action's type."""
+        """Return the class of the action."""
         return self._action_type
 
     def __enter__(self) -> None:
         """Return None, as rclpy does; the end of the `with` destroys nothing."""
 
     def __exit__(self, *_: object) -> None:
-        """Do nothing."""
+        """Do nothing: the server lives until `destroy()`."""
 
     def destroy(self) -> None:
-        """Stop offering the action. Raises ValueError the second time, as rclpy does."""
+        """Stop offering the action and forget its goals; their results are never sent.
+
+        Raises:
+            ValueError: The server was destroyed before, as in rclpy.
+        """
         if self._was_destroyed:
             raise ValueError("list.remove(x): x not in list")
         self._was_destroyed = True
@@ -331,6 +371,8 @@ class ActionServer:
         self, goal_handle: ServerGoalHandle, execute_callback: Callable[..., Any] | None
     ) -> None:
         """Schedule a goal's execution in a later turn of the executor.
+
+        While the node has no executor, nothing happens.
 
         Args:
             goal_handle: The goal.
@@ -373,7 +415,11 @@ class ActionServer:
         return response
 
     def _asked_to_cancel(self, info: GoalInfo) -> tuple[int, list[ServerGoalHandle]]:
-        """Return the goals of a cancel request: all, those until a time, or one of them too."""
+        """Return the code of a cancel response, and the goals that a cancel request means.
+
+        Without an id and a time these are all goals, with an id only that goal, else those accepted
+        until the time and the goal of the id. Goals that cannot be canceled are left out.
+        """
         goal_id, until = bytes(info.goal_id.uuid), _ns(info.stamp)
         if any(goal_id) and not until:
             goal = self._goal_handles.get(goal_id)
@@ -402,7 +448,7 @@ class ActionServer:
         )
 
     def _publish_status(self, changed: ServerGoalHandle) -> None:
-        """Publish the status of all kept goals; clients of this engine get the changed one."""
+        """Publish the status of all kept goals; action clients get only that of `changed`."""
         key, status = bytes(changed.goal_id.uuid), changed.status
         self._status._publish_lazily(self._all_statuses, ((key, status),))
 

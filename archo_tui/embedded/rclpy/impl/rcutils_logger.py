@@ -19,7 +19,8 @@ _BY_WARN = "warn", __file__, 0, 0  # In rclpy, the place of the decorator of dep
 class RcutilsLogger:
     """A named logger, whose lines go to standard error and, for a node's logger, to /rosout.
 
-    `once`, `skip_first` and `throttle_duration_sec` (s) count per place in the source.
+    The filters `once`, `skip_first` and `throttle_duration_sec` (s) count for each place in the
+    source that logs.
     """
 
     def __init__(self, name: str = "") -> None:
@@ -27,13 +28,24 @@ class RcutilsLogger:
         self._places: dict[_Where, _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
-        """Return a logger below this one; raise ValueError for no name, TypeError for no text."""
+        """Return a new logger named `<own name>.<name>`.
+
+        Raises:
+            ValueError: The name is empty.
+            TypeError: The name is not a text.
+        """
         if not name:
             raise ValueError("Child logger name must not be empty.")
         return RcutilsLogger(self.name + "." + name if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
-        """Log from this severity on. Raises ValueError for anything but a severity."""
+        """Log from this severity on, here and in all loggers below without a level of their own.
+
+        UNSET inherits the level again.
+
+        Raises:
+            ValueError: The level is no severity.
+        """
         _logging.set_level(self.name, LoggingSeverity(level))
 
     def get_effective_level(self) -> LoggingSeverity:
@@ -41,7 +53,7 @@ class RcutilsLogger:
         return LoggingSeverity(_logging.effective_level(self.name))
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
-        """Return True if a line of this severity is logged."""
+        """Return True if the level in force lets a line of this severity pass."""
         return int(severity) >= _logging.effective_level(self.name)
 
     def log(
@@ -51,10 +63,19 @@ class RcutilsLogger:
         name: str | None = None,
         **filters: Any,
     ) -> bool:
-        """Log at a severity, also for another logger's `name`; False when it was filtered out.
+        """Log a line, and return True; return False if the level or a filter keeps it back.
 
-        Raises TypeError for an unknown filter or one that lacks its duration, ValueError for what
-        changes between two calls at one place.
+        Args:
+            message: The line.
+            severity: Its severity.
+            name: The logger in whose name it is logged; None means this one.
+            **filters: `once=True`, `skip_first=True`, `throttle_duration_sec` (s) with, if wanted,
+                `throttle_time_source_type` (a Clock).
+
+        Raises:
+            TypeError: A filter is unknown or lacks its duration, or the message is not a text.
+            ValueError: Severity, name or filters differ from the first call at this place in the
+                source.
         """
         if not self.is_enabled_for(severity):
             return False
@@ -99,28 +120,31 @@ class RcutilsLogger:
         return True
 
     def debug(self, message: str, **options: Any) -> bool:
-        """Log at DEBUG; as `log`."""
+        """Log at DEBUG; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.DEBUG, **options)
 
     def info(self, message: str, **options: Any) -> bool:
-        """Log at INFO; as `log`."""
+        """Log at INFO; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.INFO, **options)
 
     def warning(self, message: str, **options: Any) -> bool:
-        """Log at WARN; as `log`."""
+        """Log at WARN; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.WARN, **options)
 
     def warn(self, message: str, **options: Any) -> bool:
-        """Log at WARN under the old name; all calls count as one place, as in rclpy."""
+        """Log at WARN, and give a DeprecationWarning for this old name of `warning`.
+
+        All calls count as one place, as in rclpy.
+        """
         warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
         return self.warning(message, **options)
 
     def error(self, message: str, **options: Any) -> bool:
-        """Log at ERROR; as `log`."""
+        """Log at ERROR; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.ERROR, **options)
 
     def fatal(self, message: str, **options: Any) -> bool:
-        """Log at FATAL; as `log`."""
+        """Log at FATAL; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.FATAL, **options)
 
 
@@ -136,7 +160,11 @@ _SYSTEM = ROSClock()  # Without a node it is never simulated.
 
 
 def _filter_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of those filters that are switched on; raise TypeError for bad ones."""
+    """Return all options of those filters that are switched on, in the order of the filters.
+
+    Raises:
+        TypeError: An option is unknown, or a throttle lacks its duration.
+    """
     found = {name for name, options in _OPTIONS.items() if any(map(given.get, options))}
     if "throttle" in found and "throttle_duration_sec" not in given:
         raise TypeError(
@@ -157,10 +185,16 @@ def _filter_options(given: dict[str, Any]) -> dict[str, Any]:
 
 
 class _Place:
-    """A place in the source that logs."""
+    """A place in the source that logs, and what its filters have counted."""
 
     def __init__(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Create the place; raise ValueError for a throttle by anything but a clock."""
+        """Create the place of a first call; raise ValueError for a throttle without a clock.
+
+        Args:
+            severity: The severity of the call.
+            name: The logger's name.
+            asked: The filters' options, from `_filter_options`.
+        """
         clock = asked.get("throttle_time_source_type", _MACHINE)
         if not isinstance(clock, Clock):
             raise ValueError(
@@ -172,7 +206,7 @@ class _Place:
         self._is_first, self._is_logged = True, False
 
     def check(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Raise ValueError if a call differs from the first one at this place."""
+        """Raise ValueError if severity, name or filters differ from the first call's here."""
         if self._first == (severity, name, asked):
             return
         if self._first[0] != severity:
@@ -186,9 +220,9 @@ class _Place:
         raise ValueError(f"{what} cannot be changed between calls.")
 
     def passes(self) -> bool:
-        """Return True if every filter lets the line pass.
+        """Return True if every filter lets a line pass, and count the line.
 
-        They are asked in their order, and those behind the first that refuses count nothing.
+        The filters are asked in their order, and those behind the first that refuses count nothing.
         """
         asked = self._asked
         if "throttle_duration_sec" in asked:

@@ -14,30 +14,33 @@ _SUCCESS = TransitionCallbackReturn.SUCCESS
 
 
 class ManagedEntity:
-    """An entity that is told of its node's transitions; each callback returns how it went."""
+    """An entity that is told of its node's transitions; each callback returns how it went.
+
+    The callbacks get the state before the transition. These do nothing and return SUCCESS.
+    """
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Configure, from the state `unconfigured`."""
+        """Configure the entity; the node was `unconfigured`."""
         return _SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Clean up, from the state `inactive`."""
+        """Clean the entity up; the node was `inactive`."""
         return _SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Shut down, from any state but `finalized`."""
+        """Shut the entity down; the node was in any state but `finalized`."""
         return _SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Activate, from the state `inactive`."""
+        """Activate the entity; the node was `inactive`."""
         return _SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Deactivate, from the state `active`."""
+        """Deactivate the entity; the node was `active`."""
         return _SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Handle an error of another callback.
+        """Handle an ERROR of another callback; the state is that before its transition.
 
         SUCCESS leads to `unconfigured`, any other outcome to `finalized`.
         """
@@ -45,7 +48,7 @@ class ManagedEntity:
 
 
 class SimpleManagedEntity(ManagedEntity):
-    """An entity that knows if its node is active."""
+    """An entity that knows if its node is active; at first it is not."""
 
     def __init__(self) -> None:
         self._enabled = False
@@ -60,7 +63,7 @@ class SimpleManagedEntity(ManagedEntity):
 
     @property
     def is_activated(self) -> bool:
-        """Return True while the node is active."""
+        """Return True between `on_activate` and `on_deactivate`."""
         return self._enabled
 
     @staticmethod
@@ -69,9 +72,12 @@ class SimpleManagedEntity(ManagedEntity):
         *,
         when_not_enabled: Callable[..., None] | None = None,
     ) -> Any:
-        """Wrap a method so that it runs only while the node is active, and returns nothing.
+        """Decorate a method so that it runs only while the node is active, and returns None.
 
-        Otherwise `when_not_enabled` is called, if given, with the arguments without the entity.
+        Args:
+            wrapped: The method, for a decorator without parentheses.
+            when_not_enabled: Called instead while the node is not active, with the method's
+                arguments except the entity; None does nothing.
         """
 
         def decorate(method: Callable[..., None]) -> Callable[..., None]:

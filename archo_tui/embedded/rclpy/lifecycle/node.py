@@ -40,15 +40,18 @@ _CALLBACKS = {  # By the state in which they run.
 class LifecycleNodeMixin(ManagedEntity):
     """A mixin that makes a Node a lifecycle node; it is listed before Node among the bases.
 
-    A node may override the callbacks of ManagedEntity. These pass the transition on to the managed
-    entities, so an overriding `on_activate` calls this one as well.
+    A node may override the callbacks of ManagedEntity. The callbacks here pass the transition on to
+    the managed entities, so an overriding `on_activate` calls the one of this class as well.
     """
 
     def __init__(self, *, enable_communication_interface: bool = True) -> None:
-        """Create the services, unless `enable_communication_interface` is False.
+        """Create the state machine, and the services and `transition_event` publisher of the node.
+
+        Args:
+            enable_communication_interface: False creates neither services nor publisher.
 
         Raises:
-            TypeError: That is no bool.
+            TypeError: The argument is no bool.
         """
         if not isinstance(enable_communication_interface, bool):
             raise TypeError("enable_communication_interface must be a bool")
@@ -74,37 +77,59 @@ class LifecycleNodeMixin(ManagedEntity):
             setattr(self._state_machine, f"service_{name}", service)
 
     def trigger_configure(self) -> TransitionCallbackReturn:
-        """Configure, and return the callback's outcome, ERROR if that is not possible now."""
+        """Run `on_configure`, change the state by its outcome, and return the outcome.
+
+        ERROR is returned, and logged, if the node is not `unconfigured`.
+        """
         return self._run_transition("configure")
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
-        """Clean up, and return the callback's outcome, ERROR if that is not possible now."""
+        """Run `on_cleanup`, change the state by its outcome, and return the outcome.
+
+        ERROR is returned, and logged, if the node is not `inactive`.
+        """
         return self._run_transition("cleanup")
 
     def trigger_activate(self) -> TransitionCallbackReturn:
-        """Activate, and return the callback's outcome, ERROR if that is not possible now."""
+        """Run `on_activate`, change the state by its outcome, and return the outcome.
+
+        ERROR is returned, and logged, if the node is not `inactive`.
+        """
         return self._run_transition("activate")
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
-        """Deactivate, and return the callback's outcome, ERROR if that is not possible now."""
+        """Run `on_deactivate`, change the state by its outcome, and return the outcome.
+
+        ERROR is returned, and logged, if the node is not `active`.
+        """
         return self._run_transition("deactivate")
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
-        """Shut down, and return the callback's outcome; raise RCLError in the state `finalized`."""
+        """Run `on_shutdown`, change the state by its outcome, and return the outcome.
+
+        The state is `finalized` then, unless the outcome is ERROR and `on_error` returns SUCCESS.
+
+        Raises:
+            RCLError: The node is `finalized`, or in the middle of a transition.
+        """
         if all(step.label != "shutdown" for step in self._state_machine.steps):
             raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling.
         return self._run_transition("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Add an entity that is told of the transitions; raise TypeError for anything else."""
+        """Add an entity, whose callbacks are called at each transition from now on.
+
+        Raises:
+            TypeError: The argument is no ManagedEntity.
+        """
         if not isinstance(entity, ManagedEntity):
             raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
         self._managed_entities.add(entity)
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
-        """Return a publisher that is silent unless the node is active.
+        """Create a publisher that is silent unless the node is active.
 
-        The arguments are those of `create_publisher`.
+        The arguments are those of `create_publisher`, without `publisher_class`.
         """
         node: Any = self
         made = node.create_publisher(*args, publisher_class=LifecyclePublisher, **kwargs)
@@ -113,7 +138,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return publisher
 
     def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
-        """Destroy a publisher, and return False if it is not this node's."""
+        """Destroy a lifecycle publisher, and return False if it is not this node's."""
         self._managed_entities.discard(publisher)
         node: Any = self
         destroyed: bool = node.destroy_publisher(publisher)
@@ -138,7 +163,10 @@ class LifecycleNodeMixin(ManagedEntity):
         return self._pass_on("on_error", state)
 
     def _pass_on(self, callback: str, state: LifecycleState) -> TransitionCallbackReturn:
-        """Call a callback of every managed entity, until one does not return SUCCESS."""
+        """Call a callback of every managed entity, and return SUCCESS.
+
+        The first other outcome ends this and is returned. The order is arbitrary.
+        """
         for entity in list(self._managed_entities):
             said: TransitionCallbackReturn = getattr(entity, callback)(state)
             if said != _SUCCESS:
@@ -146,7 +174,15 @@ class LifecycleNodeMixin(ManagedEntity):
         return _SUCCESS
 
     def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
-        """Go through a transition with its callback, and through that of errors if it fails."""
+        """Go through a transition with its callback, and return the callback's outcome.
+
+        Each step is published. If the callback fails with ERROR, or raises, `on_error` is called as
+        well. ERROR is returned, and logged, if the transition does not start from the current
+        state.
+
+        Args:
+            transition: Its number or its label.
+        """
         node: Any = self
         number, label = self._state_machine.current_state
         before = LifecycleState(label, number)
@@ -202,7 +238,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
 
 class LifecycleNode(LifecycleNodeMixin, Node):
-    """A Node with states; the arguments are those of Node."""
+    """A Node with states; the other arguments are those of Node."""
 
     def __init__(
         self, node_name: str, *, enable_communication_interface: bool = True, **kwargs: Any

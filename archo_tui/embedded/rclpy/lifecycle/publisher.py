@@ -22,5 +22,5 @@ class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
 
     @SimpleManagedEntity.when_enabled
     def publish(self, msg: MsgT | bytes) -> None:
-        """Send the message, or do nothing while the node is not active."""
+        """Send the message as `Publisher.publish` does; do nothing while the node is not active."""
         Publisher.publish(self, msg)
