@@ -40,8 +40,7 @@ class Destroyable:
 class Handle:
     """The stand-in for rcl's handle of an object.
 
-    `with thing.handle:` raises InvalidHandle if the object has been destroyed. Unlike in rclpy, the
-    `with` does not keep the object from being destroyed meanwhile.
+    `with thing.handle:` raises InvalidHandle if the object has been destroyed.
     """
 
     def __init__(self, of: Destroyable) -> None:

@@ -99,8 +99,8 @@ class NodeParameters:
     ) -> list[Parameter[Any]]:
         """Declare several parameters, and return them.
 
-        If a name is empty or already declared, none is declared; if a value is refused, those
-        before it stay declared.
+        If a name is empty or already declared, none is declared; if a value or type is refused,
+        those before it stay declared. In rclpy a wrong type, too, declares none.
 
         Args:
             namespace: Put before each name, with a dot; "" for nothing.
@@ -244,7 +244,8 @@ class NodeParameters:
         Raises:
             ParameterNotDeclaredException: A parameter is not declared, and must be; those before it
                 stay set.
-            TypeError: An element is no Parameter; none is set then.
+            TypeError: An element is no Parameter. Then none is set; in rclpy, those before it stay
+                set.
         """
         _check_are_parameters(parameter_list)
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]

@@ -143,7 +143,10 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             return self.service_is_ready()
 
     def destroy(self) -> None:
-        """Leave the graph; futures that are pending stay pending for ever."""
+        """Leave the graph; futures that are pending stay pending for ever.
+
+        The node lists the client until `destroy_client`.
+        """
         self._destroyed = True
         graph = self._node._graph
         graph.remove_named(graph.clients, self._service_name, self)

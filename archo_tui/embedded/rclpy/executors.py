@@ -169,7 +169,7 @@ class Executor:
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         """End all spinning and remove the nodes; return True.
 
-        Unlike in rclpy, callbacks that run are not waited for: `timeout_sec` has no effect.
+        Callbacks that run are not waited for, so `timeout_sec` has no effect.
         """
         with self._condition:
             self._is_shutdown = True
@@ -201,7 +201,7 @@ class Executor:
 
         Raises:
             ExternalShutdownException: The context was shut down; a MultiThreadedExecutor returns
-                instead.
+                instead. If it was before the call, rclpy raises RCLError.
         """
         raise NotImplementedError
 

@@ -500,7 +500,7 @@ class Node(NodeParameters, Destroyable):
 
         Args:
             fully_qualified_node_name: The name; a leading slash may be left out.
-            timeout: The longest wait in s; negative means no limit.
+            timeout: The longest wait in s. Negative means no limit; rclpy returns False at once.
         """
         name = f"/{fully_qualified_node_name.lstrip('/')}"
         with self._graph.changed:

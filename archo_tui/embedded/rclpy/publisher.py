@@ -150,7 +150,10 @@ class Publisher(Endpoint, Generic[MsgT]):
         self.destroy()
 
     def destroy(self) -> None:
-        """Leave the topic: messages that are kept for late joiners are no longer sent."""
+        """Leave the topic: messages that are kept for late joiners are no longer sent.
+
+        The node lists the publisher until `destroy_publisher`.
+        """
         self._destroyed = True
         self._node._graph.remove_publisher(self)
         self._forget_events()

@@ -67,7 +67,10 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         client._deliver((number, message.__received__()))
 
     def destroy(self) -> None:
-        """Leave the graph; requests still queued are never answered."""
+        """Leave the graph; requests that are still queued are never answered.
+
+        The node lists the service until `destroy_service`.
+        """
         self._destroyed = True
         graph = self._node._graph
         graph.remove_named(graph.services, self._service_name, self)

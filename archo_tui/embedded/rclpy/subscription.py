@@ -115,7 +115,10 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     get_content_filter = absent.Attribute()
 
     def destroy(self) -> None:
-        """Leave the topic; messages that are still queued are dropped."""
+        """Leave the topic; messages that are still queued are dropped.
+
+        The node lists the subscription until `destroy_subscription`.
+        """
         self._destroyed = True
         self._node._graph.remove_subscription(self)
         self._forget_events()

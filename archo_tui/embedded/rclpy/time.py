@@ -107,9 +107,9 @@ class Time:
             raise TypeError(f"Can't {doing} times with different clock types")
 
     def to_msg(self) -> builtin_interfaces.msg.Time:
-        """Return the time as builtin_interfaces/Time.
+        """Return the time as builtin_interfaces/Time, which ends in January 2038.
 
-        That ends in January 2038: later seconds become the last one.
+        Unlike in rclpy, the seconds of a later time become the last possible ones.
         """
         sec, nanosec = self.seconds_nanoseconds()
         sec = min(sec, _LAST_SECOND)
