@@ -10,10 +10,13 @@ REEXPORTED: dict[
 ] = {  # By module: the modules that define the names, and the names.
     "rclpy": {
         "rclpy.parameter": "Parameter",
+        "rclpy.qos": "QoSProfile",
         "rclpy.signals": "install_signal_handlers uninstall_signal_handlers",
     },
     "rclpy.action.client": {
+        "rclpy.clock": "Clock",
         "rclpy.executors": "await_or_execute",
+        "rclpy.service_introspection": "ServiceIntrospectionState",
         "rclpy.type_support": "check_for_type_support",
         "rclpy.waitable": "NumberOfEntities Waitable",
     },
@@ -21,6 +24,9 @@ REEXPORTED: dict[
         "rclpy.node": "Node",
     },
     "rclpy.action.server": {
+        "rclpy.clock": "Clock",
+        "rclpy.service_introspection": "ServiceIntrospectionState",
+        "rclpy.task": "Task",
         "rclpy.type_support": "check_for_type_support",
         "rclpy.waitable": "NumberOfEntities Waitable",
     },
@@ -32,23 +38,29 @@ REEXPORTED: dict[
         "rclpy.waitable": "NumberOfEntities Waitable",
     },
     "rclpy.executors": {
-        "rclpy._rclpy_pybind11": "InvalidHandle",
+        "rclpy._rclpy_pybind11": "InvalidHandle TimerCancelledError",
         "rclpy.client": "Client",
         "rclpy.clock": "Clock",
         "rclpy.clock_type": "ClockType",
         "rclpy.guard_condition": "GuardCondition",
         "rclpy.service": "Service",
         "rclpy.signals": "SignalHandlerGuardCondition",
-        "rclpy.subscription": "Subscription",
-        "rclpy.timer": "Timer",
+        "rclpy.subscription": "MessageInfo Subscription",
+        "rclpy.timer": "Timer TimerInfo",
         "rclpy.utilities": "timeout_sec_to_nsec",
         "rclpy.waitable": "NumberOfEntities Waitable",
     },
     "rclpy.lifecycle.node": {
         "rclpy.callback_groups": "CallbackGroup",
+        "rclpy.impl.rcutils_logger": "RcutilsLogger",
         "rclpy.qos": "QoSProfile",
         "rclpy.service": "Service",
         "rclpy.type_support": "check_is_valid_srv_type",
+    },
+    "rclpy.lifecycle.publisher": {
+        "rclpy.callback_groups": "CallbackGroup",
+        "rclpy.event_handler": "PublisherEventCallbacks",
+        "rclpy.qos": "QoSProfile",
     },
     "rclpy.logging_service": {
         "rcl_interfaces.srv": "GetLoggerLevels SetLoggerLevels",
@@ -72,6 +84,9 @@ REEXPORTED: dict[
         "rclpy.guard_condition": "GuardCondition",
         "rclpy.logging": "get_logger",
         "rclpy.qos_overriding_options": "QoSOverridingOptions",
+        "rclpy.subscription": "MessageInfo",
+        "rclpy.subscription_content_filter_options": "ContentFilterOptions",
+        "rclpy.timer": "TimerInfo",
         "rclpy.type_description_service": "TypeDescriptionService",
         "rclpy.validate_full_topic_name": "validate_full_topic_name",
         "rclpy.validate_namespace": "validate_namespace",
@@ -86,10 +101,11 @@ REEXPORTED: dict[
             "DescribeParameters GetParameterTypes GetParameters ListParameters SetParameters "
             "SetParametersAtomically"
         ),
+        "rclpy.client": "Client",
         "rclpy.event_handler": "SubscriptionEventCallbacks",
         "rclpy.node": "Node",
         "rclpy.qos_overriding_options": "QoSOverridingOptions",
-        "rclpy.subscription": "Subscription",
+        "rclpy.subscription": "MessageInfo Subscription",
     },
     "rclpy.parameter_service": {
         "rcl_interfaces.msg": "ListParametersResult",
@@ -124,7 +140,9 @@ REEXPORTED: dict[
         "rclpy.guard_condition": "GuardCondition",
     },
     "rclpy.subscription": {
+        "rclpy._rclpy_pybind11": "RCLError",
         "rclpy.event_handler": "EventHandler SubscriptionEventCallbacks",
+        "rclpy.subscription_content_filter_options": "ContentFilterOptions",
     },
     "rclpy.timer": {
         "rclpy._rclpy_pybind11": "InvalidHandle",

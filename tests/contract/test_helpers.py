@@ -116,6 +116,21 @@ def test_a_rate_sleeps_from_tick_to_tick_until_the_end(ros: Ros) -> None:
     assert slept[-1] == -1
 
 
+@pytest.mark.real_time
+def test_a_callback_sleeps_by_a_rate_while_another_thread_spins_its_node(ros: Ros) -> None:
+    node = ros.node()
+    rate, slept = node.create_rate(50.0), threading.Event()
+
+    def work() -> None:
+        if not slept.is_set():
+            rate.sleep()
+            slept.set()
+
+    node.create_timer(0.01, work)
+    ros.spin(node, executor=MultiThreadedExecutor(2, context=ros.context))
+    wait_until(slept.is_set)
+
+
 def test_a_clock_sleeps(ros: Ros) -> None:
     node = ros.node()
     clock = node.get_clock()

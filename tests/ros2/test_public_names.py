@@ -42,8 +42,11 @@ USED = re.compile(
 )
 
 
-# protocols for type checkers
-TYPES_ONLY = re.compile(r"\.(\w+Handle|DestroyableType|TimeJumpDictionary|DurationType)$")
+# protocols and variables for type checkers
+TYPES_ONLY = re.compile(
+    r"\.(\w+Handle|DestroyableType|(TimeJump|TypeHash)Dictionary|DurationType|Action|Msg|Srv"
+    r"|FeedbackMessage|\w+Service(Request|Response))$"
+)
 
 
 def public(python: str, *words: str, given: str = "") -> set[str]:

@@ -18,7 +18,11 @@ from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
 from rclpy._parameter_rules import RELATIVE_TOLERANCE
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
-from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
+from rclpy.callback_groups import (
+    CallbackGroup,
+    MutuallyExclusiveCallbackGroup,
+    ReentrantCallbackGroup,
+)
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
@@ -121,6 +125,7 @@ class Node(NodeParameters, Destroyable):
         self._logger = RcutilsLogger(self._full_name[1:].replace("/", "."))
         self._executor: Executor | None = None
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
+        self._rate_group = ReentrantCallbackGroup()
         self._publishers: list[Publisher[Any]] = []
         self._rosout: Publisher[Log] | None = None
         self._entity_list: list[Entity] = []
@@ -475,15 +480,12 @@ class Node(NodeParameters, Destroyable):
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         """Return a rate of that frequency (Hz); another thread must spin the node.
 
-        Unlike in rclpy, the rate ticks in the node's default callback group: its `sleep()` never
-        ends in a callback of that group.
-
         Raises:
             ValueError: The frequency is not above 0.
         """
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
-        timer = self.create_timer(1.0 / frequency, _nothing, clock=clock)
+        timer = self.create_timer(1.0 / frequency, _nothing, self._rate_group, clock=clock)
         return Rate(timer, context=self._context)
 
     create_guard_condition = absent.Attribute()
