@@ -339,9 +339,9 @@ class KeyedApp(TerminalApp):
     def _widget_acting_later(self, event: events.Event) -> Widget | None:
         """Return the widget that will handle an event from its own queue, after this call.
 
-        That is a clicked widget, or the focused one if the key is text for it; None for a field,
-        which handles its keys at once, and for keys that are bound. It also notes if the key is
-        text.
+        That is a clicked widget; for a paste, or a key that is text, the focused one, or None if
+        that is a field, which handles both at once; None for other keys. Whether the key is text is
+        noted.
         """
         focused = self.focused
         if isinstance(event, events.MouseEvent):
@@ -452,9 +452,10 @@ class KeyedApp(TerminalApp):
         self.call_later(self._release)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Return True if the action of a key acts now, False to leave the key to a field or dialog.
+        """Return True if the action of a key acts now, False if the key is left to others.
 
-        Textual asks it for each binding.
+        Those are a field, a dialog, or another panel than the command's. Textual asks it for each
+        binding.
         """
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None

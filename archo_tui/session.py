@@ -336,7 +336,8 @@ class Session:
         """Add to the host the nodes and programs of the user, then the robot's own nodes.
 
         A robot's node is left out if the user's has the same name; all are with `--attach` or
-        `--only`. `node_makers` replace them. What the user's files print meanwhile becomes events.
+        `--only`. The options' `node_makers`, if any, take the place of the robot's own nodes. What
+        the user's files print meanwhile becomes events.
 
         Raises:
             ArchoError: A robot's node cannot be made.

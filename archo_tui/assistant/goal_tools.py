@@ -167,7 +167,7 @@ class CancelTool(Tool):
 async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
     """Return `kind`, `title` and `schema` of each goal that the robot offers, harmless to show.
 
-    Goals whose kind `sanitize` would change are left out.
+    Goals whose kind `sanitize` would change are left out; all are if the console refuses to tell.
 
     Raises:
         Unreached: There is no console, or it does not answer.

@@ -18,7 +18,8 @@ def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
     """Return a copy of a value in JSON's types, harmless to print, with a note for whatever is cut.
 
     A list or an object keeps 100 items. Texts and names lose control and invisible characters.
-    Numbers that JSON lacks become texts; values of other types become a note.
+    Numbers that are not finite, and whole ones beyond 64 bits, become texts; values of other types
+    become a note.
 
     Args:
         value: The value.

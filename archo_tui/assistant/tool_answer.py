@@ -58,9 +58,9 @@ def failure(code: str, summary: str, robot: Any = None) -> ToolAnswer:
 
 
 def robot_part_of(result: dict[str, Any]) -> Any:
-    """Return the text of a console's result as `said`, a list of lines, and its `data`, if any.
+    """Return an object with a console's result: `said`, a list of lines, and `data` if it has any.
 
-    The robot's own words may be in them, so they belong in `ToolAnswer.robot`, not in a summary.
+    The robot's own words may be in it, so it belongs in `ToolAnswer.robot`, not in a summary.
 
     Args:
         result: The result, as docs/protocol.md lists its names and values.

@@ -170,7 +170,10 @@ class _MoveProbe:
         return "" if answer.result.success else "the result says success False: set it to True"
 
     def check_cancel(self) -> str:
-        """Send a goal, cancel it at 9 m, wait for its end, and return what is wrong, or "".
+        """Send a goal, cancel it when its feedback says that 9 m remain, and wait for its end.
+
+        Returns:
+            What is wrong; "" if nothing is.
 
         Raises:
             CrashedError: A node that serves the action crashed.

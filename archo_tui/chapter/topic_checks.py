@@ -185,7 +185,7 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     )
 
     def is_low() -> bool:
-        """Return True if any level so far is low, as the learner's battery may publish it."""
+        """Return True if any level so far is below 20 %; the learner's battery may publish one."""
         return any(level < 20.0 for level in levels)
 
     try:

@@ -15,10 +15,7 @@ def check(options: Namespace) -> int:
     """Run the checks of the textbook's chapter on files, and print a line for each.
 
     Returns:
-        The exit code: 0 if a check passed and none failed; FAILED if ctrl+c ends them.
-
-    Raises:
-        ArchoError: A file cannot be hosted.
+        The exit code: 0 if a check passed and none failed; else FAILED, also if ctrl+c ends them.
     """
     from pathlib import Path
 

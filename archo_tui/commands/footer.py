@@ -12,7 +12,10 @@ def blocked_commands(console: Console) -> frozenset[str]:
 
 
 def keys_of_footer(console: Console) -> list[FooterKey]:
-    """Return the commands with a word for the footer and a key, in the order of the registry."""
+    """Return the commands with a word for the footer and a key, in the order of the registry.
+
+    Commands that are disabled now are among them.
+    """
     view = console.view
     return [
         FooterKey(

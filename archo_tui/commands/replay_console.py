@@ -179,7 +179,7 @@ class ReplayConsole:
         return self._live.copy_selection()
 
     def write_screenshot(self) -> None:
-        """Save the screen as SVG."""
+        """Save the screen as SVG, once the palette that asked for it is gone."""
         self._live.write_screenshot()
 
     def action_command(self, name: str) -> None:

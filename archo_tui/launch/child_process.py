@@ -92,9 +92,9 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end, and append its first `limit` + 1 bytes to `kept`; drop the others.
+    """Read a pipe to its end or an error, close it, and append its first bytes to `kept`.
 
-    The last byte shows that there were too many.
+    `limit` + 1 bytes are kept, the others dropped: the last one shows that there were too many.
     """
     with pipe, contextlib.suppress(OSError, ValueError):
         while chunk := os.read(pipe.fileno(), 65_536):

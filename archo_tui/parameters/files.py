@@ -49,7 +49,8 @@ def load_files(files: Sequence[Path]) -> list[Override]:
 def parse_typed(ros_args: Sequence[str]) -> list[Override]:
     """Return the overrides of `-p name:=value` and `-p node:name:=value` options, in their order.
 
-    Without a node, an override is for every node. Other arguments are ignored.
+    `--param` is the same as `-p`. The values stay text. Without a node, an override is for every
+    node. Other arguments are ignored, also an option without `:=`.
     """
     found = []
     for option, given in pairwise(ros_args):

@@ -35,7 +35,7 @@ _RETRY = 10.0  # Seconds between two tries after a failure.
 class _EventRecording:
     """A recording in memory, from its first trigger until a few seconds after its last.
 
-    It begins with the messages in the ring.
+    It begins with the messages in the ring, and ends earlier at MAX_SECONDS or MAX_BYTES.
 
     Attributes:
         at: Unix time of the first trigger, in s.
@@ -75,7 +75,7 @@ class _EventRecording:
             self.why.append(why)
 
     def stop_collecting(self) -> None:
-        """Stop collecting messages."""
+        """Stop collecting messages; call it once."""
         self._ring.unsubscribe(self._on_message)
 
     @property
@@ -94,7 +94,8 @@ class _ContinuousBag:
         begun: Unix time of its first message, in s.
         failed: Monotonic time at which writing failed; None while it works.
         is_waiting: True while a job for this bag waits for the writing thread.
-        folder: The bag's folder while nothing in it is of use yet; None before and afterwards.
+        folder: The bag's folder until the first messages are on the disk, to delete it if that
+            fails; None before and afterwards.
         left_out: True if messages were dropped because the disk was too slow.
     """
 

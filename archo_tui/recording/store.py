@@ -168,7 +168,11 @@ def _write_hidden(wanted: Path, fill: Callable[[Path], None]) -> Path:
 
 
 def _rename_to_free(made: Path, wanted: Path) -> Path:
-    """Rename a folder to `wanted` or, if that is taken, with a number behind; return the path."""
+    """Rename a folder to `wanted` or, if that is taken, with a number behind; return the path.
+
+    Raises:
+        OSError: The folder cannot be renamed.
+    """
     number, whole = 1, wanted
     while True:
         try:

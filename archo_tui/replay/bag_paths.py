@@ -48,7 +48,7 @@ def mcap_files(path: Path) -> list[Path]:
 
 @contextmanager
 def opened(path: Path) -> Iterator[BinaryIO]:
-    """Open an MCAP file for the block of a `with`, positioned after its first bytes.
+    """Open an MCAP file for the block of a `with`; seek before reading, it is not at its beginning.
 
     Raises:
         ArchoError: The file cannot be opened or is no MCAP file; the message says what it is, and

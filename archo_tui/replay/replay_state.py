@@ -245,7 +245,10 @@ class ReplayState:
         )
 
     def _on_journal(self, message: Any) -> None:
-        """Add to the events the event of a console that a recorded log message holds."""
+        """Add the event of a console that a message of the journal's topic records.
+
+        Each message there is one.
+        """
         level, source, text = level_word(message.level), message.name, message.msg
         own, _, rest = text.partition(": ")
         if own in OWN_LEVELS:

@@ -55,7 +55,13 @@ def parse(text: str, path: Path) -> RobotFile:
 
 
 def _load(path: Path) -> RobotFile:
-    """Read and parse a robot file; an error may quote its control characters unchanged."""
+    """Read and parse a robot file; an error may quote its control characters unchanged.
+
+    Raises:
+        ArchoError: The file is no valid robot file.
+        YamlError: The file is not YAML.
+        OSError: The file cannot be read.
+    """
     return _parse(bounded_yaml.read(path), path)
 
 

@@ -8,7 +8,7 @@ from archo_tui.nearest import nearest_hint
 
 
 def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:
-    """Return why the types of a topic or action do not fit; "" if they do.
+    """Return why the types of a topic or action do not fit; "" if they do, or if there is no type.
 
     A type that is not expected does not fit, nor do several types at once.
 
@@ -36,7 +36,12 @@ def duplicate_servers(action: str, nodes: Sequence[str]) -> str:
 
 
 def not_installed(name: str, kind: str) -> str:
-    """Return the error text for a type whose package cannot be imported here."""
+    """Return the error text for a type whose package cannot be imported here.
+
+    Args:
+        name: The topic, action or service.
+        kind: Its type.
+    """
     return f"{name} is {kind}, which is not installed here"
 
 

@@ -106,8 +106,9 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
 def _robots(found: Iterable[Found]) -> set[str]:
     """Return the namespaces of the robots if there are several; else an empty set.
 
-    They are several if namespaces have a battery, motion or goal of the same name below them:
-    `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
+    The namespace is the first part of a name. There are several robots if namespaces have a
+    battery, motion or goal of the same name below them: `/a/odom` and `/b/odom` are of two robots;
+    `/odom` and `/odometry/filtered` are not.
     """
     by_rest: dict[tuple[str, str], set[str]] = {}
     for entry, sighting in found:

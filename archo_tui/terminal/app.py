@@ -63,7 +63,10 @@ def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], g
 
 
 class TextFilter(LineFilter):
-    """A filter that changes every text that is drawn, keeping its width in cells."""
+    """A filter that passes every text that is drawn through a function.
+
+    The function must keep the width in cells.
+    """
 
     def __init__(self, change: Callable[[str], str]) -> None:
         super().__init__()

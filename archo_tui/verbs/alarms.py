@@ -137,7 +137,7 @@ class Shelve(_AlarmVerb):
             reason: The further words.
 
         Raises:
-            ArchoError: The first word fits no alarm, or several.
+            ArchoError: Neither the first word, nor it with further ones, fits exactly one alarm.
         """
         words = reason.split()
         for count in range(len(words), 0, -1):

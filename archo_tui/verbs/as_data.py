@@ -134,10 +134,11 @@ def _motion_word(snapshot: Snapshot, now: float, width: int) -> str:
 def goal(found: Goal, now: float) -> dict[str, Any]:
     """Return a goal as JSON has it: kind, values, phase, code, way left, age and so on.
 
-    `source` is `commanded` for a goal of this console, `measured` for another client's.
+    `source` is `commanded` for a goal of this console, `measured` for another client's. `values`
+    is empty for another client's goal, since they are not known.
 
     Args:
-        found: The goal; the fields of another client's goal are not known, so they are empty.
+        found: The goal.
         now: Monotonic time, in s; the age counts from the goal's last feedback or answer.
     """
     return {

@@ -95,8 +95,9 @@ class _TopicVerb(Verb):
 class Echo(_TopicVerb):
     """The verb `echo`: show the last message of a topic, or some of its fields.
 
-    It waits WAIT seconds for a message; if none comes, the outcome is TIMEOUT, or NOT_OFFERED for
-    a topic without a publisher. Programs get the message as data unless it is too large.
+    With `--follow` it shows each new message, until it is cancelled. Otherwise it waits WAIT
+    seconds for a message; if none comes, the outcome is TIMEOUT, or NOT_OFFERED for a topic without
+    a publisher. Programs get the message as data unless it is too large.
     """
 
     id, title = "echo", "Echo"

@@ -64,7 +64,7 @@ class ElementLine(Horizontal):
         self.screen.set_focus(self.field)
 
     def close(self) -> None:
-        """Hide the line; the focus is left where it is."""
+        """Hide the line, and set `array` to None; the focus is left where it is."""
         self.array = ""
         self.display = False
 

@@ -54,7 +54,7 @@ def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
 
 
 def repeat_text(event: Event) -> str:
-    """Return how often an event was repeated: `x 12 since 12:03:20`."""
+    """Return how often an event occurred, the first time included: `x 12 since 12:03:20`."""
     return f"x {event.count} since {time_of_day(event.first)}"
 
 

@@ -34,7 +34,7 @@ def goal_line(
     *,
     says_time_left: bool = True,
 ) -> Spans:
-    """Return the state of the current goal in a line, or how to give a goal if there is none.
+    """Return the state of the last goal in a line, or how to give a goal if there was none.
 
     The line may be wider than `width`: it is not cut.
 

@@ -51,6 +51,8 @@ def read(path: Path) -> str:
 def documents(text: str, path: Path) -> list[yaml.Node]:
     """Return the root node of each YAML document in a text; [] for an empty text.
 
+    The length of the text is not checked.
+
     Args:
         text: The YAML text.
         path: The file that error messages name; it is not opened.
@@ -120,7 +122,10 @@ def node_of(text: str) -> yaml.Node | None:
 
 
 def _with_readable_error(text: str, compose_with: Callable[[str, Any], T]) -> T:
-    """Call `compose_with(text, loader)`, and turn any YAML error into a YamlFault with its line."""
+    """Return `compose_with(text, FAST_LOADER)`; after an error, call it again with LOADER.
+
+    The error of the second call is raised as a YamlFault with its line. A YamlFault is passed on.
+    """
     try:
         return compose_with(text, FAST_LOADER)
     except YamlFault:

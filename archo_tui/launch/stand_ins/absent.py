@@ -112,7 +112,8 @@ def absent_class(module: str, name: str) -> type[Absent] | None:
     """Return a new subclass of Absent for a name in a module of launch that is not supported.
 
     Returns:
-        None for a name that the module lacks, or that begins with `_`.
+        None for a name that begins with `_`, and for one of which REASONS has nothing. A module
+        that is not supported at all has every other name.
     """
     reasons = REASONS.get(module, {})
     reason = reasons.get(name, reasons.get(None))

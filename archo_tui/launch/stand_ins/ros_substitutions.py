@@ -25,7 +25,10 @@ class FindPackagePrefix(Substitution):
         self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:
-        """Return the folder that the substitution stands for: here the install prefix."""
+        """Return the folder that the substitution stands for: here the install prefix.
+
+        For a missing package it is a folder that does not exist, as `prefix_of` returns it.
+        """
         return ament_index.get_package_prefix(package_name)
 
     def perform(self, context: LaunchContext) -> str:
