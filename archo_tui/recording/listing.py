@@ -92,7 +92,7 @@ def delete_named(names: Sequence[str]) -> Iterator[str]:
     for name in names:
         if name not in known:
             raise ArchoError(f"no recording is called {name} (see archo-tui recordings)")
-    for name in names:
+    for name in dict.fromkeys(names):
         try:
             store.delete(known[name])
         except OSError as error:

@@ -64,6 +64,7 @@ class GoalPanel(Panel):
     other_keys = {"go": "enter"}
     _watching = _is_read_only = False
     _causes: CauseWatch | None = None  # Of the hint; None if only typing removes it.
+    _shows_refusal = False  # True if the hint is a refusal of the robot.
 
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
     on_typed: Callable[[], object]
@@ -335,7 +336,7 @@ class GoalPanel(Panel):
             causes: Removes the hint as soon as one of its causes is over; None for a hint that only
                 typing removes.
         """
-        self._causes = causes
+        self._causes, self._shows_refusal = causes, False
         if causes is not None:
             causes.observe(self._snapshot)  # The first call records what holds now.
         if self._has_several_fields:
@@ -343,8 +344,14 @@ class GoalPanel(Panel):
         self._hint.show_spans(((text, BAD),))
 
     def show_refusal(self, text: str) -> None:
-        """Show why the robot refuses a goal, until a possible cause is over; "" removes that."""
-        self.show_hint(text, CauseWatch(obstacles))
+        """Show why the robot refuses a goal, until a possible cause is over.
+
+        Args:
+            text: The reason; "" removes the one that is shown, but no hint about what is typed.
+        """
+        if text or self._shows_refusal:
+            self.show_hint(text, CauseWatch(obstacles))
+            self._shows_refusal = text != ""
 
     def submit(self) -> None:
         """Send the typed goals and clear the form, or show what is wrong and keep it.

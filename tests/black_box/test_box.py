@@ -281,7 +281,8 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     found = [json.loads(line) for line in out.splitlines()]
     assert sorted(one["name"] for one in found) == sorted(names)
     assert {one["kept"] for one in found} == {False, True}
-    assert archo("recordings", "--delete", names[0]) == (0, f"deleted {names[0]}\n", "")
+    deleted = archo("recordings", "--delete", names[0], names[0])
+    assert deleted == (0, f"deleted {names[0]}\n", "")
     code, _, err = archo("recordings", "--delete", names[0], "../x")
     said = f"archo-tui: no recording is called {names[0]} (see archo-tui recordings)\n"
     assert (code, err) == (2, said)

@@ -45,6 +45,17 @@ async def test_one_that_is_not_a_number_sends_none_of_them() -> None:
         assert not op.app.view.waiting
 
 
+async def test_what_is_wrong_with_what_was_typed_stays_while_others_are_driven() -> None:
+    async with console(*BRISK) as op:
+        await op.press("g", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        await op.press("x", "enter")
+        await op.until("Shelf: not a whole number: x")
+        await op.until("MOVING to 7")
+        await op.settle()
+        assert "Shelf: not a whole number: x" in op.text
+
+
 async def test_enter_queues_while_a_goal_runs_and_a_double_enter_sends_once() -> None:
     async with console(*LONG) as op:
         await op.press("g", "5", "enter", "enter")
