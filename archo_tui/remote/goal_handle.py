@@ -30,7 +30,8 @@ class GoalHandle:
 
     def __init__(self, request: Request) -> None:
         self._request = request
-        self._is_accepted, self._has_ended = threading.Event(), threading.Event()
+        self._is_answered, self._has_ended = threading.Event(), threading.Event()
+        self._is_accepted = False
         self._result: dict[str, Any] = {"code": "lost", "text": GONE}
         self._state: Goal | None = None
         threading.Thread(target=self._read_replies, name="goal", daemon=True).start()
@@ -106,19 +107,20 @@ class GoalHandle:
         """
         self._result = {"code": "lost", "text": PARENTS_GOAL}
         # New events: a thread of the parent, which the child lacks, may hold the old ones' locks.
-        self._is_accepted, self._has_ended = threading.Event(), threading.Event()
-        self._is_accepted.set()
+        self._is_answered, self._has_ended = threading.Event(), threading.Event()
+        self._is_answered.set()
         self._has_ended.set()
 
     def _wait_until_accepted(self) -> None:
         """Wait until the robot has accepted the goal, or the console has queued it.
 
+        An accepted goal may have ended since; `wait` tells how.
+
         Raises:
-            NotDone: The goal has ended already without success; the subclass is one that `Robot.go`
-                names.
+            NotDone: The goal was not accepted; the subclass is one that `Robot.go` names.
         """
-        self._is_accepted.wait()
-        if self._has_ended.is_set():
+        self._is_answered.wait()
+        if not self._is_accepted:
             data_or_raise(self._result)
 
     def _read_replies(self) -> None:
@@ -135,10 +137,11 @@ class GoalHandle:
                     if reply.get("data"):
                         self._state = from_reply(Goal, reply["data"])
                 elif "said" in reply:
-                    self._is_accepted.set()
+                    self._is_accepted = True
+                    self._is_answered.set()
         except NotDone as error:
             self._result = {"code": error.code, "text": str(error)}
         finally:
             self._has_ended.set()
-            self._is_accepted.set()
+            self._is_answered.set()
             self._request.close()

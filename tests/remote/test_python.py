@@ -13,6 +13,7 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -160,6 +161,16 @@ async def test_a_goal_that_ends_otherwise_raises() -> None:
             await asyncio.to_thread(goal.wait)
         with pytest.raises(Refused):
             await asyncio.to_thread(robot.go, 5)
+
+
+def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
+    replies = [{"said": "go to shelf 12: accepted"}, {"code": "aborted", "text": "it slipped"}]
+    request: Any = SimpleNamespace(replies=lambda: iter(replies), close=lambda: None)
+    handle = GoalHandle(request)
+    assert handle._has_ended.wait(DEADLINE)
+    handle._wait_until_accepted()
+    with pytest.raises(Aborted, match="it slipped"):
+        handle.wait()
 
 
 async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
