@@ -40,7 +40,10 @@ class PackageShares:
                 sys.modules[name] = self._module(name)
 
     def close(self) -> None:
-        """Remove the stand-in and the folders; packages are not found any more."""
+        """Remove the stand-in for ament_index_python and the share folders.
+
+        Packages are not found any more.
+        """
         if self._prefix is not None:
             for name in (_NAME, f"{_NAME}.packages"):
                 sys.modules.pop(name, None)

@@ -137,9 +137,9 @@ class Programs:
     def reload(self, file: ProgramFile) -> None:
         """Restart the running and crashed programs of a saved file with its new text.
 
-        If the text is not Python, or a STOP is not released, they are left as they are. A program
-        that has ended or was stopped is not started. An event tells what was done, or why nothing
-        was.
+        If a STOP is not released, or the text is not Python, they are not restarted; an error of
+        the text is put into their state. A program that has ended or was stopped is not started. An
+        event tells what was done, or why nothing was.
         """
         with self._changing:
             ours = [h for h in self._hosted if h.file is file]

@@ -49,13 +49,13 @@ def init(
             for every node of the context.
         context: The context; None means the default one.
         domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
-        signal_handler_options: Has no effect: this engine installs no handlers.
+        signal_handler_options: Noted in the result only: this engine installs no handlers.
 
     Returns:
         A context manager that shuts the context down at the end of a `with`.
 
     Raises:
-        RuntimeError: The context was begun before.
+        RuntimeError: The context was begun before; for other errors see `Context.init`.
     """
     context = context or get_default_context()
     if signal_handler_options is None:

@@ -53,6 +53,7 @@ class Context:
             RCLInvalidROSArgsError: An argument is not valid.
             UnknownROSArgsError: An argument of ROS is unknown.
             UnicodeEncodeError: The arguments are not UTF-8.
+            ValueError: ROS_DOMAIN_ID is no number.
         """
         with self._lock:
             if self._has_begun:

@@ -69,8 +69,8 @@ class ConditionReachedException(Exception):
 class Executor:
     """The base of executors, which collects work and hands it out piece by piece.
 
-    A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`. A context that has
-    not begun, or has ended, raises RuntimeError.
+    A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`. The constructor
+    raises RuntimeError for a context that has not begun, or has ended.
     """
 
     _is_concurrent = False  # True if several threads run callbacks.

@@ -91,7 +91,8 @@ class Publisher(Endpoint, Generic[MsgT]):
 
         Args:
             make: Returns the message.
-            news: Sent instead to subscriptions that follow changes only.
+            news: Any object, passed uncopied and instead of the message to the callbacks of
+                subscriptions that follow changes only.
         """
         self._use()
         self._has_published = True

@@ -40,6 +40,7 @@ def check_is_valid_msg_type(msg_type: Any) -> None:
     Raises:
         RuntimeError: The class is a service or an action.
         AttributeError: The argument is no class of an interface.
+        NoTypeSupportImportedException: The class has no type support.
     """
     check_for_type_support(msg_type)
     if not hasattr(msg_type, "get_fields_and_field_types"):
@@ -55,6 +56,7 @@ def check_is_valid_srv_type(srv_type: Any) -> None:
     Raises:
         RuntimeError: The class is a message or an action.
         AttributeError: The argument is no class of an interface.
+        NoTypeSupportImportedException: The class has no type support.
     """
     check_for_type_support(srv_type)
     if not (hasattr(srv_type, "Request") and hasattr(srv_type, "Response")):

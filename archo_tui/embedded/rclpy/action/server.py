@@ -87,7 +87,10 @@ class ServerGoalHandle:
 
     @property
     def is_active(self) -> bool:
-        """Return True until the goal has succeeded, or was aborted, canceled or forgotten."""
+        """Return True until the goal has succeeded, was aborted or canceled, or is forgotten.
+
+        See `status` about a goal that is forgotten.
+        """
         return self.status in states.ACTIVE
 
     @property
