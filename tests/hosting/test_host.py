@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from archo_tui.robot.state import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen, clock
-from tests.support.waiting import wait_until
+from tests.support.waiting import DEADLINE, wait_until
 
 
 class Bad(Node):
@@ -73,6 +74,36 @@ def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
         patch.setattr(session.host.nodes[0], "stop", lambda: False)
         outcome = session.host.stop_node("/good")
         assert outcome == (Code.TIMEOUT, "/good does not stop: its callback does not return")
+
+
+class LateWorker(threading.Thread):
+    """Begins when the threads of its node were looked up, and ends once it is waited for."""
+
+    def __init__(self) -> None:
+        self._joined = threading.Event()
+        super().__init__(target=self._joined.wait, args=(DEADLINE,))
+
+    def join(self, timeout: float | None = None) -> None:
+        self._joined.set()
+        super().join(timeout)
+
+
+def test_a_stop_waits_for_workers_that_begin_meanwhile(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session:
+        (hosted,) = session.host.nodes
+        spinning, worker = hosted.threads, LateWorker()
+
+        def threads() -> list[threading.Thread]:
+            found = spinning()
+            if worker.ident is None:
+                worker.start()
+                return found
+            return [*found, *([worker] if worker.is_alive() else [])]
+
+        monkeypatch.setattr(hosted, "threads", threads)
+        assert hosted.stop()
+        assert not worker.is_alive()
 
 
 def test_a_restarted_copy_keeps_its_own_name() -> None:
