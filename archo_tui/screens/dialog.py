@@ -14,7 +14,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.reason import CauseWatch, obstacles
+from archo_tui.station.reason import CauseWatch, refusal_causes
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
@@ -143,9 +143,9 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
             text: The reason, in the words of the robot or the node.
         """
         self.show_message(text)
-        self._causes = CauseWatch(obstacles)
+        self._causes = CauseWatch(refusal_causes)
         if self._snapshot is not None:
-            self._causes.observe(self._snapshot)  # The first call records the present obstacles.
+            self._causes.observe(self._snapshot)  # The first call records the present causes.
 
     def show_view(self, view: ScreenState) -> None:
         """Remove a refusal that is shown, if one of its possible causes is over in this view.

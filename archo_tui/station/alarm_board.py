@@ -127,7 +127,8 @@ class AlarmBoard:
     ) -> list[Alarm]:
         """Raise, clear, replace and unshelve alarms by the conditions that hold now.
 
-        A condition must have held for its ON_DELAY before its alarm is raised. The texts of alarms
+        A condition must have held for its ON_DELAY before its alarm is raised; a diagnostics
+        condition counts as holding for the same time after it was last found. The texts of alarms
         that stay are brought up to date, too. Alarms about silence are not raised just after this
         process was suspended.
 
@@ -135,11 +136,13 @@ class AlarmBoard:
             found: The texts of the conditions that hold, by alarm name (see `conditions`).
             monotonic: The time now, in monotonic seconds.
             now: The same as a Unix time.
-            known_over: Alarms that are cleared although contact is lost. All others that follow
-                from the robot's reports stay, as last known, until there is contact again.
+            known_over: Names of alarms that may be cleared although contact is lost. All others
+                that follow from the robot's reports stay, as last known, until there is contact
+                again.
 
         Returns:
-            The alarms whose state has changed.
+            The alarms whose state has changed. An alarm that comes off the shelf while its
+            condition holds is in the list twice: gone, and raised again.
         """
         changed: list[Alarm] = []
         self._pause = self._pause.checked_at(monotonic)
@@ -192,13 +195,11 @@ class AlarmBoard:
         return changed
 
     def _flapping(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
-        """Return the diagnostics alarms that were found within their delay, and are not now.
+        """Return the diagnostics alarms found less than their ON_DELAY ago, but not in `found`.
 
-        Those for which a graver alarm of the same part is found are left out.
-
-        A part that is bad again and again is not well, though never for the whole delay; so are two
-        publishers that contradict each other. The diagnostics in `found` are remembered for the
-        next calls.
+        A warning is left out if the error of the same part is in `found`. So a part that is bad
+        again and again has its alarm, though it is never bad for the whole delay. The diagnostics
+        in `found` are remembered for the next calls.
 
         Returns:
             The last text of each alarm, by its name.
@@ -220,10 +221,11 @@ class AlarmBoard:
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
         """Acknowledge an alarm: the operator has seen it.
 
-        An alarm whose condition is over leaves the board.
+        An alarm whose condition is over leaves the board. One that is acknowledged, shelved or gone
+        already stays as it is.
 
         Args:
-            alarm: The alarm as the operator saw it; its state on the board decides what changes.
+            alarm: The alarm as the operator saw it; the alarm of its name on the board is changed.
             now: The time now, as a Unix time.
 
         Returns:
@@ -239,7 +241,7 @@ class AlarmBoard:
         holds.
 
         Args:
-            alarm: The alarm as the operator saw it; its state on the board decides what changes.
+            alarm: The alarm as the operator saw it; the alarm of its name on the board is changed.
             monotonic: The time now, in monotonic seconds.
             now: The same as a Unix time.
             reason: The reason for shelving it, for the list and the journal.
@@ -268,7 +270,9 @@ class AlarmBoard:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
-        """Carry out a change and keep its times; the state stays if TRANSITIONS has no other.
+        """Put an alarm on the board in the state and with the times that a change gives it.
+
+        The state stays if TRANSITIONS has no other. An alarm that is gone is removed.
 
         Returns:
             The alarm as it is now, if its state differs; else an empty list.

@@ -67,7 +67,7 @@ def conditions(
         hosted: The nodes that this process runs.
         journal_failure: The reason why the journal cannot be written; "" if it can.
         recorder_trouble: The failure of recordings that the operator has to know; "" for none.
-        unseen: The rest of the alarm's text, behind `NO NODES`; "" to raise no such alarm.
+        unseen: The rest of the text of the alarm `NO NODES`; "" to raise no such alarm.
         earlier_stop: Unix time of a STOP from before the start of this console that the journal has
             no release of; None if there is none.
 
@@ -135,8 +135,8 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
     """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
 
-    For an open STOP that was sent, the message must have come 1 s or more after the STOP was asked
-    for; otherwise the robot must not have obeyed a confirmed STOP.
+    For an open STOP that was sent, the message must report motion, and have come 1 s or more after
+    the STOP was asked for. Otherwise True means that the robot has not obeyed a confirmed STOP.
     """
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
@@ -258,7 +258,7 @@ def _motion_conditions(snapshot: Snapshot, now: float) -> _Conditions:
 
 
 def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
-    """Yield an alarm for each gauge whose reading is beyond a limit, while it is not old."""
+    """Yield an alarm for each gauge whose reading is beyond a limit and not old."""
     for reading in snapshot.gauges:
         if reading.warning and not reading.is_old(now):
             title, unit = reading.gauge.title, reading.gauge.unit
@@ -288,8 +288,8 @@ _GRAVITY = (
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
     """Yield an alarm for each part that is not OK, the worst first.
 
-    If every diagnostic is silent, the parts have one alarm together; the parts beyond the worst 20
-    have one, too.
+    If all parts are silent, and several are not OK, they have one alarm together; the parts beyond
+    the worst 20 have one, too.
     """
     bad = [s for s in diagnostics_worst_first(snapshot, now) if s.level is not DiagnosticLevel.OK]
     is_silent = all(status.is_silent_at(now) for status in snapshot.diagnostics)
@@ -314,7 +314,10 @@ def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
 
 
 def _part_name(name: str) -> str:
-    """Return the name of a part in its alarm's name, in quotes if it reads like another alarm's."""
+    """Return the name of a part as its alarm's name has it.
+
+    It is in quotes if the alarm would read like that of another part, or of all parts, without.
+    """
     error = DIAGNOSTIC_ERROR.removeprefix(DIAGNOSTIC_WARNING).strip()
     misleads = name.startswith((f"{error} ", "/")) or name == _OTHERS
     return f'"{name}"' if misleads else name
@@ -350,7 +353,7 @@ def is_battery_low(snapshot: Snapshot) -> bool:
     """Return True if the battery is low by the health it reports, or by its percentage.
 
     A percentage below the threshold counts even if the robot calls the battery good. Old values
-    count as well.
+    count as well; False if nothing is known.
     """
     charge, threshold = snapshot.battery.percentage, snapshot.low_charge
     is_below = charge is not None and threshold is not None and charge < threshold

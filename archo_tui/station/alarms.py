@@ -104,7 +104,7 @@ class Alarm(NamedTuple):
         shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
         shelf_ends: The same in monotonic seconds, so that setting the clock of the computer does
             not silence the alarm for longer.
-        reason: The operator's reason for shelving it.
+        reason: The operator's reason for shelving it; "" for none.
     """
 
     name: str

@@ -54,8 +54,8 @@ class ApprovalRequest(NamedTuple):
         stop_count: STOPs read by then, at this and other consoles; a further one voids the request.
         status: The state of the request.
         reason: The reason why the request is void or expired; "" otherwise.
-        goal_end: Set to the outcome of the goal when that has ended; None until it is allowed.
-        ended_goal: The goal as it ended; None until then.
+        goal_end: A future of the outcome of the goal; None until a person has allowed the request.
+        ended_goal: The goal as it ended; None until then, and if the robot never accepted it.
     """
 
     number: int
@@ -134,10 +134,10 @@ class ApprovalRequests:
                 del self._all[number]
 
     def close(self, number: int, status: ApprovalStatus, reason: str = "") -> ApprovalRequest:
-        """End the wait of a request.
+        """Close a request: set its status and reason.
 
         Args:
-            number: The number of the request.
+            number: The number of a request that is kept.
             status: Anything but WAITING.
             reason: The reason why it is void or expired.
 
@@ -151,17 +151,17 @@ class ApprovalRequests:
         """Close a request that a person denied; no new one can be made for PAUSE seconds.
 
         Args:
-            number: The number of the request.
+            number: The number of a request that is kept.
             now: Monotonic time in seconds.
         """
         self.close(number, ApprovalStatus.DENIED)
         self._last_denial = now
 
     def on_sent(self, number: int, goal_end: Future[Outcome]) -> None:
-        """Record that the goal of an allowed request was sent.
+        """Record that the goal of an allowed request was passed on to be sent.
 
         Args:
-            number: The number of the request.
+            number: The number of a request that is kept.
             goal_end: Will be set to the outcome of the goal.
         """
         self._all[number] = self._all[number]._replace(goal_end=goal_end)
@@ -183,8 +183,8 @@ class ApprovalRequests:
     ) -> list[ApprovalRequest]:
         """Close the requests that a person can no longer allow.
 
-        A STOP, an assistant that has left, and a `busy_reason` make a request VOID; LIFETIME
-        seconds make it EXPIRED.
+        A STOP since the request, an assistant that has left, and a `busy_reason` make a request
+        VOID; LIFETIME seconds make it EXPIRED.
 
         Args:
             now: Monotonic time in seconds.

@@ -40,7 +40,7 @@ class Approvals:
 
         Args:
             requests: Keeps the requests and their states.
-            robot: The robot's side of the ROS graph.
+            robot: The robot, through the console's node.
             clock: Decides when a request expires.
             goals: Sends the goals that a person allows.
             refresh: Brings the view up to date; calls `close_outdated` in its turn.
@@ -60,7 +60,8 @@ class Approvals:
     def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
         """Ask a person at this console to allow a goal of the assistant that asks now.
 
-        An event tells the person. The call returns without waiting for the answer.
+        An event tells the person, and the view is refreshed. The call returns without waiting for
+        the answer.
 
         Args:
             goal: The goal to send if the person allows it.
@@ -70,7 +71,8 @@ class Approvals:
             The request, which waits.
 
         Raises:
-            ValueError: The goal cannot be asked for now; the text says why.
+            ValueError: Nobody could answer, the robot is stopped or busy, a STOP came, the
+                assistant has left, or `ApprovalRequests.add` refuses; the text says which.
         """
         if self._goals.frontend is None or not self._goals.frontend.has_person:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
@@ -110,15 +112,17 @@ class Approvals:
         """Carry out what a person has decided: an allowed goal is sent at once, and only once.
 
         The decision becomes an event. The call does not wait until the goal is sent. A request
-        whose goal cannot be sent now waits on.
+        that cannot be allowed now waits on, or is closed if it is outdated. Allowing empties the
+        requester's `ends` first; after a denial no request can be made for PAUSE seconds.
 
         Args:
             number: The number of the request.
             allowed: False if the person denied it.
 
         Returns:
-            DONE with the decision in words; REFUSED or CANCELLED with the reason if the request is
-            closed or its goal cannot be sent now.
+            DONE with the decision in words, which does not tell whether the robot accepts the goal;
+            REFUSED if there is no such request, it is closed, as by a STOP since it was made, or
+            its goal cannot be sent now; CANCELLED if a STOP was read after the decision.
         """
         self._refresh()
         request = self._requests.get(number)
@@ -150,7 +154,7 @@ class Approvals:
         return Outcome(Code.DONE, text)
 
     def _range_error(self, goal: QueuedGoal) -> str:
-        """Return which value of a goal is beyond a limit that the robot sets; "" if none is."""
+        """Return a text on a value of a goal that is beyond a robot's limit; "" if none is."""
         fields = self._robot.snapshot.forms.get(goal.kind.id) or ()
         try:
             forms.check_ranges(fields, self._robot.snapshot.form(goal.kind), goal.values)

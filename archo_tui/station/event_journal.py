@@ -30,7 +30,7 @@ class EventJournal:
 
         Args:
             journal: Gets a line for each chosen event.
-            place: The keys that tell which robot a STOP or a release was for: see `Session`.
+            place: Tells which robot a STOP or a release was for; see `Session`.
         """
         self._journal, self._place = journal, place
         self._repeat_filter = RepeatFilter()
@@ -39,8 +39,8 @@ class EventJournal:
         """Write an event to the journal, unless its level is DEBUG or INFO.
 
         Of an event that repeats, only counts of 1, 10, 100 and so on are written; of a node's lines
-        that differ in numbers only, those that a `RepeatFilter` passes. A STOP or a release has
-        `place`. Called on the robot's thread, without waiting for the disk.
+        that differ in numbers only, those that a `RepeatFilter` passes. The line of a STOP or a
+        release has the key `place`. Called on the robot's thread, without waiting for the disk.
         """
         if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
             return

@@ -30,8 +30,8 @@ def load(form: str) -> list[list[str]]:
         form: The id of the goal, or of the dialog.
 
     Returns:
-        MAX_ENTRIES entries at most, the oldest first; an empty list if there are none or the file
-        is broken.
+        MAX_ENTRIES entries at most, the oldest first; an empty list if there are none, or the file
+        is broken or cannot be read.
     """
     return _entries(_read(), form)
 
@@ -39,7 +39,8 @@ def load(form: str) -> list[list[str]]:
 def add(form: str, typed: list[str]) -> None:
     """Add an entry as the newest of its form, and remove an equal older one.
 
-    Beyond MAX_ENTRIES, the oldest entry is dropped. Errors of the disk are ignored.
+    Beyond MAX_ENTRIES, the oldest entry is dropped. A broken file is replaced, which loses the
+    entries of all forms. Errors of the disk are ignored.
 
     Args:
         form: The id of the goal, or of the dialog.
@@ -67,7 +68,7 @@ def note_sent_goal() -> None:
 
 
 def _read() -> dict[str, Any]:
-    """Return the content of the file; an empty dictionary if it is missing or broken."""
+    """Return the entries of all forms, by form; empty if the file is missing or broken."""
     with contextlib.suppress(OSError, ValueError, RecursionError):
         known = json.loads(read(state_file(_FILE)))
         return known if isinstance(known, dict) else {}

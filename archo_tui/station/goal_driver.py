@@ -35,7 +35,8 @@ class GoalDriver:
     Attributes:
         queue: The goals that wait.
         ledger: The requests without an answer.
-        frontend: The frontend that runs the sending; None before the first one: nothing is sent.
+        frontend: The frontend that runs the sending; None before the first one: no goal may be
+            driven then.
     """
 
     def __init__(
@@ -48,11 +49,11 @@ class GoalDriver:
         """Create a driver without goals.
 
         Args:
-            robot: The robot's side of the ROS graph.
+            robot: The robot, through the console's node.
             clock: Decides whether a goal that is not seen any more is lost.
             on_changed: Called after the queue has changed; calls `update` in its turn.
-            on_ended: Called with each goal of this console that has ended, as it was sent and as
-                it ended.
+            on_ended: Called with each goal that the robot accepted from here and that has ended, as
+                it was sent and as it ended.
         """
         self.ledger = Ledger()
         self.queue = GoalQueue(self.ledger)
@@ -65,9 +66,10 @@ class GoalDriver:
         self._underway: list[tuple[QueuedGoal, int]] = []
 
     def update(self, snapshot: Snapshot, alarms: Iterable[Alarm]) -> None:
-        """Settle the goals that have ended, and send the goal that is due, if there is one.
+        """Report the goals that have ended, and send the goal that is due, if there is one.
 
-        An event is written when the queue becomes held.
+        When the queue becomes held, an event is written. The goals in a held queue get the outcome
+        HELD.
 
         Args:
             snapshot: The state of the robot from now on.
@@ -104,17 +106,19 @@ class GoalDriver:
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
         """Send goals one after the other, behind a goal that runs or is being sent.
 
-        If none runs, the first is sent at once, even before goals of a held queue; the others wait
-        behind these. Their requester is the current one (see robot/requester.py). Unless it is YOU,
-        a future of the outcome of each goal is added to its `ends`. Called on the event loop.
+        If none runs, the first is sent at once, even before goals that wait; the others wait behind
+        these. Their requester is the current one (see robot/requester.py). Unless it is YOU, a
+        future of the outcome of each goal is added to the requester's `ends`. Called on the event
+        loop.
 
         Args:
             goals: At least one.
 
         Returns:
-            A future of the robot's answer to the first goal; ACCEPTED at once if that waits in the
-            queue. CANCELLED if the requester has left, and REFUSED if more than MAX_QUEUED_GOALS
-            would wait: nothing is sent then.
+            A future of the robot's answer to the first goal; ACCEPTED at once if that goal waits in
+            the queue. CANCELLED if a STOP or a cancel came before it was sent. CANCELLED if the
+            requester has left, and REFUSED if more than MAX_QUEUED_GOALS would wait: no goal is
+            sent or queued then.
         """
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Outcome] = loop.create_future()
@@ -140,13 +144,13 @@ class GoalDriver:
         return answer
 
     def resume(self) -> Outcome:
-        """Resume a held queue, unless a STOP came in between; send the goal that is due.
+        """Resume a held queue, unless a STOP was read after the command; send the goal that is due.
 
         The attempt becomes an event.
 
         Returns:
-            DONE; CANCELLED if a STOP came in between; REFUSED if the queue is held again at once,
-            because the cause is not over.
+            DONE, also if the queue was not held; CANCELLED if a STOP was read after the command;
+            REFUSED if the queue is held again at once, because the cause is not over.
         """
         gate = self._robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
@@ -177,7 +181,8 @@ class GoalDriver:
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Cancel the goal of this console, on its way or running, and return the robot's answer.
 
-        A goal that has not left the console is never sent: ACCEPTED without a request.
+        A goal that has not left the console is never sent: ACCEPTED without a request. Goals in the
+        queue stay there.
 
         Args:
             another: True to cancel the running goal of another client. A goal of this console that
@@ -221,7 +226,10 @@ class GoalDriver:
         return min(since, key=lambda goal: goal.number, default=None)
 
     def _settle_ended_goals(self) -> None:
-        """Report each goal that has ended: call `on_ended`, and set its outcome for who waits."""
+        """Report each accepted goal that has ended or is lost.
+
+        Its requester gets it as `goal`, `on_ended` is called, and its outcome is set.
+        """
         for queued, before in list(self._underway):
             goal = self._goal_after(before)
             outcome = None if goal is None else goal.outcome_at(self._clock.monotonic())
@@ -267,15 +275,16 @@ class GoalDriver:
         before: int,
         answer: asyncio.Future[Outcome] | None,
     ) -> None:
-        """Send a goal and take in the robot's answer; a STOP puts the goal back into the queue.
+        """Send a goal and take in the robot's answer; a STOP puts a goal of the queue back into it.
 
-        A refused goal holds the queue. A goal that is cancelled in time is not sent. If no answer
-        comes in time, the goal is cancelled for a requester that waits or has left.
+        A goal that is not accepted holds the queue. A goal that is cancelled in time is not sent.
+        If no answer comes in time, the goal is cancelled for a requester that waits or has left;
+        one that is accepted is cancelled if the requester has left.
 
         Args:
             frontend: Shows the answer to a goal of the queue.
             goal: The goal.
-            before: The number of the newest goal of this console before this one is sent.
+            before: The number of the newest goal that was known before this one was sent.
             answer: Gets the robot's answer; None for a goal of the queue.
         """
         is_queued = answer is None
@@ -313,9 +322,10 @@ class GoalDriver:
 
 
 def _with_pending_end(goal: QueuedGoal) -> QueuedGoal:
-    """Return a resumed goal with a new future of its end, if holding it has set the old one.
+    """Return a resumed goal with a new future as `end` if the hold has set the old one.
 
-    In the list of its requester the new future takes the old one's place.
+    In the requester's `ends` the new future takes the old one's place. Any other goal is returned
+    unchanged.
     """
     if goal.end is None or not goal.end.done():
         return goal

@@ -25,7 +25,9 @@ _HOLDS = 1.5
 
 
 def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
-    """Return the value of each quantity; None for one that is silent or that no robot reports.
+    """Return the value of each quantity; None for one that is old, or that is not reported now.
+
+    `left` is None while no goal runs.
 
     Args:
         snapshot: The state of the robot.
@@ -90,7 +92,7 @@ class History:
         del self._times[:-_KEPT]
 
     def until(self, now: float) -> History:
-        """Return a copy of the history of a replay as it was at a time.
+        """Return a copy of the history of a replay with what was known at a time.
 
         Args:
             now: Unix time in seconds.
@@ -127,7 +129,7 @@ class History:
             quantity: The quantity that is plotted.
             span: Seconds that all columns together stand for.
             count: Number of columns.
-            now: The time of the newest column.
+            now: The time of the newest column, not before that of the newest sample.
 
         Returns:
             A value for each column, the newest last; None where there is none.

@@ -118,7 +118,8 @@ class Journal:
     """The journal: takes entries from any thread without waiting, and writes them on its own.
 
     Attributes:
-        failure: The reason why the last entry could not be written; "" if it was.
+        failure: The reason why the last entry could not be written; "" if it was, or if none was
+            tried yet.
     """
 
     def __init__(self, file: Path) -> None:
@@ -139,9 +140,10 @@ class Journal:
         self._thread.start()
 
     def write(self, unix_time: float, kind: str, **what: object) -> None:
-        """Add an entry; if too many wait for the disk, it is only counted as lost.
+        """Add an entry; if 1000 wait for the disk already, it is only counted as lost.
 
-        The next entry that is written has the number of lost ones as `lost_before`.
+        An entry that cannot be written is lost, too. The next one that is written has their number
+        as `lost_before`. Each has the keys `v`, `time`, `kind`, `user` and `from`, the SSH client.
 
         Args:
             unix_time: The Unix time of the event, in seconds.

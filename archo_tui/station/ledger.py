@@ -16,15 +16,16 @@ RELEASE = "release"
 class Ledger:
     """The requests without an answer, which the last snapshot does not show yet.
 
-    Whoever decides what may be sent next looks here first. Used on the event loop only.
+    Used on the event loop only.
 
     Attributes:
-        goal: Our goal on its way to the robot; None once it is refused or a snapshot shows it.
-        newest_before: The number of the newest goal that was known when ours was entered; 0 if
-            there was none.
-        is_handed_over: True if the goal was handed to the robot's thread, so that only a cancel
-            request can stop it.
-        is_cancelled: True if the operator cancelled the goal before it was handed over.
+        goal: Our goal on its way to the robot; None if there is none, and once it is refused or a
+            snapshot shows it.
+        newest_before: The number of the newest goal, of any client, that was known when ours was
+            entered; 0 if there was none.
+        is_handed_over: True if the goal entered last was handed to the robot's thread, so that only
+            a cancel request can stop it.
+        is_cancelled: True if that goal was cancelled before it was handed over.
     """
 
     def __init__(self) -> None:
@@ -52,15 +53,15 @@ class Ledger:
         self.goal = None
 
     def remove_goal_if_shown(self, snapshot: Snapshot) -> None:
-        """Remove the goal if the snapshot shows it or a later one of ours.
+        """Remove the goal if the snapshot shows it, or a later goal of this console.
 
-        From then on the snapshot tells its state.
+        From then on the snapshot tells the goal's state.
         """
         if any(goal.mine and goal.number > self.newest_before for goal in _goals_shown(snapshot)):
             self.goal = None
 
     def running_goal(self, snapshot: Snapshot) -> Goal | None:
-        """Return our goal on its way, else the running goal of the snapshot, else None."""
+        """Return our goal on its way, else any client's running goal in the snapshot, else None."""
         return snapshot.running_goal if self.goal is None else self.goal
 
     @contextmanager

@@ -12,9 +12,10 @@ from archo_tui.station.view import View
 
 
 class Frontend(Protocol):
-    """The part that shows the station to its operator and runs its work: the app, or `--plain`.
+    """The part that shows the station to its operator and runs its work.
 
-    All methods but `restart` are called on its event loop.
+    It is the app, `--plain`, or the connection of a shell verb that runs without a console. All
+    methods but `restart` are called on its event loop.
     """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -24,7 +25,7 @@ class Frontend(Protocol):
         """Start work that another program requested; the shutdown does not wait for it."""
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
-        """Show how the robot answered a queued goal, whose verb returned long before."""
+        """Tell the operator how the robot answered a queued goal: its verb returned long before."""
 
     @property
     def has_person(self) -> bool:
@@ -34,9 +35,9 @@ class Frontend(Protocol):
         """Close the questions to the operator, because another console sent a STOP."""
 
     def restart(self, why: str) -> None:
-        """Start the process again with the same arguments, or say that this is left to a person.
+        """Start the process again, or say that this is left to a person.
 
-        May be called on any thread.
+        Do nothing in a process that hosts no nodes. May be called on any thread.
 
         Args:
             why: The reason in words, for the operator.
@@ -69,5 +70,5 @@ class Recorder(Protocol):
             written: Is called on the loop when the recording is on the disk, or cannot be written.
 
         Returns:
-            DONE if the recording has begun: only then `written` is called.
+            DONE if the recording has begun: only then `written` is called, once.
         """

@@ -25,7 +25,8 @@ class QueuedGoal(NamedTuple):
         values: The values of the goal, by dotted path in the goal message.
         stop_count: STOPs that had been read when it was typed, or when the queue was resumed.
         requester: The person or program that requested it.
-        end: Set to the goal's outcome when it has ended; None if nobody waits for that.
+        end: A future, set to the goal's outcome when it has ended, or to HELD when the queue is
+            held; None if nobody waits for that.
     """
 
     kind: GoalKind
@@ -67,15 +68,15 @@ class GoalQueue:
     def submit(self, goals: Sequence[QueuedGoal], snapshot: Snapshot) -> QueuedGoal | None:
         """Add goals that the operator wants, behind those that wait.
 
-        If no goal runs, the first one is entered in the ledger and sent before all others, also if
-        the queue is held.
+        If no goal runs or is on its way, the first one is entered in the ledger and goes before all
+        others, also if the queue is held.
 
         Args:
             goals: At least one.
             snapshot: The state of the robot.
 
         Returns:
-            The first goal, which is to be sent now and does not wait; None if a goal is running.
+            The first goal, which the caller has to send now; None if all goals wait.
         """
         if self._ledger.running_goal(snapshot) is not None:
             self.waiting += goals
@@ -96,7 +97,7 @@ class GoalQueue:
     def put_back(self, goal: QueuedGoal) -> None:
         """Put a goal that was not sent because of a STOP back in front, and hold the queue.
 
-        The goal is removed from the ledger.
+        The goal is removed from the ledger. A queue that is held already keeps its reason.
         """
         self._ledger.remove_goal()
         self.waiting.insert(0, goal)
@@ -124,11 +125,13 @@ class GoalQueue:
             self.hold_reason = reason
 
     def on_answer(self, *, ok: bool, reason: str = "refused") -> None:
-        """Record the robot's answer to the goal that was sent last, and hold the queue if refused.
+        """Hold the queue and remove the goal from the ledger, if the robot did not accept it.
+
+        An accepted goal stays in the ledger until a snapshot shows it.
 
         Args:
-            ok: True if the robot accepted it; if not, the goals that wait are held.
-            reason: The reason of that hold.
+            ok: True if the robot accepted the goal that was sent last: nothing changes.
+            reason: The reason of the hold.
         """
         if not ok:
             self._ledger.remove_goal()
@@ -139,9 +142,9 @@ class GoalQueue:
     ) -> QueuedGoal | None:
         """Remove and return the goal that is to be sent now, and enter it in the ledger.
 
-        The queue is held here if the last goal did not arrive, the robot is stopped, a STOP was
-        read since a goal was typed, or an alarm holds every queue. An empty queue is not held any
-        more. The ledger's goal is removed if the snapshot shows it.
+        The queue is held here if the last goal, whoever sent it, ended without arriving, the robot
+        is stopped, a STOP was read since a goal was typed, or an alarm holds every queue. An empty
+        queue is not held any more. The ledger's goal is removed if the snapshot shows it.
 
         Args:
             snapshot: The state of the robot.
@@ -149,7 +152,7 @@ class GoalQueue:
             stop_count: STOPs that have been read by now.
 
         Returns:
-            The goal; None if the queue is empty or held, or a goal is running.
+            The goal; None if the queue is empty or held, or a goal runs or is on its way.
         """
         goal = snapshot.goal
         self._ledger.remove_goal_if_shown(snapshot)
@@ -188,7 +191,8 @@ class GoalQueue:
 def _holding_alarm(alarms: Iterable[Alarm]) -> str:
     """Return the name of the first alarm that holds every queue; "" if there is none.
 
-    These are a lost contact, and a low or empty battery that nobody has acknowledged.
+    These are a lost contact, acknowledged or not, and a low or empty battery whose alarm is active
+    and not acknowledged.
     """
     for alarm in alarms:
         if alarm.name == CONTACT_LOST and not alarm.is_over:

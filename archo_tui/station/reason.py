@@ -1,7 +1,7 @@
-"""The end of a shown reason of a refusal: when one of its possible causes is over. Pure.
+"""The rule for how long the reason of a refusal is shown: until a possible cause is over. Pure.
 
-The robot refuses in its own words, which the console does not understand. The text is shown until
-one of the facts has ended that may have been its cause.
+The robot refuses in its own words, which the console does not understand. So every fact that may
+have been the cause is watched.
 """
 
 from __future__ import annotations
@@ -24,23 +24,26 @@ class CauseWatch:
         """Create a watch, which has not recorded any facts yet.
 
         Args:
-            facts: Returns the possible causes in a snapshot: `obstacles` or `limits`.
+            facts: Returns the possible causes in a snapshot: `refusal_causes` or `limits`.
         """
         self._facts = facts
         self._before: Facts = frozenset()
 
     def observe(self, snapshot: Snapshot) -> bool:
-        """Record the facts in a snapshot; return True if one of those recorded before has ended.
+        """Record the facts in a snapshot; return True if one that the last call recorded has ended.
 
-        The first call returns False. A fact that is new ends nothing: a topic may report the cause
+        The first call returns False. A new fact alone does not count: a topic may report the cause
         after the refusal.
         """
         before, self._before = self._before, self._facts(snapshot)
         return not before <= self._before
 
 
-def obstacles(snapshot: Snapshot) -> Facts:
-    """Return the facts for which the robot may refuse a request now."""
+def refusal_causes(snapshot: Snapshot) -> Facts:
+    """Return the facts in a snapshot for which the robot may refuse a request.
+
+    Each parameter with its value is a fact, so that a changed value ends one.
+    """
     battery, motion = snapshot.battery, snapshot.motion
     goal, robot = snapshot.goal, snapshot.file
     names = {kind.action for kind in robot.goals} | {given.service for given in robot.commands}

@@ -17,7 +17,9 @@ _REMEDIES = {
 
 
 def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
-    """Return the text of an alarm, with the command that helps while its condition holds.
+    """Return the text of an alarm, with the command that helps.
+
+    It is the text alone if no command helps, the condition is over, or it is only the last known.
 
     Args:
         alarm: The alarm.

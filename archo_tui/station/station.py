@@ -48,7 +48,7 @@ class Station:
     called on any thread, and `earlier_stop`, which any thread may set.
 
     Attributes:
-        robot: The robot's side of the ROS graph.
+        robot: The robot, through the console's node.
         host: The host of the nodes in this process.
         clock: The clock of every decision about time.
         recorder: The black box.
@@ -68,8 +68,8 @@ class Station:
         requests: The approval requests of assistants.
         approvals: Asks the operator about these requests, and carries out the answers.
         clients: The programs that are connected, by their names for people.
-        history: The curves of the last hour.
-        view: The view to show now.
+        history: The curves of the last hour, and the goals that ended.
+        view: The view to show, as of the last `refresh` or the last change of an alarm here.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class Station:
         """Create a station without a frontend.
 
         Args:
-            robot: The robot's side of the ROS graph.
+            robot: The robot, through the console's node.
             host: The host of the nodes in this process.
             journal: Gets each change of an alarm.
             recorder: Gets each view.
@@ -204,7 +204,10 @@ class Station:
             self._frontend.restart(why)
 
     def operate(self, namespace: str) -> None:
-        """Have the frontend, if there is one, start again for the robot of another namespace."""
+        """Set `next_namespace`, and have the frontend, if there is one, start the process again.
+
+        `--plain` does not start again, as told at `restart`.
+        """
         self.next_namespace = namespace
         self.restart(f"operate the robot in {namespace}")
 
@@ -239,8 +242,8 @@ class Station:
     def _offer_description(self) -> None:
         """Write an event, once, on how to make a robot file, if that of ARCHO does not fit.
 
-        That is so if no file was given, and five seconds after the start nodes run that offer none
-        of what ARCHO's offer.
+        That is so if no file was given, the robot lives on without this process, and five seconds
+        after the start or later its nodes offer none of what ARCHO's offer.
         """
         snapshot = self._snapshot
         is_other = snapshot.nodes and not snapshot.offered
@@ -275,7 +278,10 @@ class Station:
             return await self.robot.release_emergency_stop()
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
-        """Acknowledge alarms: the operator has seen them. Update the view and the journal."""
+        """Acknowledge alarms: the operator has seen them. Update the view and the journal.
+
+        An alarm that is acknowledged, shelved or gone already stays as it is.
+        """
         for alarm in alarms:
             self._record(self._board.acknowledge(alarm, self.clock.now()))
         self.view = self._view()

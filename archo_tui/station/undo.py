@@ -48,7 +48,7 @@ class UndoList:
         return self._done[-1] if self._done else None
 
     def values_set(self, node: str) -> dict[str, Any]:
-        """Return the values that the operator has set on a node and not undone, by name."""
+        """Return the values that the operator set last on a node and has not undone, by name."""
         return {
             name: value
             for edit in self._done
@@ -59,7 +59,8 @@ class UndoList:
     def disabled_reason(self, snapshot: Snapshot) -> str:
         """Return why nothing can be undone now; "" if the last change can be.
 
-        It cannot while a change has no answer, if there is none, or if its node has left the graph.
+        It cannot while a change has no answer, if there is no change, or if the node of the last
+        one has left the graph.
         """
         if self.is_changing:
             return "a change has no answer yet: undo it when it has"
@@ -90,8 +91,8 @@ class UndoList:
             values: The new values, by name.
 
         Returns:
-            The outcome; NOT_OFFERED without a request if the node does not report one of them,
-            since its value of before is not known then.
+            The outcome; NOT_OFFERED without a request if the node does not report one of the
+            parameters, since its value of before is not known then.
         """
         known = _values(robot.snapshot, node)
         missing = ", ".join(name for name in values if name not in known)
@@ -154,5 +155,5 @@ class UndoList:
 
 
 def _values(snapshot: Snapshot, node: str) -> dict[str, Any]:
-    """Return the values of a node's parameters by name."""
+    """Return the values of a node's parameters by name; empty if the node is not on the graph."""
     return {p.name: p.value for p in snapshot.parameters if p.node == node}

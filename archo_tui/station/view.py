@@ -22,10 +22,10 @@ class View:
         time: Unix time in seconds.
         engine: The engine in words; see `engine.describe`.
         namespace: The namespace of the robot.
-        history: The curves of the last hour.
+        history: The curves of the last hour; a console goes on to add to them.
         alarms: All alarms that are not normal, in the order in which they are shown.
         hosted: The nodes of this process.
-        watching: True if nothing can be commanded from here.
+        watching: True if every command is refused, STOP included.
         queue: The goals that wait, the next one first.
         held: The reason why the queue is held, in words; "" if it is not.
         changing: True while a change of parameters from here has no answer.

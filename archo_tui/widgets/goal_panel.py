@@ -15,7 +15,7 @@ from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state import Snapshot, TypedField
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.reason import CauseWatch, limits, obstacles
+from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
@@ -350,7 +350,7 @@ class GoalPanel(Panel):
             text: The reason; "" removes the one that is shown, but no hint about what is typed.
         """
         if text or self._shows_refusal:
-            self.show_hint(text, CauseWatch(obstacles))
+            self.show_hint(text, CauseWatch(refusal_causes))
             self._shows_refusal = text != ""
 
     def submit(self) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.robot.state import Battery, GaugeReading, Latch, Motion, Parameter, Phase, Snapshot
 from archo_tui.robot_file.model import Gauge, MessageField
-from archo_tui.station.reason import CauseWatch, limits, obstacles
+from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from tests.support.archo import ARCHO
 from tests.support.states import BATTERY, MOVING, STATES
 
@@ -47,21 +47,21 @@ def shelves(count: int) -> tuple[Parameter, ...]:
 def test_a_refusal_is_over_when_a_cause_that_it_may_have_is(
     then: dict[str, Any], now: dict[str, Any]
 ) -> None:
-    refusal = CauseWatch(obstacles)
+    refusal = CauseWatch(refusal_causes)
     assert not refusal.observe(THERE._replace(**then))
     assert not refusal.observe(THERE._replace(**then))
     assert refusal.observe(THERE._replace(**now))
 
 
 def test_a_cause_that_is_reported_behind_its_refusal_ends_nothing_until_it_is_over() -> None:
-    refusal = CauseWatch(obstacles)
+    refusal = CauseWatch(refusal_causes)
     assert not refusal.observe(THERE)
     assert not refusal.observe(THERE._replace(motion=Motion(stopped=True)))
     assert refusal.observe(THERE)
 
 
 def test_readings_that_go_on_as_they_were_end_no_refusal() -> None:
-    refusal = CauseWatch(obstacles)
+    refusal = CauseWatch(refusal_causes)
     for charge in (87.5, 87.4, 87.3):
         assert not refusal.observe(THERE._replace(battery=BATTERY._replace(percentage=charge)))
 
