@@ -10,7 +10,9 @@ from archo_tui.clock import Clock
 
 
 class Conditions:
-    """The conditions that tasks of a loop wait for; after a change `check_again` must be called.
+    """The conditions that tasks of a loop wait for.
+
+    Whoever changes what a condition depends on calls `check_again`.
 
     All methods are called on the running loop.
     """
@@ -29,7 +31,7 @@ class Conditions:
         self._changed.set()
 
     async def wait(self, condition: Callable[[], object]) -> None:
-        """Wait until `condition()` is true; it is called at first, and after `check_again`."""
+        """Wait until `condition()` is true: it is called at once, and after each `check_again`."""
         while not condition():
             self._changed.clear()
             await self._changed.wait()
@@ -40,7 +42,7 @@ class Conditions:
         """Wait until `condition()` is true or the time has passed; return None in both cases.
 
         Args:
-            condition: Called at first, and after each `check_again`; a true value ends the wait.
+            condition: Called at once, and after each `check_again`; a true value ends the wait.
             timeout: Seconds; None for no limit.
         """
         with contextlib.suppress(TimeoutError):

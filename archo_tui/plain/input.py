@@ -48,8 +48,8 @@ class Input:
 
     Attributes:
         is_terminal: True if a person types, as far as the system knows.
-        last_line_timing: The monotonic time in seconds at which the last line was read, and the
-            seconds between it and the line before.
+        last_line_timing: The monotonic time in seconds at which the last line, STOPs included, was
+            read, and the seconds between it and the line before; zeros before the first line.
         unanswered: The numbers (by `Stops.count`) of the STOPs read here that the robot has not
             answered. The thread appends; whoever sends STOPs removes them.
         has_ended: True after the end of the input; lines may still wait.
@@ -64,7 +64,8 @@ class Input:
         Args:
             descriptor: The file descriptor to read, which stays open; None for no input.
             stops: The counter of STOPs.
-            on_input: Called on the running loop after something was read, and after the end.
+            on_input: Called on the running loop after something was read, once for all that was
+                read until it is called, and after the end.
             clock: The clock for the times in `last_line_timing`.
         """
         self._descriptor, self._stops, self._on_input = descriptor, stops, on_input
@@ -93,13 +94,14 @@ class Input:
     def close(self) -> None:
         """Ignore whatever is read from now on, a STOP too; the descriptor stays open.
 
-        Lines that wait can still be taken. The thread ends after its next read.
+        Lines that wait can still be taken. The thread ends after its next read; a line that was
+        unfinished at the call counts as a line, or as a STOP, then.
         """
         self._is_closed = True
 
     @property
     def is_reading(self) -> bool:
-        """True until the end of the input, or the first read that returns after `close()`."""
+        """True from `start()` to the end of the input, or to the next read after `close()`."""
         return self._thread.is_alive()
 
     @property

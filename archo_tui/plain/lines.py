@@ -35,7 +35,7 @@ def is_stop(line: bytes) -> bool:
 
 
 def is_stop_text(text: str) -> bool:
-    """Return True if the first word of a text is `stop`, by the rule of `is_stop`."""
+    """Return True if the first word of a text is `stop`, by the rule of `is_stop` but for NULs."""
     spellings = (text, _KEY.sub("", text)) if "\x1b" in text else (text,)
     return any("stop" in spelling.lower() and _STOP.match(spelling) for spelling in spellings)
 

@@ -16,8 +16,9 @@ def is_event_news(
 ) -> bool:
     """Return True if a line is printed for an event.
 
-    No line is printed for what another line reports in its own words, nor for a low level; INFO is
-    printed only of the user's own nodes.
+    No line is printed for DEBUG and GOAL; for INFO only if a node of the user's own files, or a
+    launch file, logged it. Nor is one printed for what another line reports: that a typed command
+    failed, and the server's reason for the refusal of this console's goal.
 
     Args:
         event: The event.
@@ -45,8 +46,9 @@ def is_event_news(
 def is_goal_news(before: Goal | None, goal: Goal) -> bool:
     """Return True if a line is printed for the state of a goal.
 
-    That is the case when its phase, its first feedback or a quarter of its way is new, unless the
-    answer to a typed line has told the same.
+    That is the case when its phase or the quarter of its way is another one, feedback has come for
+    the first time, or it has become readable or unreadable; not if the answer to a line typed here
+    has told the same.
 
     Args:
         before: The same goal in the snapshot before; None if it was not in it.

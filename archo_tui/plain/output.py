@@ -31,7 +31,8 @@ class Output:
 
         Args:
             descriptor: The file descriptor to write to; it stays open.
-            on_change: Called on the running loop when `has_room` or `is_done` may be true again.
+            on_change: Called on the running loop when `has_room` or `is_done` may be true again,
+                and when a write has failed.
         """
         self._descriptor, self._on_change = descriptor, on_change
         self._loop = asyncio.get_running_loop()
@@ -48,7 +49,7 @@ class Output:
     def put(self, lines: bytes) -> None:
         """Add lines to be written, and return at once; drop the oldest if too many wait.
 
-        After a write has failed, nothing is written any more.
+        Nothing is written before `start`, nor after a write has failed.
 
         Args:
             lines: Whole lines, each with its end.

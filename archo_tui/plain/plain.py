@@ -103,13 +103,18 @@ class Plain:
         self._exit_code: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def run(self) -> int:
-        """Operate the station until `quit`, the end of the input, or a signal.
+        """Operate the station until `quit`, the end of the input, a signal, or a failed write.
 
-        At the end it waits for requested goals and STOPs, detaches from the station and cancels all
-        tasks. It handles the process's signals meanwhile.
+        After `quit` and the end of the input, requested goals and STOPs are waited for; otherwise
+        `Shutdown` decides about a running goal. At the end the frontend detaches from the station,
+        and its tasks are cancelled. The process's signals are handled meanwhile.
 
         Returns:
-            The exit code: 0 if all succeeded, 1 if something failed, 128 + a signal's number.
+            The exit code: 0 if all succeeded; 1 if something failed, goals are left in the queue,
+            or the output cannot be written; 128 + a signal's number.
+
+        Raises:
+            Exception: The error of any task.
         """
         self._station.attach(self)
         self._output.start()
@@ -132,7 +137,7 @@ class Plain:
                 task.cancel()
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
-        """Run a coroutine as a task beside the others; an error in it is raised by `run`."""
+        """Run a coroutine as a task beside the others; `run` raises an error in it, and ends."""
         self._start_task(work)
 
     def _start_task(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
@@ -150,7 +155,7 @@ class Plain:
         return task
 
     def _finish(self, code: int) -> None:
-        """End `run` with an exit code, unless it is ending already."""
+        """End `run` with an exit code; an earlier code or error stays."""
         if not self._exit_code.done():
             self._exit_code.set_result(code)
 
@@ -180,7 +185,8 @@ class Plain:
     async def _serve(self) -> None:
         """Carry out all lines up to `quit` or the end of the input, and end `run` with a code.
 
-        An empty line ends the following of a topic.
+        An empty line ends the following of a topic. If a shutdown has begun, the exit code is left
+        to it.
         """
         while (line := await self._next_line()) is not None and line.text.split() != ["quit"]:
             if line.fault or line.text.split():
@@ -194,10 +200,10 @@ class Plain:
             self._finish(0 if is_well and not self._output.is_broken else 1)
 
     async def _next_line(self) -> TypedLine | None:
-        """Wait for the next line and every STOP before it to be answered, and return the line.
+        """Wait for the next line, and for the answers to all STOPs before it, and return the line.
 
-        If the reader of the output is slow, the line waits for it, 2 s at most. None at the end of
-        the input.
+        A command that was typed in place of an answer is returned at once. If the reader of the
+        output is slow, the line waits for it, 2 s at most. None at the end of the input.
         """
         if self._put_back is not None:
             line, self._put_back = self._put_back, None
@@ -216,8 +222,8 @@ class Plain:
     async def _wait_for_the_end(self) -> None:
         """Wait for the STOPs, slow lines and goals that were requested, and print what is left.
 
-        It prints which goal is waited for, lost or not driven; a lost goal sets the exit code to 1.
-        Returns when the output is written.
+        Lines tell which silent goal is waited for, that it is lost, and which goals are not driven;
+        a lost goal sets the exit code to 1. Returns when the output is written.
         """
         wait = self._conditions.wait
         await wait(lambda: self._input.is_quiet)  # A STOP may have come with the last line.
@@ -243,7 +249,7 @@ class Plain:
         await wait(lambda: self._output.is_done)
 
     def _goals_have_ended(self) -> bool:
-        """Return True if no goal of this console runs or is about to be sent, or it is lost."""
+        """Return True if no goal of this console runs or is about to be sent, or one is lost."""
         is_running = self._goal is not None and self._goal.is_running and self._goal.mine
         is_due = is_running or self._station.queue.is_going
         return self._lost_goal_outcome is not None or not is_due
@@ -255,7 +261,7 @@ class Plain:
 
     @property
     def _lost_goal_outcome(self) -> Outcome | None:
-        """The outcome of this console's running goal if that counts as lost by now; or None."""
+        """The outcome of this console's running goal if it counts as lost by now; or None."""
         goal = self._goal
         if goal is None or not (goal.is_running and goal.mine):
             return None
@@ -319,7 +325,10 @@ class Plain:
         running.add_done_callback(on_end)
 
     async def _execute(self, line: TypedLine) -> None:
-        """Carry out one line, and print the reason if it fails; expected errors are not raised."""
+        """Carry out one line, and print the reason if it fails.
+
+        Errors that a line may cause are not raised: ArchoError, ValueError and Void.
+        """
         if line.fault:
             self._printer.print_failure(line.fault)
             return
@@ -345,18 +354,18 @@ class Plain:
     async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
         """Run the verb that a line names, and print what was asked for; the caller prints failures.
 
-        A topic that is followed is not followed any more once another is. `skip` sets the exit code
-        to 1.
+        Following a topic ends the following of another one. `skip` sets the exit code to 1.
 
         Args:
             word: The first word of the line.
             rest: The other words.
 
         Returns:
-            The outcome; DONE at once for `help`, a followed topic, and verbs that take seconds.
+            The outcome; DONE at once for `help`, a followed topic, and verbs that take seconds,
+            whose outcome is printed later.
 
         Raises:
-            ArchoError: A name means nothing, or a question was not answered with yes.
+            ArchoError: There is no such verb or name, or a question was not answered with yes.
             ValueError: A value does not fit.
             Void: A STOP was read after the line.
         """
@@ -398,7 +407,7 @@ class Plain:
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
         """Run a verb whose outcome takes seconds, and print its outcome or why it failed.
 
-        Later lines do not wait for it; the end of the input does.
+        It asks no question. Later lines do not wait for it; the end of the input does.
         """
         try:
             outcome = await run_when_ready(
@@ -457,8 +466,8 @@ class Plain:
     async def _ask(self, question: Question) -> None:
         """Ask the person at the terminal; return if the answer is yes.
 
-        The next line is the answer. A line that is neither yes nor no means no, and is carried out
-        as a command.
+        The next line is the answer. An empty line and the end of the input mean no. A line that is
+        neither yes nor no means no, too, and is carried out as a command.
 
         Raises:
             ArchoError: The answer is not yes, or the input is no terminal.
@@ -491,14 +500,15 @@ class Plain:
     async def _answer_request(self, word: str, rest: list[str]) -> Outcome:
         """Allow or deny what an assistant requested, if a person has read the request.
 
-        An answer counts only if it was typed alone, a second or more after the request was printed.
+        An answer counts only if it was typed alone, 0.3 s or more after the line before, a second
+        or more after the request was printed, and if all output is written.
 
         Args:
             word: `allow` or `deny`.
             rest: The other words of the line: the number of the request.
 
         Returns:
-            The outcome; REFUSED if there is no such request or the answer does not count.
+            The outcome, as of `Approvals.answer`; REFUSED also if the answer does not count.
 
         Raises:
             ValueError: No person types, or `rest` is not a number.
@@ -538,7 +548,10 @@ class Plain:
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print the outcome of a goal of the queue as a failure unless it is ok, and refresh."""
+        """Print why the robot did not accept a goal of the queue, and refresh the station.
+
+        An accepted goal is printed as news of the robot.
+        """
         if not outcome.ok:
             self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()
@@ -566,7 +579,7 @@ class Plain:
 def run(station: Station, read: int | None) -> int:
     """Operate a station through a file descriptor and standard output; return the exit code.
 
-    It blocks, and handles the process's signals meanwhile.
+    It blocks until `Plain.run` has ended, and handles the process's signals meanwhile.
 
     Args:
         station: The station.

@@ -28,8 +28,8 @@ class Printer:
 
     Attributes:
         goal: The goal in the last snapshot that was passed in; None if it had none.
-        has_failed: True once a failure was printed, or a goal of this console did not arrive; the
-            exit code is 1 then.
+        has_failed: True once a failure was printed, or a goal of this console did not arrive, was
+            skipped or is lost; the exit code is 1 then.
         requests_shown_at: The monotonic time in seconds at which each request of an assistant was
             printed, by its number.
     """
@@ -55,9 +55,10 @@ class Printer:
         self.requests_shown_at: dict[int, float] = {}
 
     def print_news(self, snapshot: Snapshot) -> None:
-        """Print the events and the state of the goal that are new in a snapshot.
+        """Print the events and the state of the goal that are news, by news.py, in a snapshot.
 
-        An event that only repeats is not printed again. `goal` and `has_failed` are updated.
+        An event that only repeats is not printed again. `goal` is set, and `has_failed` if a goal
+        of this console ended without arriving.
         """
         for event in snapshot.events:
             if event.number not in self._printed_events and is_event_news(
@@ -85,7 +86,7 @@ class Printer:
             self.print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
 
     def print_alarms(self, changed: list[Alarm]) -> None:
-        """Print the new state of each alarm, and for a new alarm what can be done about it.
+        """Print the new state of each alarm: its name, or the text and a remedy of a raised one.
 
         Args:
             changed: The alarms whose state has changed.
@@ -122,7 +123,7 @@ class Printer:
         self.print_text(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
 
     def print_text(self, text: str) -> None:
-        """Print a text of one or more lines, without control characters.
+        """Print a text of one or more lines, with a mark in place of each control character.
 
         On a terminal that takes only ASCII, other characters are replaced.
         """

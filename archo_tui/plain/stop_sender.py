@@ -52,8 +52,8 @@ class StopSender:
     async def run(self) -> None:
         """Send the typed STOPs as they are read, until the task is cancelled.
 
-        One is sent for all that were read since the last, without waiting for its answer. At most
-        two a second are sent, unless something else was requested since the last one.
+        One is sent for all that were read since the last was sent, without waiting for its answer.
+        At most two a second are sent, unless something else was requested since the last one.
         """
         unsent = self._typed.unanswered
         limit = RateLimit()
@@ -86,6 +86,8 @@ class StopSender:
 
     def are_answered(self, up_to: int | None = None) -> bool:
         """Return True if every typed STOP was answered by the robot, or the time for that is over.
+
+        True also if none was typed.
 
         Args:
             up_to: The number (by `Stops.count`) of the last STOP that matters; None for all.
