@@ -41,7 +41,8 @@ class Robot:
         """Find the console, without keeping a connection. See `archo_tui.connect`.
 
         Args:
-            to: The process number, namespace or socket name of the console; "" for the only one.
+            to: The process number, namespace or socket name of the console; "" for that which the
+                environment variable ARCHO_TUI_CONSOLE names, or else the only one.
 
         Raises:
             Unreached: No console or several could be meant, or one of them does not answer.
@@ -69,8 +70,8 @@ class Robot:
         """Cancel the goals of `go` that still run, and end calls in other threads.
 
         Returns when the goals have ended, after 5 s at most; a goal that has not ended by then
-        raises no error. The ended calls raise Unreached. Later calls raise Misused, except `stop`
-        and `close`.
+        raises no error. The ended calls, iterators too, raise Unreached. Later calls raise Misused,
+        except `stop` and `close`.
         """
         with self._lock:
             self._is_closed = True
@@ -124,8 +125,9 @@ class Robot:
         """Send a goal, and return once the robot has accepted it: `robot.go(12).wait()`.
 
         If another goal runs or is being sent, this goal waits in the console's queue, and `go`
-        returns without the robot's answer. The console cancels the goal when this program ends or
-        leaves the `with` block; a goal of `robot.do("go", "12")` runs on.
+        returns without the robot's answer. Of several goals only the first is waited for. The
+        console cancels the goal when this program ends or leaves the `with` block; a goal of
+        `robot.do("go", "12")` runs on.
 
         Args:
             *numbers: Where to, a shelf's number; several are driven one after the other.
@@ -138,9 +140,11 @@ class Robot:
             The handle: `wait`, `cancel`, `feedback`, `done`.
 
         Raises:
-            Refused: The robot or the console refused; nothing is driven.
+            Refused: The robot or the console refused, and nothing is driven; or, with the code
+                `timeout`, the robot has not answered, and may drive.
             Misused: The kind or the values mean nothing; nothing was sent.
-            Cancelled: A STOP came before the goal had left, or it is held in the queue.
+            Cancelled: A STOP came before the goal had left, or the goal is held in the queue.
+            Aborted: The goal has already ended without the robot arriving.
             RanOut: `timeout` seconds passed before the robot had answered.
             Unreached: The console has gone or does not answer.
         """
@@ -170,7 +174,7 @@ class Robot:
             timeout: Seconds for the robot's answer; None: as long as the console answers.
 
         Raises:
-            Refused: No goal runs, or the robot refuses.
+            Refused: No goal runs, or the robot refuses or does not answer.
             Misused: The running goal is another client's: `do("cancel", "--yes")` cancels it.
             RanOut: `timeout` seconds are over.
         """
@@ -243,10 +247,11 @@ class Robot:
 
         Raises:
             RanOut: The robot is not in that state after `timeout` seconds.
-            Refused: The robot cannot reach that state, or no goal runs that could arrive.
+            Refused: The robot cannot reach that state, no goal runs that could arrive, or the goal
+                is lost: the robot may still be moving.
             Aborted: With `arrived`: the goal has ended without arriving.
             Cancelled: With `arrived`: the goal was cancelled.
-            Misused: There is no such state.
+            Misused: There is no such state, or the robot has no battery.
         """
         self.do("wait", *map(_text, what), timeout=timeout)
 
@@ -285,8 +290,8 @@ class Robot:
             Numbers that JSON lacks are the texts `nan`, `inf` and `-inf`.
 
         Raises:
-            Misused: There is no such topic or field, or a message is too large. The iterator raises
-                it.
+            Misused: There is no such topic or field, or a message is too large: raised by the
+                iterator.
         """
         words = ["echo", topic, *fields]
         if is_stop({"words": words}):
@@ -302,9 +307,10 @@ class Robot:
 
         Args:
             *words: The verb and its words. A verb that asks a person takes `--yes`.
-            wait: True, of goals: return when they have ended; any exception cancels them.
-            timeout: Seconds after which what was sent is cancelled; None: as long as the console
-                answers.
+            wait: True, of goals: return when they have ended; any exception cancels them. Misused
+                is raised for a verb without goals.
+            timeout: Seconds after which RanOut is raised, and goals that were sent are cancelled;
+                None: as long as the console answers.
 
         Returns:
             The data that the verb has with `--json`; None: it has none.
@@ -346,6 +352,8 @@ if hasattr(os, "register_at_fork"):
 def stop(to: str = "") -> None:
     """Send STOP to every console that could be meant. See `archo_tui.stop`.
 
+    Without `to`, ARCHO_TUI_CONSOLE decides, as for `finder.stop`.
+
     Raises:
         Unreached: No console runs, or one did not confirm the STOP.
         Refused: A robot did not confirm the STOP.
@@ -373,7 +381,7 @@ def _events(
 ) -> Iterator[dict[str, Any]]:
     """Yield the events among the replies to a request, and close the request at the end.
 
-    It ends without an error when the request's timeout is over.
+    The iterator ends without an error when the request's timeout is over.
 
     Args:
         request: The request.
@@ -396,7 +404,7 @@ def _events(
 def _messages(request: Request) -> Iterator[dict[str, Any]]:
     """Yield the messages of a topic that is followed, and close the request at the end.
 
-    It ends without an error when the request's timeout is over.
+    The iterator ends without an error when the request's timeout is over.
 
     Args:
         request: The request to follow the topic, which has been sent.

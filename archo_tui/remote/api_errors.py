@@ -28,7 +28,7 @@ class Refused(NotDone):
 
 
 class Misused(NotDone):
-    """The error for arguments that mean nothing here; nothing was sent."""
+    """The error for a call that means nothing here, or after `Robot.close`; nothing was sent."""
 
 
 class Aborted(NotDone):
@@ -46,7 +46,8 @@ class RanOut(NotDone):
 class Unreached(NotDone):
     """The error for a console that could not be reached or did not answer.
 
-    No console runs, several could be meant, or one does not answer: the robot may still be moving.
+    No console runs, several could be meant, one does not answer, or `Robot.close` ended the call.
+    The robot may still be moving.
     """
 
 
@@ -88,7 +89,7 @@ def checked_timeout(timeout: float | None) -> float | None:
     """Return `timeout` unchanged if it is None or from 0 to 1e9 seconds.
 
     Raises:
-        Misused: It is neither.
+        Misused: It is anything else.
     """
     if timeout is not None and not is_valid_timeout(timeout):
         raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")

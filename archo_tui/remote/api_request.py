@@ -33,7 +33,7 @@ class Request:
             fields: The names and values of the request, as docs/protocol.md lists them.
 
         Raises:
-            Unreached: The console has gone, or does not say hello.
+            Unreached: The console has gone, does not say hello, or speaks another protocol.
         """
         self._path, self._timeout, self._fields = path, timeout, fields
         self._end: float | None = None  # Monotonic time in seconds.
@@ -106,7 +106,10 @@ class Request:
             self._send_message({"give_up": True})
 
     def close(self) -> None:
-        """Close the connection: the console calls off what is still underway."""
+        """Close the connection: the console calls off what is still underway.
+
+        A second call does nothing.
+        """
         self._console.close()
 
     def shut_down(self) -> None:

@@ -58,7 +58,7 @@ class Goal:
 
     Attributes:
         kind: The goal of the robot file, such as `shelf`.
-        values: The values of its fields, by name.
+        values: The values of its fields, by name; empty for another client's goal.
         name: The goal in words: `shelf 12`.
         phase: The phase as on the screen: `MOVING`, `ARRIVED`.
         code: The outcome: `arrived`, `cancelled`, `aborted`; None while the goal runs.
@@ -116,7 +116,8 @@ class Status:
         namespace: The namespace of the robot on the ROS graph.
         watching: True if the console only watches, and sends no command.
         goal: The running goal or, if none runs, the last one; None: no goal is known.
-        stop: `open`: a STOP is not confirmed; `uncertain`: it may no longer hold; else empty.
+        stop: `open`: the robot has not confirmed a STOP; `uncertain`: the last confirmed STOP may
+            no longer hold; "" otherwise, also while one holds: see `motion.stopped`.
         line: The whole state in one line of text.
     """
 

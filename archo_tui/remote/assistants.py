@@ -101,7 +101,7 @@ class Assistants:
     async def _request_approval(self, requester: Requester, wanted: Any) -> dict[str, Any]:
         """Ask a person to allow a goal, and return the reply without waiting for the decision.
 
-        The wait for a robot that has just started lasts some seconds at most.
+        If this console has just started, the robot is waited for first, some seconds at most.
 
         Args:
             requester: The assistant.
@@ -181,12 +181,16 @@ class Assistants:
     async def _wait_for_request(
         self, requester: Requester, words: list[str], request: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """Wait until a person denies the assistant's request or its goal ends; return the reply.
+        """Wait until the assistant's request is denied, void or expired, or its goal has ended.
 
         Args:
             requester: The assistant.
             words: The words behind `wait request`: the number of the approval request.
             request: The request to wait; its `timeout` in seconds counts up to 50, the default.
+
+        Returns:
+            The reply: `denied`, `void` or `expired` as its code; or the outcome of the goal, and
+            the goal as its data, if the robot accepted it.
 
         Raises:
             RequestTimedOut: The timeout is over; the text tells the state of the request.

@@ -24,7 +24,7 @@ class Unreached(Exception):
 
 
 class Silent(Unreached):
-    """The error for a console that sent nothing within the time that it had."""
+    """The error for a console that did not send what was waited for in time."""
 
 
 class Connection:
@@ -36,11 +36,11 @@ class Connection:
     Attributes:
         path: The path of the socket.
         card: The copy of the hello in the file beside the socket; None if there is no such file.
-        hello: The console's first message; empty until it has come.
+        hello: The console's first message, which describes it; empty until it has come.
         result: The result of the request that was sent on connecting; None until it has come.
         is_dead: True if no process listens on the socket.
         has_gone: True if the connection broke or could not be made, though the socket exists.
-        socket: The connected socket; None before that.
+        socket: The connected socket, also after it was closed; None before that.
     """
 
     def __init__(self, path: str, card: dict[str, Any] | None = None) -> None:
@@ -110,7 +110,10 @@ class Connection:
 
     @property
     def fault(self) -> str:
-        """The reason why this console takes no verb, such as no hello yet; "" if it takes one."""
+        """The reason why this console takes no verb, such as no hello yet; "" if it takes verbs.
+
+        A console that only watches has no fault.
+        """
         if not self.hello:
             return f"{self.short_description} does not answer: is it suspended?"
         protocol = self.hello.get("protocol")
@@ -144,7 +147,7 @@ class Connection:
     def description(self) -> str:
         """The console in a line: `pid 7: ROBOT NAMESPACE, ENGINE domain 0`, with `, watching`.
 
-        Before its hello it is what is known of it, at least the pid.
+        Before the hello it is what the card or the socket's name tells, at least the pid.
         """
         identity = self.identity
         if not identity:
@@ -166,7 +169,7 @@ class Connection:
         """Send a request, and yield all replies to it, the result last.
 
         Nothing is sent before the iterator is first advanced. Replies to other requests are
-        dropped.
+        dropped; those without an `id` are not.
 
         Args:
             total_timeout: Seconds for all replies together; None for any time.
@@ -186,7 +189,9 @@ class Connection:
                     return
 
     def remaining_replies(self, total_timeout: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield all further messages of the console, whichever request they are for; never end.
+        """Yield all further messages of the console, whichever request they are for.
+
+        The iterator never ends without an error.
 
         Args:
             total_timeout: Seconds for all messages together, from the first `next` on; None for any

@@ -29,8 +29,9 @@ _PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
 def print_candidates(words: Sequence[str]) -> int:
     """Print the words that may follow on a command line, one a line, and return 0.
 
-    Prints nothing if no console answers within half a second; words with blanks or characters that
-    a shell interprets are left out.
+    Behind `replay` and `recordings` these are the names of recordings. Otherwise a console tells
+    them, and nothing is printed if none answers within half a second. Words with blanks or
+    characters that a shell interprets are left out.
 
     Args:
         words: The words behind `archo-tui`; the last one is unfinished, and may be empty.

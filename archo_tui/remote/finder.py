@@ -40,7 +40,7 @@ class StopResult:
 
     Attributes:
         console: The description of the console, one line.
-        code: A code of docs/protocol.md; LOST if the console reported no result.
+        code: A code of docs/protocol.md; LOST if the console reported no valid result.
         text: The console's text, or the reason why there is none.
     """
 
@@ -60,7 +60,7 @@ def find(
 
     Args:
         selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        faults: The reason for each folder that is not searched is appended to it.
+        faults: The reason for each folder that is not searched is appended to this list.
         hello_timeout: Seconds in which all consoles have to send their hellos.
 
     Raises:
@@ -91,7 +91,7 @@ def choose(selection: Mapping[str, Any], hello_timeout: float = HELLO_TIMEOUT) -
     Raises:
         NoConsole: No console could be meant.
         Unreached: Several are meant, or one that could be meant does not answer or speaks another
-            protocol: a verb could reach another robot.
+            protocol: a verb could reach another robot. Or this system has no Unix sockets.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
     found = _without_needless_watchers(find(selection, faults, hello_timeout))
@@ -136,7 +136,7 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
 def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:
     """Connect to the console of a socket, and return the connection once its hello has come.
 
-    Requests on the connection wait for replies. The caller closes it.
+    Requests on the connection wait for replies. The caller closes the connection.
 
     Args:
         path: The path of the socket.

@@ -42,7 +42,8 @@ async def follow_goal(
 ) -> NoReturn:
     """Send the state of the goal of `requester` whenever it has changed, until cancelled.
 
-    Polls five times a second. Of several goals the one that runs is sent; nothing while none does.
+    Polls five times a second. Of several goals the one that runs is sent; nothing while none does,
+    so the state at the end is not.
 
     Args:
         station: The station that drives the goal.

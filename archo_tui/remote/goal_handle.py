@@ -50,7 +50,8 @@ class GoalHandle:
         Raises:
             Aborted: The goal ended, and the robot has not arrived.
             Cancelled: The goal was cancelled by anybody, or is held in the queue.
-            Refused: The goal waited in the queue, and was refused when its turn came.
+            Refused: A goal that waited in the queue was refused when its turn came; or the goal is
+                lost: the robot may still be moving.
             RanOut: `timeout` seconds passed, and the goal still runs; or the time given to `go` is
                 over.
             Unreached: The console has gone or no longer answers: the robot may still be moving.

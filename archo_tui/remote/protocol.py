@@ -37,7 +37,7 @@ EXITS = {
 
 
 def is_valid_timeout(timeout: object) -> bool:
-    """Return True for a number of seconds from 0 to LONGEST_WAIT."""
+    """Return True for a number of seconds from 0 to LONGEST_WAIT; a bool is no number."""
     is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
     return is_number and 0 <= timeout <= LONGEST_WAIT  # type: ignore[operator]
 
@@ -81,7 +81,8 @@ def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
 
     Args:
         selection: `to` is a process number, a namespace or the name of a socket; `engine` and
-            `domain` are as in a hello. A missing or empty entry fits every console.
+            `domain` are as in a hello. An entry that is missing or None, or a text that is empty,
+            fits every console.
         hello: The first message of the console, which describes it. A console without a domain fits
             every domain.
     """

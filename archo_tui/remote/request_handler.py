@@ -97,7 +97,8 @@ class RequestHandler:
     def on_client_left(self, client: ClientSession) -> None:
         """Call off the work that a client waits for, after its connection has closed.
 
-        Goals that the client did not wait for run on, except those of an assistant.
+        Goals that the client did not wait for, or asked to leave running, run on; those of an
+        assistant do not.
         """
         self._station.post(partial(self._end_session, client))
 
@@ -162,10 +163,11 @@ class RequestHandler:
         await self._call_off(session)
 
     async def _call_off(self, session: _Session) -> None:
-        """Call off what a client waits for: answer its open question with no, and end its request.
+        """Call off what a client waits for: answer its open question with no, and end the wait.
 
-        Its goals are removed from the queue and the running one is cancelled, if the client waits
-        for them or is an assistant that has left; other goals run on.
+        A request that only waits or reads is cancelled. Goals are removed from the queue and the
+        running one is cancelled, if the client waits for them and did not ask to leave them
+        running, or is an assistant that has left. Everything else goes on.
         """
         if session.pending_answer is not None and not session.pending_answer.done():
             session.pending_answer.set_result(False)
@@ -182,7 +184,8 @@ class RequestHandler:
     async def _pass_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`.
 
-        A `give_up` without a request gets a reply at once. An answer to no question is ignored.
+        A `give_up` without a request gets a reply at once. One for a service call only ends the
+        wait: the service goes on. An answer to no question is ignored.
         """
         session = self._session_of(client)
         if answer.get("give_up") and session.task is None:
@@ -268,7 +271,8 @@ class RequestHandler:
     ) -> dict[str, Any]:
         """Call off work whose time is over, and return its result if it has succeeded after all.
 
-        It returns within 3 s, even if the robot has not answered the cancel, which goes on then.
+        The call returns within 3 s, even if the robot has not answered the cancel, which goes on
+        then.
 
         Args:
             session: The client whose work it is.
@@ -365,7 +369,7 @@ class RequestHandler:
         """Send the client each message of a topic until the task is cancelled.
 
         Messages are left out beyond five a second, and while the client has not read all replies.
-        If none comes, one `said` reply tells why.
+        While none comes, one `said` reply tells why.
 
         Raises:
             ArchoError: There is no such topic or field, or a message cannot be shown.
@@ -410,7 +414,7 @@ class RequestHandler:
 
     @staticmethod
     def _check_of_goals(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
-        """Return a function that returns the combined outcome of goals, or None while one runs."""
+        """Return a function that returns the combined outcome of goals; None until all have one."""
         return lambda: _combined_outcome(ends) if all(end.done() for end in ends) else None
 
     async def _ask(self, session: _Session, number: Any, person: bool, question: Question) -> None:
@@ -465,12 +469,12 @@ class _Session:
         requester: The client as events and goals name it.
         is_assistant: True from the first request on that says so.
         has_gone: True once its connection is closed.
-        is_waiting: True while it waits for the end of its goals.
+        is_waiting: True during a request to wait for the end of its goals.
         keeps_goals: True if its goals are to run on when it leaves or its time is over.
-        calls_service: True while it waits for the answer of a service.
+        calls_service: True if its request is a call of a service.
         is_read_only: True for a request that only waits or reads, so that its task is cancelled to
             call it off.
-        is_called_off: True once its request was called off.
+        is_called_off: True once the task was cancelled to call its request off.
     """
 
     def __init__(self, client: ClientSession) -> None:

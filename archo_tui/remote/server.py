@@ -157,9 +157,10 @@ class Client:
     def on_line(self, data: bytes) -> None:
         """Handle a line that the client sent: a STOP or an answer at once, other requests in turn.
 
-        A STOP is counted. A line is answered with a refusal if it is too long, if MAX_CLIENTS
-        others were connected earlier, or if MAX_WAITING bytes of requests wait; of the latter only
-        the first is answered. Of a client that has left or was dropped, all but a STOP is ignored.
+        A STOP is counted, unless its `to`, `engine` or `domain` mean another console: it is refused
+        then. Other lines are refused if they are too long, if MAX_CLIENTS others were connected
+        earlier, or if MAX_WAITING bytes of requests wait, which only the first of them is told. Of
+        a client that has left or was dropped, all but a STOP is ignored.
 
         Args:
             data: The line without its end, or `lines.TOO_LONG`.
@@ -196,7 +197,7 @@ class Client:
     def _serve_next_line(self) -> None:
         """Hand the oldest waiting line to the handler, with the answers that follow it.
 
-        An invalid line is answered with a refusal instead.
+        An invalid line is answered with a refusal instead. Does nothing if no line waits.
         """
         self._is_pausing = False
         self._is_busy = bool(self._waiting)
@@ -238,7 +239,7 @@ class Client:
         self._socket.close()
 
     def refuse(self, data: bytes | None, code: str, text: str) -> None:
-        """Reply to a line that is not carried out.
+        """Reply to a line that is not carried out, if the client is still connected.
 
         Args:
             data: The line, whose id the reply repeats; None if it was too long to be read.
@@ -301,7 +302,7 @@ class Server:
 
     Attributes:
         stops: The counter of STOPs.
-        hello: The first message to every client; it has the name of the socket after `start`.
+        hello: The first message to every client; `start` adds the name of the socket.
     """
 
     def __init__(
@@ -332,7 +333,7 @@ class Server:
 
     @cached_property
     def handler(self) -> HandlesRequests:
-        """The request handler, which is made at the first use."""
+        """The request handler, which is made at the first use, on the server's thread."""
         return self._make_handler()
 
     def start(self) -> None:

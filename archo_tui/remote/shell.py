@@ -51,7 +51,7 @@ if TYPE_CHECKING:
             """
 
         def remaining_replies(self, seconds: float | None = None, /) -> Iterator[dict[str, Any]]:
-            """Yield the replies that follow.
+            """Yield the replies that follow: from a console without end, else to the result.
 
             Args:
                 seconds: The time for them, as for `request`.
@@ -136,7 +136,7 @@ class _CommandLine:
         """The seconds of `--timeout`; None without that option, and for a STOP.
 
         Raises:
-            ValueError: The value is not a number from 0 to 1e9.
+            ValueError: The value is not a number from 0 to below 1e9.
         """
         text = None if self.is_stop else self.values.get("--timeout")
         try:
@@ -167,7 +167,9 @@ def run(
     Args:
         words: The verb and its arguments.
         others: Commands besides verbs, for the nearest one to a misspelled word.
-        attach: Connects to the robot itself if no console runs; None: an error is printed then.
+        attach: Connects to the robot itself if no console runs, or it only watches, or none
+            confirms a STOP; not if `--to` or, but for a STOP, ARCHO_TUI_CONSOLE names a console.
+            None: an error is printed then.
         meant: `to`, `engine` and `domain` that were typed before the verb.
         robot_file: The robot file whose verbs are explained if no console runs; None: ARCHO's.
     """
@@ -253,7 +255,7 @@ def _print_without_console(
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
-    """Return the one of `others` that is spelled most alike; "" if none is similar."""
+    """Return the word of `others` that is spelled most like `word`; "" if none is similar."""
     from archo_tui.nearest import nearest
 
     return nearest(word.lower(), others)
@@ -364,9 +366,9 @@ def _send(
 ) -> int:
     """Send a verb, print the replies and the result, and return the exit code.
 
-    If the verb acts and the console only watches, the verb goes to the robot itself. From now on
-    SIGINT and SIGTERM call the request off, a second one ends the program; with `--leave` the first
-    only ends the wait.
+    If the verb acts and the console only watches, the verb goes to the robot itself, if `attach` is
+    given. From now on SIGINT and SIGTERM call the request off, a second one ends the program; with
+    `--leave` the first only ends the wait.
 
     Args:
         console: The console that is meant.
@@ -512,7 +514,7 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
 def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
     """Call the request off, print its result, and return INTERRUPTED.
 
-    The wait for the console's reply lasts 3 s at most; without a reply that is printed.
+    The wait for the result lasts 3 s at most; if none comes, an error is printed.
     """
     try:
         console.send({"give_up": True})

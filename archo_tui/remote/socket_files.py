@@ -58,7 +58,7 @@ def link_folder() -> str:
     """Return the folder in the user's home in which a console leaves links to its socket.
 
     Clients with another XDG_RUNTIME_DIR find the console there. "" if the console listens there
-    itself, or ARCHO_TUI_SOCKETS is set.
+    itself, ARCHO_TUI_SOCKETS is set, or this user has no home.
     """
     own, last = listening_folder(), (_folders_in_homes() or [""])[-1]
     return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
@@ -67,7 +67,8 @@ def link_folder() -> str:
 def _folders_in_homes() -> list[str]:
     """Return the socket folders of this user below XDG_STATE_HOME, HOME and the system's home.
 
-    The last one depends on no variable: `sudo` and `su` may leave another user's HOME behind.
+    On macOS XDG_STATE_HOME does not count. The last folder depends on no variable: `sudo` and `su`
+    may leave another user's HOME behind.
     """
     state, homes = os.environ.get("XDG_STATE_HOME", "").strip(), [os.environ.get("HOME", "")]
     if sys.platform != "win32":

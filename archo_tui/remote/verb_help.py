@@ -63,6 +63,9 @@ def help_of(verb: str, path: Path | None = None) -> str:
     Args:
         verb: The verb's id.
         path: The robot file; None for ARCHO's.
+
+    Raises:
+        ArchoError: The file cannot be read or is not valid.
     """
     found = verbs_of_file(path).get(verb)
     return "" if found is None else help_with_options(verb, found.help_line, found.options)
@@ -92,7 +95,8 @@ def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str],
 
     Args:
         verb: The verb's id.
-        takes: The options of its own, as in `Verb.options`; those of all verbs are added.
+        takes: The options of its own, as in `Verb.options`; those of all verbs are added. `stop`
+            has `--json` and `--to` only.
     """
     if verb == "stop":
         return _JSON, _TO

@@ -39,7 +39,8 @@ async def wait_for(
             used in place of `words`.
 
     Returns:
-        The outcome: DONE if the condition holds, REFUSED if it never will; for goals their outcome.
+        The outcome: DONE if the condition holds, REFUSED if it never will. For `arrived` and the
+        client's own goals it is that of the goal, or the combined one of the goals.
 
     Raises:
         RequestTimedOut: The timeout is over.
@@ -163,7 +164,8 @@ def _may_move(station: Station) -> bool:
 def _is_stopped(station: Station) -> bool:
     """Return True while the robot reports a stop.
 
-    For a robot whose file names no such report: while a confirmed STOP is not released.
+    For a robot whose file names no such report: while a confirmed STOP surely holds, and no later
+    STOP is unconfirmed.
     """
     snapshot, described = station.robot.snapshot, station.robot.file.motion
     if described is not None and described.reports_stop:
@@ -172,7 +174,10 @@ def _is_stopped(station: Station) -> bool:
 
 
 def _is_goal_pointless(station: Station) -> bool:
-    """Return True while a STOP holds, the battery is empty, or the robot's reports are missing."""
+    """Return True while the robot is stopped, its battery is empty, or its reports are missing.
+
+    A STOP that is open or uncertain counts as well.
+    """
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
     is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
         (CONTACT_LOST, BATTERY_EMPTY)

@@ -33,7 +33,7 @@ def attached(
 ) -> Iterator[InProcessConnection]:
     """Run a session for one verb, yield a connection to its station, and end both afterwards.
 
-    What is still being carried out at the end is cancelled.
+    Work that is still being carried out at the end is cancelled.
 
     Args:
         make_session: Returns the session, which runs inside its context.
@@ -60,6 +60,9 @@ class InProcessConnection:
     It is the client of a request handler and the station's front end at once. The station runs on a
     loop in a thread of its own; `request`, `remaining_replies`, `send` and `close` are called on
     other threads, all further methods on the loop.
+
+    Attributes:
+        pid: The number of this process.
     """
 
     def __init__(self, station: Station) -> None:
@@ -92,7 +95,8 @@ class InProcessConnection:
     ) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
-        Nothing is sent before the iterator is first advanced. A STOP is counted.
+        Nothing is sent before the iterator is first advanced. A STOP is counted; a `call` of the
+        STOP's service becomes one.
 
         Args:
             reply_timeout: Seconds for each reply; None for any time.
