@@ -55,8 +55,8 @@ def check_arguments(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None
         given: The arguments by name.
 
     Raises:
-        InvalidArguments: An argument is missing, unknown, of another type, too long or out of
-            range.
+        InvalidArguments: An argument is missing, unknown, of another type, too long, out of range
+            or none of the choices.
     """
     known = schema["properties"]
     if schema["additionalProperties"]:  # Only STOP's schema: its arguments are ignored.
@@ -100,9 +100,10 @@ def _fault_of_object(value: dict[str, Any]) -> str:
 
 
 def shorten(value: Any) -> str:
-    """Return a value in at most about 40 characters, harmless to print, for an error message.
+    """Return a value on one line, harmless to print, for an error message.
 
-    An object, a list or a number over 64 bits is only named.
+    A text is quoted and cut to 40 characters; an object, a list or a number over 64 bits is only
+    named.
     """
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"

@@ -36,7 +36,7 @@ class ConsoleConnection:
 
         Args:
             to: The process number, namespace or socket name of one of several consoles; "" means
-                the only one.
+                that which ARCHO_TUI_CONSOLE names, or else the only one.
         """
         self._to = to
         self._request_lock, self._connect_lock = asyncio.Lock(), asyncio.Lock()
@@ -48,7 +48,7 @@ class ConsoleConnection:
         self._notice = ""
 
     def take_notice(self) -> str:
-        """Return and clear the notice of a restarted or another console; "" for none."""
+        """Return and clear the notice of a restarted console, or of another one; "" for none."""
         notice, self._notice = self._notice, ""
         return notice
 
@@ -61,10 +61,12 @@ class ConsoleConnection:
 
         Args:
             answer_timeout: The longest wait for the result, in seconds, from the sending on.
-            **fields: The fields of the request, as docs/protocol.md has them.
+            **fields: The fields of the request, as docs/protocol.md has them; `id` and `assistant`
+                are added.
 
         Raises:
-            Unreached: There is no console, several could be meant, or it does not answer.
+            Unreached: There is no console, several could be meant, or the console does not answer
+                or ends meanwhile.
         """
         async with self._request_lock:
             return await self._send_and_wait(fields, answer_timeout)
@@ -72,8 +74,9 @@ class ConsoleConnection:
     async def stop(self) -> list[dict[str, Any]]:
         """Send STOP at once, whatever else waits, and return the consoles' results.
 
-        STOP goes to the connected console. Without a connection it goes to every console that could
-        be meant, as from a shell; it never waits for a connection that another call opens.
+        STOP goes to the connected console. Without a connection, or if it breaks before the result,
+        STOP goes to every console that could be meant, as from a shell. It never waits for a
+        connection that another call opens.
 
         Returns:
             Results with `code` and `text`; a code other than `done` means that the STOP is not
@@ -121,10 +124,10 @@ class ConsoleConnection:
     async def _connect(self) -> asyncio.StreamWriter:
         """Return the writer of the connection, which is opened if it is not open.
 
-        Opening it again after a restart sets the notice.
+        Opening it again sets the notice.
 
         Raises:
-            Unreached: No console is meant, several could be, or it does not answer.
+            Unreached: No console is meant, several could be, or the console does not answer.
         """
         async with self._connect_lock:  # Concurrent calls share one connection.
             if self._writer is None:
@@ -178,7 +181,8 @@ def _stop_each(to: str) -> list[dict[str, Any]]:
     Notices for a person are added to the text of the first result. It blocks its thread.
 
     Args:
-        to: Process number, namespace or socket name of a console; "" means each.
+        to: Process number, namespace or socket name of a console; "" means that which
+            ARCHO_TUI_CONSOLE names, or else each.
 
     Raises:
         Unreached: No console could be meant.

@@ -98,10 +98,11 @@ class GoTool(Tool):
 
 
 class WaitTool(Tool):
-    """The tool that waits, up to 50 s, until a request is denied or void or its goal has ended.
+    """The tool that waits, up to 50 s, for the end of a request without a goal, or of its goal.
 
-    `ran_out` means that it is not over yet, and is no failure. It asks the console again each
-    second, so that other calls get a turn.
+    A request ends without a goal as `denied`, `expired` or `void`. The answer is a failure unless
+    its code is `arrived`, or `ran_out`: not over yet. The console is asked again each second, so
+    that other calls get a turn.
     """
 
     name, title = "wait", "Wait for a request"
@@ -146,7 +147,10 @@ class WaitTool(Tool):
 
 
 class CancelTool(Tool):
-    """The tool that withdraws the assistant's waiting requests, or else cancels its goal."""
+    """The tool that withdraws the assistant's waiting requests; without any, it cancels its goal.
+
+    Its answer is a failure if there is neither, or the robot does not accept the cancel.
+    """
 
     name, title = "cancel", "Cancel its own goal"
     description = (
@@ -188,7 +192,7 @@ async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
 def _intact_schema(schema: Any) -> dict[str, Any]:
     """Return a goal's schema unchanged, or `{"type": "object"}` if it is not fit to show.
 
-    That is a schema of anything but an object, or one of which `sanitize` would change a part.
+    Not fit is a schema of anything but an object, or one of which `sanitize` would change a part.
     """
     is_one = isinstance(schema, dict) and schema.get("type") == "object"
     return schema if is_one and schema == sanitize(schema) else {"type": "object"}

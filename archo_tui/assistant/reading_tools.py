@@ -104,7 +104,7 @@ class EventsTool(_VerbTool):
 
 
 class HistoryTool(_VerbTool):
-    """The tool for values of the last hour, now and 1, 10 and 60 min ago, and the ends of goals."""
+    """The tool for measured values, now and up to 60 min ago, and how the last goals ended."""
 
     name, title = "history", "The last hour"
     description = (

@@ -17,9 +17,10 @@ _MAX_DEPTH = 8  # Levels of nesting.
 def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
     """Return a copy of a value in JSON's types, harmless to print, with a note for whatever is cut.
 
-    A list or an object keeps 100 items. Texts and names lose control and invisible characters.
-    Numbers that are not finite, and whole ones beyond 64 bits, become texts; values of other types
-    become a note.
+    A list or an object keeps 100 items, and gets the note as one more. Texts and names are cut to
+    500 characters; a mark replaces each line end, control and invisible character. Numbers that are
+    not finite, and whole ones beyond 64 bits, become texts; values of other types, and what is
+    nested deeper than `depth`, become a note.
 
     Args:
         value: The value.

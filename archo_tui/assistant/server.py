@@ -37,8 +37,8 @@ def serve(*, goals: bool, to: str) -> None:
 
     Args:
         goals: True if the assistant may ask for goals.
-        to: The process number, namespace or socket name of one of several consoles; "" means the
-            only one.
+        to: The process number, namespace or socket name of one of several consoles; "" means that
+            which ARCHO_TUI_CONSOLE names, or else the only one.
     """
     asyncio.run(_serve(goals, to))
 

@@ -11,7 +11,7 @@ from archo_tui.assistant.tool_answer import ToolAnswer
 
 
 class Hints(NamedTuple):
-    """The annotations of MCP, which a client reads before it calls a tool.
+    """The annotations of a tool by MCP, which a client reads before it calls the tool.
 
     Attributes:
         reads_only: True if the tool changes nothing.
@@ -63,5 +63,5 @@ class Tool(ABC):
             given: Arguments that fit the schema.
 
         Raises:
-            Unreached: There is no console, or it does not answer.
+            Unreached: There is no console, or it does not answer; `StopTool` answers that instead.
         """

@@ -35,8 +35,8 @@ class ToolAnswer(NamedTuple):
         there is none.
 
         Args:
-            notice: What else the assistant must know, such as a restart of the console, which
-                becomes `news`; "" for nothing.
+            notice: What else the assistant must know, such as a restart of the console: the value
+                of `news`; "" leaves that out.
         """
         answer: dict[str, Any] = {"code": self.code, "summary": self.summary}
         if notice:

@@ -25,7 +25,7 @@ from archo_tui.safe_text import harmless
 
 
 def available_tools(*, goals: bool) -> dict[str, Tool]:
-    """Return the tools by name: those that read, and STOP.
+    """Return new tools by name: those that read, and STOP.
 
     Args:
         goals: True to add the tools that ask for goals, wait for them and cancel them.
