@@ -40,12 +40,12 @@ class GoalCanceller:
         """Request the cancel of a goal, and wait up to DEADLINE for the answer.
 
         The goal is CANCELLING from the request on. If the server rejects the cancel or does not
-        answer, its former phase returns; after a rejection its result is requested, as the server
-        may not know it.
+        answer in time, the goal's former phase returns; after a rejection its result is requested,
+        as the server may not know the goal. A rejection that comes later becomes an event.
 
         Returns:
-            ACCEPTED, REFUSED or TIMEOUT; REFUSED at once if the goal has ended or was never
-            accepted.
+            ACCEPTED, REFUSED or TIMEOUT; REFUSED at once if the goal has no handle: it has ended,
+            or is not accepted.
         """
         if tracked.handle is None:
             return Outcome(Code.REFUSED, "the goal has ended")
@@ -80,8 +80,8 @@ class GoalCanceller:
         The cancel itself is not sent from here: `cancel_if_unwanted` sends it.
 
         Returns:
-            TIMEOUT if the goal is not accepted within DEADLINE; DONE if it ended without being
-            driven.
+            The outcome of the cancel; TIMEOUT if the goal is not accepted within DEADLINE; DONE if
+            the goal ended without that outcome, as when it was refused.
         """
         end = self._clock.monotonic() + services.DEADLINE
         while tracked.goal.phase == Phase.SENT and self._clock.monotonic() < end:
@@ -95,9 +95,9 @@ class GoalCanceller:
         return Outcome(Code.DONE, f"the goal was not driven: {tracked.goal.message}".rstrip(": "))
 
     def cancel_if_unwanted(self, tracked: TrackedGoal) -> None:
-        """Begin to cancel an accepted goal that a STOP or a cancel voided before its acceptance.
+        """Begin to cancel a goal that `is_unwanted`, if it is MOVING and this was not done before.
 
-        Nothing is done for any other goal, nor a second time. The outcome is stored in the goal.
+        Nothing is done for any other goal. The outcome is stored later, as its `cancel_outcome`.
         """
 
         async def cancel() -> None:
@@ -120,8 +120,9 @@ class GoalCanceller:
             until: The monotonic time in seconds until which missing servers are waited for.
 
         Returns:
-            ACCEPTED with the number of goals; REFUSED if no goal was cancelled; TIMEOUT with the
-            names of actions that did not answer in DEADLINE; NOT_OFFERED if no action has a server.
+            TIMEOUT with the names of the actions that did not answer in DEADLINE, whatever the
+            others answered; else ACCEPTED with the number of goals, or REFUSED if no goal was
+            cancelled. NOT_OFFERED if no known action has a server and there are no `others`.
         """
         asked: dict[str, Any] = {}
         while True:

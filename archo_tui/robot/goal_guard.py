@@ -44,13 +44,13 @@ class GoalGuard:
         """Return why a goal may not be sent now; None if it may be.
 
         Reasons are a STOP, several servers of its action, or a fault of the action. The nodes that
-        hold the STOP are checked again, which may make it uncertain.
+        hold the STOP are checked again, which may make the STOP uncertain.
 
         Args:
             kind: The kind of the goal.
             gate: The last check of the goal. If it is shut, a STOP that is open or confirmed is no
                 reason here: sending the goal raises Void, which names that STOP as the reason.
-            queued: True for a goal of the queue, which is held (HELD) behind any STOP, not refused.
+            queued: True for a goal of the queue: the code for a STOP is HELD, not REFUSED.
         """
         stop_state = self._stop_state()
         if queued and (

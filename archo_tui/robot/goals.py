@@ -92,9 +92,10 @@ class Goals:
         return len(self._register.running)
 
     def track_action(self, kind: GoalKind) -> GoalAction:
-        """Track the goals of an action from the first call on, and return its client.
+        """Track the goals of an action from the first call on, and return the tracked action.
 
-        The first call subscribes to status and feedback; later calls return the same object.
+        The first call subscribes to status and feedback, if the type is installed here; later calls
+        with the same action and type return the same object, which keeps the first `kind`.
         """
         key = (kind.action, kind.type)
         if key not in self._actions:
@@ -114,9 +115,9 @@ class Goals:
     ) -> Outcome:
         """Send a goal; return when it was accepted, refused, or not answered within DEADLINE.
 
-        For an action that is not tracked yet, its server is waited for first. If a STOP is read
-        before the goal is accepted, or if it is cancelled meanwhile, it is cancelled as soon as it
-        is accepted.
+        For an action that is not tracked yet, its server is waited for first, for up to DEADLINE.
+        If a STOP or a cancel comes after the goal was sent and before it is accepted, the goal is
+        cancelled as soon as it is accepted.
 
         Args:
             kind: The kind of goal.
@@ -125,9 +126,10 @@ class Goals:
             gate: The last check before the request is sent.
 
         Returns:
-            The outcome; REFUSED if a goal of this console runs already, NOT_OFFERED without a
-            server, MISUSE if the values do not fit. TIMEOUT: the goal may be running, and is
-            tracked on.
+            ACCEPTED or REFUSED. REFUSED, too, if a goal of this console runs already or the type is
+            not installed here; NOT_OFFERED without a server; MISUSE if the values do not fit;
+            CANCELLED if the goal was cancelled before it was sent, was accepted after a STOP, or
+            the console ends. TIMEOUT: the goal may be running, and is tracked on.
 
         Raises:
             Void: A STOP was read after the goal was typed; nothing was sent.
@@ -246,15 +248,16 @@ class Goals:
     async def cancel(self, *, another: bool) -> Outcome:
         """Request the cancel of a goal, and return the answer; the goal's end comes later.
 
-        A goal that is about to be sent is not sent. A goal that is not accepted yet is cancelled
-        when it is accepted.
+        A goal that is about to be sent is not sent (ACCEPTED). A goal that is not accepted yet is
+        cancelled when it is accepted, for which this waits up to DEADLINE.
 
         Args:
             another: True to cancel the shown goal of another client, False for the goal of this
                 console.
 
         Returns:
-            The outcome; REFUSED if no such goal runs.
+            The outcome, as of `GoalCanceller.cancel` or `cancel_at_acceptance`; REFUSED if no such
+            goal runs, or if `another` is True while a goal of this console runs.
         """
         if self._coming and not another:
             for coming in self._coming:
@@ -275,8 +278,12 @@ class Goals:
         """Request every tracked action to cancel all its goals, whoever sent them.
 
         Args:
-            others: The full names of further actions.
-            until: The monotonic time in seconds until which missing servers are waited for.
+            others: The full names of further actions, whose servers are not waited for.
+            until: The monotonic time in seconds until which missing servers of tracked actions are
+                waited for.
+
+        Returns:
+            The outcome, as of `GoalCanceller.cancel_all`.
         """
 
         def known() -> list[GoalAction]:
@@ -306,7 +313,7 @@ class Goals:
         self._refusals.append(reason)
 
     def cancel_older(self, sent: float) -> tuple[str, ...]:
-        """Cancel the goals of this console that began before `sent`, and name all that did.
+        """Cancel the goals of this console that are tracked since before `sent`; return all names.
 
         Call this repeatedly: each goal is cancelled again after DEADLINE, until it ends.
 
@@ -314,7 +321,8 @@ class Goals:
             sent: When a STOP left, in monotonic seconds.
 
         Returns:
-            The names of all running goals that began before that, also of other clients' goals.
+            The names of all running goals that are tracked since before that, also of those of
+            other clients, which are not cancelled.
         """
         older = [
             tracked for tracked in self._register.running.values() if tracked.tracked_since < sent
@@ -327,7 +335,7 @@ class Goals:
         return tuple(tracked.goal.name for tracked in older)
 
     def forget_periods(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
-        """Measure the periods of all goals' feedback again, because a parameter has changed.
+        """Measure the period of each running goal's feedback again: a parameter has changed.
 
         Args:
             old: The value of the parameter before.
@@ -338,9 +346,9 @@ class Goals:
             tracked.forget_period(old if served(tracked.goal.kind) else None, new)
 
     def on_robot_message(self) -> None:
-        """Record that the robot is heard: goals that were LOST with it become UNKNOWN.
+        """Record that the robot is heard: LOST goals that never sent feedback become UNKNOWN.
 
-        Their servers are then asked about them. Goals that sent feedback stay LOST.
+        Their servers are asked about them at the next `check`. Goals that sent feedback stay LOST.
         """
         for tracked in list(self._register.running.values()):
             tracked.on_robot_message()
@@ -356,7 +364,7 @@ class Goals:
                 tracked.end_as_gone()
 
     def check(self, now: float, motion: Motion) -> None:
-        """Update the phase of every running goal after a silence; call it every second.
+        """Check every running goal as `TrackedGoal.check` does; call this at least each second.
 
         After a gap of more than 2.5 s between two calls, silence counts from the end of the gap:
         this process may have been suspended.
@@ -372,7 +380,7 @@ class Goals:
     async def _reason(self) -> str:
         """Return why a goal was refused, from the robot's log, as an action's answer has no reason.
 
-        Waits up to 0.3 s for the log line.
+        Waits up to 0.3 s for the log line; without one, the text says that no reason was given.
         """
         end = self._clock.monotonic() + _REASON_WAIT
         while not self._refusals and self._clock.monotonic() < end:

@@ -20,8 +20,8 @@ class StopResult(NamedTuple):
 
     Attributes:
         outcome: For whoever sent the STOP.
-        answer: What the banner shows while the STOP is not confirmed.
-        why: Details of `answer` for the banner; "" if there are none.
+        answer: What the banner shows while the STOP is not confirmed; AWAITED if it is confirmed.
+        why: Details of `answer` for the banner, behind its word; "" if there are none.
     """
 
     outcome: Outcome
@@ -38,7 +38,8 @@ def result_of(answers: list[Any], servers: int, wait: float) -> StopResult:
     """Return what the answers of all servers to one call of STOP come to.
 
     The STOP is confirmed (DONE) only if every server says yes. Otherwise a refusal of one server
-    counts first (REFUSED), then a missing answer (TIMEOUT), then one that is neither yes nor no.
+    counts first (REFUSED), then a missing answer (TIMEOUT), then an answer that is neither yes nor
+    no (NOT_CONFIRMED). Of several texts, the first one is told.
 
     Args:
         answers: Responses of the service, in the order in which they came.

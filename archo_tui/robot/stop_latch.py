@@ -36,12 +36,14 @@ class StopLatch:
 
     Attributes:
         state: The state of that STOP.
-        doubt: Why the state is UNCERTAIN; without meaning in another state.
-        time: Unix time at which that STOP was confirmed.
-        released: Monotonic time at which a release or a goal was last accepted; None if none was.
-        other_turn: The turn in which another console reported its last STOP; 0 if none did.
-        sent_to: The nodes to which this console sent its last STOP.
-        is_not_obeyed: True if the robot reports that it moves although it has confirmed a STOP.
+        doubt: Why the state is UNCERTAIN; "" in another state.
+        time: Unix time at which that STOP was confirmed; 0 before the first.
+        released: Monotonic time at which `release` was last called; None if it never was.
+        other_turn: The turn in which another console reported its last STOP; 0 if none did, or the
+            robot reports its stops.
+        sent_to: The nodes to which this console sent its last STOP, set by the sender.
+        is_not_obeyed: True if by the last message about the motion the robot moves, and has not
+            stood since a confirmed STOP left at least OBEYED before.
         holders_have_ended: True if nothing holds the STOP any more (rule 6).
     """
 
@@ -61,7 +63,8 @@ class StopLatch:
             graph: Tells which nodes serve the STOP.
             unended_nodes: Returns the full names of the nodes of this process whose code may
                 still run. A program that is suspended leaves the graph, and returns.
-            on_change: Called when `state`, `doubt` or `holders_have_ended` has changed.
+            on_change: Called when `state`, `doubt` or `holders_have_ended` has changed; not by
+                `hold` and `release`, nor when `on_motion` makes the STOP hold or ends it.
         """
         self._service, self._clock, self._graph = service, clock, graph
         self._unended_nodes, self._on_change = unended_nodes, on_change
@@ -88,7 +91,7 @@ class StopLatch:
         """Record that the robot has just confirmed a STOP, and which nodes did (rule 1).
 
         The state is HELD, and earlier doubts are forgotten. The nodes are those that serve STOP
-        now; if none does, those that it was sent to. `on_change` is not called.
+        now; if none does, those of `sent_to`. `on_change` is not called.
 
         Args:
             other_console: The console that sent the STOP; "" for this one.
@@ -105,7 +108,7 @@ class StopLatch:
     def release(self) -> None:
         """Forget the STOP, since a release or a goal was accepted behind it (rule 1).
 
-        The time is kept as `released`, also if there was no STOP. `on_change` is not called.
+        `released` becomes the present time, also if there was no STOP. `on_change` is not called.
         """
         self._end()
         self.released, self._sent = self._clock.monotonic(), None
@@ -115,7 +118,9 @@ class StopLatch:
         self.holders_have_ended = False
 
     def expect_standstill(self, sent: float) -> None:
-        """Expect the robot to stand within OBEYED of a STOP, at least once (rule 5).
+        """Expect the robot to stand at least once after a STOP (rule 5).
+
+        If it moves OBEYED later and has not stood in between, it `is_not_obeyed`.
 
         Args:
             sent: Monotonic time at which the STOP left.
@@ -134,12 +139,12 @@ class StopLatch:
     def on_stopped_elsewhere(self, console: str, turn: int) -> None:
         """Record that another console reports that the robot confirmed its STOP.
 
-        Then the STOP holds as one of this console does. A robot that reports its stops decides by
-        its reports (rule 4): for it, this does nothing.
+        That STOP then holds as one of this console does; of one that holds already, the nodes and
+        `time` stay. Nothing is done for a robot that reports its stops (rule 4).
 
         Args:
             console: The other console.
-            turn: The number of the next request of this console.
+            turn: A number between those of this console's earlier and later requests.
         """
         if self._reports_stop:
             return
@@ -151,8 +156,9 @@ class StopLatch:
     def on_released_elsewhere(self, console: str) -> None:
         """Record that another console reports that it released the STOP.
 
-        If that console sent the STOP, or the robot reports its stops, the STOP is over. Otherwise
-        it is uncertain from now on, whatever its nodes do (rule 3).
+        If that console sent the STOP and it is certain, or if the robot reports its stops, the STOP
+        is over. Otherwise a STOP that holds is uncertain from now on, whatever its nodes do
+        (rule 3).
         """
         if self._reports_stop or (self._other_console == console and self.state is Latch.HELD):
             self._end()
@@ -169,8 +175,8 @@ class StopLatch:
     def check_holders(self) -> None:
         """Compare the nodes that serve STOP now with those that confirmed it (rules 2 and 6).
 
-        The STOP becomes certain or uncertain accordingly, unless rule 3 has made it uncertain.
-        Without a confirmed STOP nothing is done.
+        The STOP becomes certain or uncertain accordingly, unless rule 3 has made it uncertain, and
+        `holders_have_ended` is updated. Without a confirmed STOP nothing is done.
         """
         if self.state is Latch.NONE or not self._service:
             return
@@ -194,7 +200,8 @@ class StopLatch:
     def _compare_holders(self, now: Ids) -> None:
         """Make the STOP certain or uncertain (rule 2).
 
-        It is certain if the nodes that serve it now are those that confirmed it, not restarted.
+        It is certain if the nodes that serve it now are those that confirmed it, not restarted, or
+        nodes that carried it out before they spun. Without known nodes, those of now are taken.
 
         Args:
             now: The nodes that serve it now.
@@ -215,9 +222,9 @@ class StopLatch:
     def on_motion(self, motion: Motion) -> None:
         """Record a message about the robot's motion (rules 3, 4 and 5).
 
-        A report that the robot is stopped makes a STOP hold; one of an UNCERTAIN STOP does not in
-        the second after its nodes changed. The first report that the robot no longer is stopped
-        ends a STOP that is certain.
+        A report that the robot is stopped makes a STOP hold, even if none was sent; an UNCERTAIN
+        one does not hold again until a second after its nodes changed. The first report that the
+        robot is no longer stopped ends a STOP that is certain.
 
         Args:
             motion: The message. Pass it only if a single node publishes the motion.

@@ -58,11 +58,11 @@ class StopVerbs:
         self._begun = clock.monotonic()
 
     async def emergency_stop(self) -> Outcome:
-        """Send STOP, wait for the answers, and report the outcome; it holds until it is released.
+        """Send STOP, wait for the answers, report the outcome, and return it.
 
         For a robot without STOP, every goal of every action is cancelled instead. That is no STOP,
-        so the code of its outcome is NOT_OFFERED. At the end, all STOPs that were read count as
-        answered.
+        so the code of its outcome is NOT_OFFERED. `Stops.superseded` is cleared at the beginning;
+        at the end, all STOPs that were read by then count as answered, confirmed or not.
         """
         stop = self._file.stop
         self._stops.superseded = False
@@ -91,9 +91,10 @@ class StopVerbs:
     async def release_emergency_stop(self) -> Outcome:
         """Release the STOP, and report it: the robot may move, but continues no goal by itself.
 
-        If every node that held the STOP has ended in this process and no service could release it,
-        it is forgotten here, and nothing is sent. Without a service for a release in the robot
-        file, the outcome is NOT_OFFERED, and nothing is reported.
+        Only an answer that says yes, in time or later, ends the STOP here, and only if no STOP was
+        sent behind the release. If every node that held the STOP has ended in this process and no
+        service could release it, it is forgotten here, and nothing is sent. Without a service for a
+        release in the robot file, the outcome is NOT_OFFERED, and nothing is reported.
         """
         stop = self._file.stop
         if stop is None or not stop.release:
@@ -135,7 +136,8 @@ class StopVerbs:
     async def give_up_stop(self) -> Outcome:
         """Give up the open STOP, which is not sent again though not confirmed, and report it.
 
-        The outcome is DONE also if no STOP is open.
+        The outcome is DONE also if no STOP is open; a confirmed STOP still holds. An answer that
+        comes later counts.
         """
 
         async def call(gate: Gate) -> Outcome:

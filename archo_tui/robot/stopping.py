@@ -69,7 +69,7 @@ class Stopping:
             checks: Tell the types of services.
             unended_nodes: Returns the full names of the nodes of this process whose code may
                 still run.
-            on_change: Called when `open` or `latch` has changed.
+            on_change: Called when `open` has changed, and when `latch` calls its own `on_change`.
             report: Called with the text and code of an outcome that no verb waits for any more.
         """
         self._node, self._stop, self._clock = node, stop, clock
@@ -91,11 +91,12 @@ class Stopping:
         """Send STOP, and wait until all servers have answered or their time is over.
 
         Without a server, one is waited for first (rule 1). The STOP is `open` until it is
-        confirmed. The caller reports the outcome. The robot must have a STOP.
+        confirmed; then `latch` holds. The caller reports the outcome, but a later answer that
+        changes what is shown is reported from here. The robot must have a STOP.
 
         Returns:
-            The outcome; if the STOP is not confirmed, its text ends with the advice to use the
-            hardware stop.
+            The outcome, an error included; if the STOP is not confirmed, its text ends with the
+            advice to use the hardware stop.
         """
         outcome, _ = await self._send()
         if outcome.ok:
@@ -150,9 +151,9 @@ class Stopping:
     def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
         """Record the result of one call (rules 2 and 4).
 
-        A confirmation makes the latch hold and closes the open STOP, also if that was given up or
-        released meanwhile. Another result becomes the answer of the open STOP, unless a later call
-        was answered before. A call from before the open STOP is ignored.
+        A confirmation makes the latch hold, also if the STOP was given up or released meanwhile,
+        and closes the open STOP. Another result becomes the answer of the open STOP, unless a later
+        call was answered before. Calls from before the STOP that was opened last are ignored.
 
         Args:
             result: What the servers answered.
@@ -199,8 +200,8 @@ class Stopping:
     def on_accepted(self, turn: int) -> None:
         """Record that a release or a goal was accepted: STOPs from before it are past (rule 5).
 
-        The open STOP is closed, and the latch released. Nothing is done if a STOP of this or
-        another console came after the request.
+        The open STOP is closed, and the latch released, even if it did not hold. Nothing is done if
+        a STOP of this or another console came after the request.
 
         Args:
             turn: The number of the request of the release or the goal.
@@ -215,8 +216,8 @@ class Stopping:
     def on_stopped_elsewhere(self, console: str) -> None:
         """Record that another console reports that the robot has confirmed its STOP.
 
-        The goals from before it must end, as with a STOP of this console. For a robot whose file
-        has no STOP, nothing is done.
+        Goals from before now must end, as with a STOP of this console. The open STOP of this
+        console stays open. For a robot whose file has no STOP, nothing is done.
 
         Args:
             console: The other console.
@@ -230,7 +231,8 @@ class Stopping:
     def on_motion(self, motion: Motion) -> None:
         """Record a message about the robot's motion: "stopped" confirms the open STOP (rule 2).
 
-        That is reported as an event if not every server had answered. The latch gets each message.
+        The confirmation is reported as an event if the STOP's answer was NONE: not every server
+        had answered in time. The latch gets each message.
 
         Args:
             motion: The message. Pass it only if a single node publishes the motion.
@@ -273,8 +275,8 @@ class Stopping:
 
         Goals from before it must have ended. Only STOPs count that all servers answered, none with
         a refusal, or behind which the robot reported that it is stopped, and those of other
-        consoles. None if there was none, or the last one was answered or reported less than OBEYED
-        ago.
+        consoles; a release does not clear the time. None if there was none, or the last one was
+        answered or reported less than OBEYED ago.
         """
         if self._confirmed is None:
             return None
@@ -282,7 +284,7 @@ class Stopping:
         return sent if self._clock.monotonic() - confirmed >= OBEYED else None
 
     async def _find_server(self, service: str) -> None:
-        """Wait until a server of STOP is found (rule 1), for 2 s; longer just after the start."""
+        """Wait until a server of STOP is found (rule 1): 2 s, or until 5 s after the start."""
         now = self._clock.monotonic()
         end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while service not in self._graph.offered and self._clock.monotonic() < end:

@@ -29,7 +29,7 @@ _HELP = ["--help"]
 
 
 class Void(Exception):
-    """The error of a request whose input was read before a STOP: the request is not sent."""
+    """The error of a request that is not sent: a STOP came after its input, here or elsewhere."""
 
 
 class Stops:
@@ -38,8 +38,10 @@ class Stops:
     Attributes:
         count: The number of STOPs that this console has read, whoever typed them.
         answered: The `count` up to which every STOP was answered, or is not awaited any more.
-        sent_elsewhere: The number of STOPs that other consoles reported.
-        superseded: True if something other than a STOP was requested since the last STOP left.
+        sent_elsewhere: The number of reports of a STOP by other consoles, whatever came of it; a
+            late answer is reported once more.
+        superseded: True if a verb other than STOP was requested, here or by another console, since
+            this console last began to send a STOP.
     """
 
     def __init__(self) -> None:
@@ -65,9 +67,9 @@ class Stops:
     def is_stop_call(self, words: Sequence[str]) -> bool:
         """Return True if the words are `call` with the STOP's own service: a STOP that is typed so.
 
-        If the robot file names a request for it, exactly that must be typed: another may be the
-        release. If not, any words do, except `--help` alone. `--yes` does not count. False before
-        `set_service`.
+        If the robot file names values for the request of STOP, exactly these must be typed: other
+        values may be the release. If not, any words behind the service do, except `--help` alone.
+        `--yes` is ignored anywhere. False before `set_service`.
 
         Args:
             words: The verb and its arguments.
@@ -94,7 +96,10 @@ class Stops:
 
     @property
     def are_answered(self) -> bool:
-        """True if no STOP that this console read waits to be sent or answered."""
+        """True if no STOP that this console read is still to be sent, or waits for its answers.
+
+        It does not tell whether the robot has confirmed them.
+        """
         return self.answered >= self.count
 
     @property

@@ -55,8 +55,10 @@ class TrackedGoal:
         goal: The present state.
         id: The 16 bytes of its UUID.
         action: The action and its client.
-        handle: The rclpy client's handle; None before the server accepted it, and after the end.
-        tracked_since: When tracking began, in monotonic seconds, whoever sent the goal.
+        handle: The rclpy client's handle, with which the goal can be cancelled; None before the
+            server accepted the goal or is assumed to have, and after the end.
+        tracked_since: When tracking began, in monotonic seconds: for a goal of this console when it
+            was sent, for another one when it was found.
         tried_to_cancel: When the console last tried to cancel the goal without being asked, in
             monotonic seconds; 0 if never.
         gate: The last check that the goal passed as it was sent from here; None if others sent it.
@@ -133,7 +135,8 @@ class TrackedGoal:
     def ask_result(self) -> None:
         """Request the result, in place of an earlier request; the answer ends the goal.
 
-        A server answers when the goal has ended, or at once if it does not know the goal.
+        A server answers when the goal has ended, or at once if it does not know the goal: an
+        accepted goal ends then, too, any other only if it was sent more than NEVER_TAKEN ago.
         """
         if self._result is not None:
             self._result.cancel()
@@ -173,10 +176,11 @@ class TrackedGoal:
             self._asked = 0.0
 
     def check(self, now: float, motion: Motion, resumed: float = float("-inf")) -> None:
-        """Update the phase after a silence, and ask the server about a goal in doubt.
+        """Update the phase after a silence, and ask the server about a goal without news.
 
-        A goal whose action has had no server for NOBODY_SERVES ends as GONE; one that has ended by
-        the status topic ends if its result does not come. Call this several times a second.
+        A silent goal that is MOVING or CANCELLING becomes LOST. A goal without a server and without
+        news for NOBODY_SERVES ends as GONE; one that has ended by the status topic ends if its
+        result does not come. Call this several times a second.
 
         Args:
             now: Monotonic time in seconds.
@@ -231,11 +235,12 @@ class TrackedGoal:
     def on_status(self, status: int) -> None:
         """Record the goal's status on the action's status topic.
 
-        An end is kept for 2 s, for the result to come first; only `check` then ends the goal. If
-        others cancel it, the phase becomes CANCELLING.
+        The first end is kept for 2 s, for the result to come first; only `check` then ends the
+        goal. A MOVING goal whose status is CANCELING becomes CANCELLING.
 
         Args:
-            status: A number of action_msgs/msg/GoalStatus; others than these are ignored.
+            status: A number of action_msgs/msg/GoalStatus; one that is neither an end nor CANCELING
+                changes nothing.
         """
         if status in ENDS:
             self._ended_as = self._ended_as or (ENDS[status], self._clock.monotonic())
@@ -243,9 +248,10 @@ class TrackedGoal:
             self.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
 
     def on_feedback(self, feedback: Any) -> None:
-        """Record a feedback message of this goal; a goal in doubt is MOVING again.
+        """Record a feedback message of this goal; a goal that is UNKNOWN or LOST is MOVING again.
 
-        The feedback also shows that the server accepted the goal, if that was not known.
+        The feedback also shows that the server accepted the goal: if that was not known, `started`
+        becomes the time at which it was sent. Another phase stays.
         """
         goal, now = self.goal, self._clock.monotonic()
         self._feedback_period = self._feedback_period.with_message_at(now)
@@ -297,7 +303,7 @@ class TrackedGoal:
         self.end(Phase.ABORTED, _FORGOTTEN)
 
     def end(self, phase: Phase, message: str) -> None:
-        """End the goal: set its phase, drop its handle, and report the change.
+        """End the goal: set its phase, message and time of the end, and drop its handle.
 
         Args:
             phase: The phase in which it ended.
@@ -327,8 +333,9 @@ class TrackedGoal:
 def feedback_changes(goal: Goal, feedback: Any) -> dict[str, Any]:
     """Return the fields of a goal's state that a feedback message changes, with new values.
 
-    If the robot file names the field with the remainder, only that is read; a value that is none
-    becomes `unreadable`. Otherwise all fields become the text `feedback`.
+    If the robot file names the field with the remainder, only that is read: a number from 0 to
+    FARTHEST becomes `remaining`, and perhaps `length`; any other value becomes `unreadable`.
+    Otherwise all fields become the text `feedback`.
     """
     remaining = goal.kind.remaining
     if remaining is None:
