@@ -19,7 +19,8 @@ class ArraySummary(NamedTuple):
     Attributes:
         type: The type of its elements and its length, as .msg files write them: `float32[360]`.
         length: The number of its elements.
-        least: The least number; None if the elements are no numbers, are bytes, or are all NaN.
+        least: The least number; None if the elements are no numbers, are bytes, or are all NaN, or
+            if there are none.
         greatest: The greatest number; None as for `least`.
         nan: The number of elements that are NaN; 0 if they are no numbers.
         first: The first 16 bytes in hexadecimal, for an array of `uint8` or `byte`; else "".

@@ -34,7 +34,8 @@ class AuditRecord(NamedTuple):
     """The record of a verb that was carried out, or was refused.
 
     Attributes:
-        verb: The id of the verb: `stop`, `go`, or the id of a command in the robot file.
+        verb: The id of the verb, such as `stop`, `go`, `set`, or that of a command in the robot
+            file.
         arguments: The values of the verb's arguments, by their names.
         code: How the verb ended.
     """
@@ -116,8 +117,9 @@ def parse(form: str) -> PublishedRecord | None:
 def json_safe(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return a copy of values that JSON can hold, with texts that are safe to show.
 
-    NaN, infinity and everything that JSON has not become texts. A list keeps its first 100 items, a
-    text some 500 characters; what is nested more than four levels deep becomes `...`.
+    NaN, infinity, integers beyond 64 bits and everything that JSON has not become texts. A list
+    keeps its first 100 items, a text some 500 characters; lists and mappings that are nested more
+    than four levels deep become `...`.
     """
     return _mapping(values, 0)
 

@@ -317,7 +317,7 @@ class Robot:
         return self._snapshots.mailbox.latest
 
     async def emergency_stop(self) -> Outcome:
-        """Send STOP, and return when the robot has answered; see `StopVerbs`.
+        """Send STOP; return when every server has answered, or has not in time: see `StopVerbs`.
 
         A robot whose file names no STOP has every goal cancelled instead; the code is NOT_OFFERED
         then.
@@ -325,7 +325,7 @@ class Robot:
         return await self._stop_verbs.emergency_stop()
 
     async def release_emergency_stop(self) -> Outcome:
-        """Request the release of the STOP; return when the robot has answered.
+        """Request the release of the STOP; return when the robot has answered, or has not in 2 s.
 
         The robot may move then, but continues no goal by itself. See `StopVerbs`.
         """
@@ -342,7 +342,8 @@ class Robot:
         """Return the call that a starting hosted node must carry out before it spins.
 
         Returns:
-            The full name of the STOP's service, "" if no STOP is unreleased, and the request.
+            The full name of the STOP's service, and the request; "" and {} if no STOP holds, is
+            open or is on its way, or the robot has none.
         """
         return self._stop_verbs.early_stop_request()
 
@@ -534,7 +535,7 @@ class Robot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Show the messages of a topic five times a second until the task is cancelled.
+        """Show the messages of a topic, up to five times a second, until the task is cancelled.
 
         Args:
             topic: The full name of the topic.

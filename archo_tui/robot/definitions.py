@@ -36,7 +36,8 @@ def definition(kind: Any) -> str:
 def field_lines(kind: Any) -> str:
     """Return one text with a line for each field of a message class: its type, its name.
 
-    The types are written as in .msg files; an empty message has rosidl's own field.
+    The types are written as in .msg files; an empty message has one line, for the field that rosidl
+    adds to it.
     """
     types = kind.get_fields_and_field_types()
     return "".join(f"{ros2msg_type(types[name])} {name}\n" for name in types)

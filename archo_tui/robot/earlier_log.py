@@ -25,7 +25,8 @@ _DEPTH = 1000  # As the publishers' own.
 class EarlierLog:
     """A collector of the log lines that nodes wrote before the console started.
 
-    During the first 3 s it receives them, then it reports them once, by their stamps, and ends.
+    During the first 3 s it receives them. Then it reports those of this robot's nodes once, in the
+    order of their stamps, without lines that the other subscription received, too.
     """
 
     def __init__(

@@ -31,9 +31,9 @@ def _repeat_key(level: str, source: str, text: str) -> object:
 class EventLog:
     """A log in which a log line replaces an earlier line that differs only in its decimal numbers.
 
-    At most 1,000 events are kept. Of these 200 are the console's own, which lines of nodes never
-    push out; of each kind the oldest goes first. Of one source, 50 different DEBUG and INFO lines a
-    second are kept.
+    At most 200 events of the console itself (OWN_LEVELS) and 800 lines of nodes are kept. Of too
+    many lines of nodes, the oldest goes of those that are more: DEBUG and INFO, or all others. Of
+    one source, 50 different DEBUG and INFO lines a second are kept.
     """
 
     def __init__(self) -> None:

@@ -50,7 +50,8 @@ def parse(field: TypedField, given: FormField, text: str) -> Any:
         text: What was typed; for a string, all of it; for an array, a list as YAML has it.
 
     Raises:
-        ValueError: In one line, with the label, why the text is no value for the field.
+        ValueError: In one line, with the label, why the text is no value for the field: also if it
+            is longer than 10,000 characters, or blank and the field no string.
     """
     label = given.label or field.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
@@ -155,7 +156,7 @@ def texts_by_path(
 ) -> dict[str, str]:
     """Return the texts in words such as `x=1.5 y=2`, by dotted path; nothing is parsed yet.
 
-    For a single field all the words may be its text, without a name. Names are matched in any case.
+    For a single field, words of which none has a `=` are its text. Names are matched in any case.
 
     Args:
         fields: The fields.

@@ -19,10 +19,11 @@ class GoalAction:
     """The client of one action, and the subscriptions to its feedback and status.
 
     Attributes:
-        kind: The first kind of goal that was opened for this action.
+        kind: The kind of goal for which this object was made; other kinds of the action share it.
         since: When this object was made, in Unix seconds.
         name: The full name of the action.
-        reported: The ids of the goals in the last status message; None before the first.
+        reported: The ids of the goals in the last status message that came while the action had a
+            single server; None before the first. Set by `GoalFinder`.
         type: The class of the action. None if it is not installed here: then nothing is subscribed
             to, and `client` and `status_topic` are not set.
         client: rclpy's action client; None in a console that only watches.

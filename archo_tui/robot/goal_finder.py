@@ -57,8 +57,8 @@ class GoalFinder:
             node: The console's node.
             clock: The clock of all times.
             register: The goals that are tracked; found ones are added.
-            canceller: Cancels a goal whose feedback shows that it was accepted after a STOP or a
-                cancel.
+            canceller: Cancels a goal of this console whose feedback shows that it was accepted
+                after it was cancelled.
             note: Called with level and text of an event: a goal of another client was found.
             watching: True for a console that sends nothing.
         """
@@ -68,9 +68,9 @@ class GoalFinder:
     def on_status(self, action: GoalAction, message: Any) -> None:
         """Update the goals of an action by a status message, and track those that others sent.
 
-        Each goal that is new to the console is reported as an event, and its result is requested. A
-        goal of another client that is no longer in the message ends, if the action has a single
-        server.
+        A goal that is new to the console and runs is reported as an event, and its result is
+        requested. With a single server, so is one that began and ended since the last message, and
+        a goal of another client that is no longer in the message ends.
 
         Args:
             action: The action.
@@ -152,8 +152,8 @@ class GoalFinder:
     def on_feedback(self, action: GoalAction, message: Any) -> None:
         """Pass a feedback message on to its goal, and track a goal again that was lost.
 
-        Feedback of any other goal is ignored. If the operator has cancelled the goal before its
-        acceptance was known, its cancel begins now.
+        Feedback of a goal that is neither tracked nor lost is ignored. If the operator has
+        cancelled the goal before its acceptance was known, its cancel begins now.
         """
         goal_id = bytes(message.goal_id.uuid)
         tracked = self._register.running.get(goal_id) or self._track_again(action, goal_id)

@@ -61,8 +61,8 @@ class GoalVerbs:
     ) -> Outcome:
         """Send a goal; return when the robot has accepted or refused it, or has not answered.
 
-        An accepted goal ends a STOP that left before it. The outcome is reported to the other
-        consoles.
+        An accepted goal ends a STOP that left before it. The outcome is reported as an event, in
+        the ROS log, and to the other consoles.
 
         Args:
             kind: The kind of goal.
@@ -71,7 +71,8 @@ class GoalVerbs:
                 holds or is uncertain.
 
         Returns:
-            The outcome; CANCELLED, or HELD if queued, if a STOP was read after the goal was typed.
+            The outcome of `GoalGuard.refusal` if it gives one, else that of `Goals.send`;
+            CANCELLED, or HELD if queued, if a STOP was read after the goal was typed.
         """
         length = self._goal_watcher.way_length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
@@ -94,7 +95,7 @@ class GoalVerbs:
         return await self._runner.run(*verb, title, ros2, go)
 
     def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
-        """Return an outcome with, in a refusal, the action's managed nodes that are not active.
+        """Return an outcome; to the text of a refusal, add the managed servers that are not active.
 
         Args:
             action: The action as the robot file names it.
@@ -128,7 +129,10 @@ class GoalVerbs:
         )
 
     async def cancel_all(self) -> Outcome:
-        """Request the cancel of every goal of the actions known here, whoever sent it."""
+        """Request the cancel of every goal of the actions that are tracked here, whoever sent it.
+
+        The outcome is that of `GoalCanceller.cancel_all`.
+        """
         return await self._runner.run(
             "cancel",
             {"all": True},

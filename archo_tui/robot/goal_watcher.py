@@ -76,7 +76,8 @@ class GoalWatcher:
         """Check the goals that run; stop the timer if none does.
 
         Lengths of ways are set where they became known. Silent goals become LOST, and goals without
-        a server GONE. Goals of this console that began before a confirmed STOP are cancelled again.
+        a server GONE. One second after a STOP was confirmed, goals from before it become
+        `still_running`, and those of this console are cancelled.
         """
         if not self._goals.running:
             self._timer.cancel()
@@ -98,7 +99,8 @@ class GoalWatcher:
         """Return the length of the whole way for a kind of goal, by the robot file.
 
         Returns:
-            The number in the robot file, or that of the parameter that it names; None if not known.
+            The number in the robot file, or that of the parameter that it names; None if that is
+            not known, or not within 0 .. 1e6.
         """
         length = None if kind.remaining is None else kind.remaining.length
         if isinstance(length, ParameterRef):

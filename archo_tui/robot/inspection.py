@@ -123,7 +123,7 @@ class Inspection:
 
     @property
     def rate(self) -> float | None:
-        """The mean rate in messages a second since the first; None before the second."""
+        """The mean rate in Hz from the first message to the last; None before the second."""
         span = self.last - self.first
         return (self.count - 1) / span if span > 0 else None
 

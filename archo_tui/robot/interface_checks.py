@@ -61,7 +61,8 @@ class InterfaceChecks:
             values: The values of the request, by field.
 
         Returns:
-            The class and ""; or None and a line that says why it does not fit.
+            The class and ""; or None and a line that says why it does not fit: its type is unknown,
+            not the only one of its servers, or not installed here, or the request differs.
         """
         full, kind = self.full(name), self._type(name)
         if not kind:

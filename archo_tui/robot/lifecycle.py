@@ -58,7 +58,8 @@ class Lifecycles:
     def poll(self, served: Mapping[str, Sequence[str]]) -> None:
         """Follow the managed nodes that are on the graph now, and forget those that have left.
 
-        A new node is subscribed to and asked for its state; every node is asked again each 10 s.
+        A new node is subscribed to and asked for its state; every managed node is asked again each
+        10 s.
 
         Args:
             served: The types of each service that a node serves, by its full name.

@@ -127,7 +127,7 @@ class Listener(Node):
             callback(topic, last)
 
     def untap(self, callback: MessageCallback) -> None:
-        """Stop calling a function that was given to `tap`; any other function is ignored."""
+        """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""
         for taps in self._taps.values():
             if callback in taps:
                 taps.remove(callback)

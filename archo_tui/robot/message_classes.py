@@ -112,7 +112,10 @@ def _verdict_and_words(answer: Any) -> tuple[str, str]:
 
 
 def refuses(answer: Any) -> bool:
-    """Return True if a service's answer says no: its `success`, or else its only bool, is false."""
+    """Return True if a service's answer says no: its `success`, or else its only bool, is false.
+
+    False if it has neither.
+    """
     verdict, _ = _verdict_and_words(answer)
     return bool(verdict) and not getattr(answer, verdict)
 
@@ -125,7 +128,8 @@ def says_more(answer: Any) -> bool:
 def outcome_of(answer: Any) -> Outcome:
     """Return the outcome that a service's answer means, with the answer's message as its text.
 
-    DONE or REFUSED by `success`, or else the only bool; NOT_CONFIRMED if there is none.
+    DONE or REFUSED by `success`, or else the only bool; NOT_CONFIRMED if there is none. Without a
+    message the text is `done` or `failed`. The message may hold any characters.
     """
     verdict, words = _verdict_and_words(answer)
     if not verdict:

@@ -151,7 +151,10 @@ class MessageHandlers:
             self._compare_clocks(topic, stamp)
 
     def forget_clocks(self) -> None:
-        """Forget the clock offsets of nodes and topics that left, or whose time is simulated."""
+        """Forget the clock offsets of nodes and topics that left; in simulated time of all topics.
+
+        A snapshot is sent soon if one was forgotten.
+        """
         gone = [
             source
             for source in self._clock_offsets.large
@@ -169,9 +172,10 @@ class MessageHandlers:
     def on_audit_record(self, message: String) -> None:
         """Handle the record of what another console did, and add it as an event.
 
-        A STOP of another console voids goals and requests that have not left yet; a confirmed one,
-        or a release, changes the state of the STOP here. Records of this console, or of one that is
-        not on the graph, are ignored, as is any other text.
+        Any report of a STOP voids the goals and requests that were made here before and have not
+        left yet, and counts in `Stops.sent_elsewhere`; any other record sets `Stops.superseded`. A
+        confirmed STOP or release changes the state of the STOP here. Records of this console, or of
+        one that is not on the graph, are ignored, as is any other text.
 
         Args:
             message: The record as JSON, as `audit_records` describes it.

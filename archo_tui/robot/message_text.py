@@ -92,8 +92,9 @@ def as_text(message: Any, paths: Sequence[str] = ()) -> str:
 def as_data(message: Any, paths: Sequence[str] = ()) -> dict[str, Any]:
     """Return a message, or chosen fields by path, as data for JSON.
 
-    `nan` and `inf` are texts. Long arrays become an object with their type and range; how long
-    depends on the rest, as the whole must fit 100,000 characters.
+    `nan` and `inf` are texts. If the JSON would be longer than 100,000 characters, arrays of more
+    than 1,000 elements become objects with their type and range, then those of more than 20, and
+    strings are cut. Arrays of more than 10,000 elements always become such objects.
 
     Args:
         message: The message.

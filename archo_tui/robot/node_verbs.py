@@ -135,6 +135,9 @@ class NodeVerbs:
         Args:
             node: The full name of the node.
             level: One of LEVELS; UNSET for the level of its process.
+
+        Raises:
+            KeyError: The level is another word.
         """
         return await self._runner.run(
             "log_level",
@@ -147,7 +150,8 @@ class NodeVerbs:
     async def change_lifecycle(self, node: str, transition: str) -> Outcome:
         """Have a managed node make a transition, wait for its answer, and report it.
 
-        An answer that comes after CHANGE_TIMEOUT is reported as an event of its own.
+        The outcome is that of `Lifecycles.change`. An answer that comes after CHANGE_TIMEOUT is
+        reported as an event of its own.
 
         Args:
             node: The full name of the node.

@@ -98,7 +98,7 @@ class Nodes:
         return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {name}")
 
     async def _level(self, name: str) -> LogLevel | None:
-        """Return the log level of a node; None if the node does not offer or not answer it."""
+        """Return a node's log level; None if the node does not offer it, or does not answer."""
         if not self._has_levels(name):
             return None
         parts = name.strip("/").split("/")
@@ -121,9 +121,11 @@ class Nodes:
             gate: The last check before the request is sent.
 
         Returns:
-            DONE with the level that holds now and the one before; NOT_OFFERED, REFUSED or TIMEOUT.
+            DONE with the level that holds now and the one before; NOT_OFFERED if the node has no
+            services for its level; REFUSED with its reason; TIMEOUT: it may still set the level.
 
         Raises:
+            KeyError: The level is none of LEVELS.
             Void: A STOP was read after the request was typed.
         """
         if not self._has_levels(name):
@@ -143,7 +145,11 @@ class Nodes:
 
 
 def set_level_command(name: str, level: str) -> str:
-    """Return the `ros2` command line that sets the log level of a node."""
+    """Return the `ros2` command line that sets the log level of a node.
+
+    Raises:
+        KeyError: The level is none of LEVELS.
+    """
     kind = "rcl_interfaces/srv/SetLoggerLevels"
     return ros2_command.service_call(f"{name}/{_SET}", kind, _request(name, level))
 

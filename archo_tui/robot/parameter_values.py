@@ -70,7 +70,8 @@ def parse(parameter: Parameter, text: str) -> Any:
 
     Raises:
         ValueError: In one line, why the text is no value: of another type, out of the parameter's
-            range, longer than 10,000 characters, or the parameter is read-only.
+            range, longer than 10,000 characters, with a control character; or the parameter is
+            read-only or of type `byte[]` or `not set`.
     """
     if parameter.read_only:
         raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")

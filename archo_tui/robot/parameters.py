@@ -194,7 +194,8 @@ class Parameters:
 
         Returns:
             DONE with the values that the node reports afterwards and those before, secrets masked;
-            REFUSED with its reason, TIMEOUT, or MISUSE for a value that does not fit.
+            if it does not report them in time, the last known ones. REFUSED with its reason,
+            TIMEOUT, or MISUSE for a value that does not fit.
 
         Raises:
             Void: A STOP was read after the request was typed.

@@ -49,7 +49,8 @@ class ServiceVerbs:
     async def command(self, command: CommandService, on: bool = True) -> Outcome:
         """Call the service of a command in the robot file, and report it.
 
-        An answer that comes too late is reported as an event of its own.
+        The outcome is that of `ServiceCaller.call_named`. An answer that comes too late is reported
+        as an event of its own.
 
         Args:
             command: The command.

@@ -112,9 +112,9 @@ class Services:
     ) -> Any:
         """Call a service; return the answer, or None if there was none in time.
 
-        A request with a gate is an operator's: its answer is received however late, passed to
-        `late`, and its turn to `on_answered`. Only the oldest of more than MOST_UNANSWERED are
-        given up.
+        A request with a gate is an operator's: its answer is received however late, its turn is
+        passed to `on_answered`, and an answer after `wait` to `late`. Of more than MOST_UNANSWERED
+        such requests the oldest is given up.
 
         Args:
             srv_type: The class of the service.
@@ -211,8 +211,8 @@ class Services:
             request: The request.
             servers: The number of servers.
             wait: Seconds to wait for all answers.
-            late: Called with all answers if the last one comes after `wait`, but within LATE. If
-                one never comes, it is not called.
+            late: Called with all answers if the last one comes after `wait`, but within LATE of the
+                request; not called if one is missing then.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)

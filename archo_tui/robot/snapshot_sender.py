@@ -43,13 +43,16 @@ class SnapshotSender:
         self._streamer.cancel()
 
     def send_soon(self) -> None:
-        """Have a snapshot sent within FLUSH_PERIOD, since something changed; one is enough."""
+        """Have a snapshot sent within FLUSH_PERIOD; more calls before that change nothing."""
         if not self._is_due_soon:
             self._is_due_soon = True
             self._flusher.reset()
 
     def send_later(self) -> None:
-        """Have a snapshot sent within STREAM_PERIOD, unless one is due: only readings changed."""
+        """Have a snapshot sent within STREAM_PERIOD, unless one is due already.
+
+        Use it if only readings changed, or nodes logged: STREAM_PERIOD is longer.
+        """
         if not (self._is_due_soon or self._is_due_later):
             self._is_due_later = True
             self._streamer.reset()

@@ -78,8 +78,9 @@ class RosThread:
     def submit(self, function: Callable[[], Any]) -> None:
         """Run a function on the ROS thread, in the order of the calls; return at once.
 
-        A coroutine that it returns is awaited there. Its errors go to `on_error`. After `stop` it
-        is dropped. Any thread may call this.
+        A coroutine that the function returns is awaited there. Errors go to `on_error`. A function
+        that is submitted before `start` waits for it, one after `stop` is dropped. Any thread may
+        call this.
         """
         # An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down.
         # So each task runs the function that has waited longest.

@@ -42,7 +42,7 @@ class TopicWatch:
         """Decode the messages that have come since the last call, and return a view of the topic.
 
         It may take long. Errors become the `fault` of the view, which then shows the last good
-        message.
+        message, if there was one.
 
         Args:
             now: The present time, on the clock of the messages, in seconds.

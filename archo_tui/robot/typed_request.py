@@ -41,7 +41,8 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
         form: An example of a request, which has the fields and their types.
 
     Raises:
-        ValueError: A field is not in the form, is given twice, or has a value of another type.
+        ValueError: A field is not in the form, is given twice, or has a value of another type; or
+            the one word is no YAML mapping.
     """
     fields = [TypedField(name, _TYPES[type(example)], None) for name, example in form.items()]
     if len(words) == 1 and words[0].startswith("{"):
@@ -54,6 +55,6 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
 
 
 def as_typed(request: Request) -> str:
-    """Return a request of the robot file as one text that an operator types: `a=true b=2`."""
+    """Return a request of the robot file as an operator types it: `a=true b=2`; texts unquoted."""
     texts = {name: str(v).lower() if isinstance(v, bool) else v for name, v in request.items()}
     return " ".join(f"{name}={text}" for name, text in texts.items())

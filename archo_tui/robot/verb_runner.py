@@ -63,6 +63,7 @@ class VerbRunner:
         become outcomes: `Void` CANCELLED, another exception REFUSED. If the console's own node does
         not answer in time, the outcome is TIMEOUT, only an event tells so, and the verb may still
         be done. A console that is watching only refuses every verb (WATCHING), and reports nothing.
+        Any verb but `stop` sets `Stops.superseded`.
 
         Args:
             verb: The id of the verb, for the audit record.

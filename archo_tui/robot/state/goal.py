@@ -57,8 +57,9 @@ class Goal(NamedTuple):
     Recordings have the names of the attributes.
 
     Attributes:
-        kind: Its kind in the robot file.
-        fields: The values that were typed, by dotted path.
+        kind: Its kind, in the robot file or made for `send_goal`; for another client's goal, the
+            kind that this console tracked first for the action.
+        fields: The values that were typed, by dotted path; {} for another client's goal.
         phase: Its phase.
         sent: When it was sent.
         time: The Unix time of the last change of its phase.
@@ -71,11 +72,12 @@ class Goal(NamedTuple):
         lost: Since when it is LOST.
         unreadable: The last remaining way as received, if it is none; else "".
         feedback: The last feedback as text, field by field.
-        message: The robot's words about the end, or the reason of a refusal.
+        message: Why it ended, in the robot's words, or in the console's if there are none; ""
+            before, and after an arrival without words.
         mine: False for another client's goal, whose values are not on the graph.
         number: A number that no other goal of this session has.
         length_is_guessed: True if `length` is the longest remaining way so far: no node tells it.
-        result: The result message of the action.
+        result: The result message of the action; None before, and if none came.
         is_found: True if it was underway when it was first seen.
         first: For a goal that `is_found`, the time of the first remaining way, and that way.
     """
