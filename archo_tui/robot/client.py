@@ -428,6 +428,9 @@ class Robot:
 
         Returns:
             The ends of the topic, or an outcome that says that the ROS thread does not answer.
+
+        Raises:
+            ValueError: The name is not valid.
         """
         return await self._node_verbs.topic_info(topic)
 
@@ -510,6 +513,7 @@ class Robot:
 
         Raises:
             TimeoutError: The ROS thread does not answer.
+            Exception: rclpy refuses the subscription, as Fast DDS does for a second type.
         """
         inspection = Inspection(self._node, self._clock, topic, message_class, on_data)
 

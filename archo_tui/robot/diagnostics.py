@@ -15,7 +15,7 @@ _LEVELS = dict(enumerate(DiagnosticLevel))
 
 
 class Diagnostics:
-    """The last status of each name: a part of the robot, as /diagnostics calls it.
+    """The last diagnostic status of each part of the robot, by its name on /diagnostics.
 
     Attributes:
         all: The statuses, sorted by name.

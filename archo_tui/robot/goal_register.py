@@ -21,7 +21,8 @@ class GoalRegister:
     Attributes:
         running: The goals that run, by id, in the order in which tracking began.
         ended_ids: The ids of the last 100 goals that ended.
-        lost: The goals that ended because their node left, by id; some 20 are kept.
+        lost: The goals that ended as GONE, because their node left, by id: the last 20 or so. One
+            that is heard of again is taken out by `GoalFinder`.
         history: The last 20 goals that ended, the newest first.
     """
 
@@ -70,7 +71,7 @@ class GoalRegister:
     def prepare(self, goal: Goal, goal_id: bytes, action: GoalAction) -> TrackedGoal:
         """Return a tracked goal that is not in the register yet; `add` it just before it is sent.
 
-        When it changes, the register is told.
+        Its changes are reported to the register, also before it is added.
 
         Args:
             goal: The state of the goal.

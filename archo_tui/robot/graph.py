@@ -38,7 +38,7 @@ class Graph:
         offered: The names of the robot file for which a node publishes or serves something.
             Services without a server are not among them.
         publishers: The nodes of each topic of the robot file that several nodes publish.
-        servers: The nodes of each action of the robot file.
+        servers: The nodes that serve each action of the robot file; an empty set if none does.
         action_types: The types of each action of the robot file.
         duplicates: The nodes of STOP's service and of each action that several nodes serve: one
             request would reach all of them.
@@ -89,7 +89,7 @@ class Graph:
         self._publisher: dict[str, str] = {}  # The first publisher of each topic of the file.
 
     def poll(self) -> bool:
-        """Read what is on the graph now into the attributes; return True if something has changed.
+        """Read the graph into the attributes; return True if what a snapshot shows has changed.
 
         The QoS and the nodes of topics, services and actions are read a part at a time: on a large
         graph they are complete only after several polls.

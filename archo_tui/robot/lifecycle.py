@@ -46,7 +46,8 @@ class Lifecycles:
             clock: The console's clock.
             pending: Makes the calls.
             submit: Runs a function, or what a coroutine function returns, on the ROS thread.
-            on_change: Called after a state has changed, or its node has left or stopped answering.
+            on_change: Called after a state has changed, or its node has left, stopped answering or
+                answered again.
         """
         self._node, self._clock, self._services = node, clock, pending
         self._submit, self._on_change = submit, on_change

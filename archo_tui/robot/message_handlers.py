@@ -71,11 +71,11 @@ class MessageHandlers:
         self._own_nodes = own_nodes
 
     def on_reading(self, topic: str, news: News, motion: Motion) -> None:
-        """Handle a message with a reading, and send a snapshot, soon or later, if a value changed.
+        """Handle a message with a reading, and have a snapshot sent if a value changed.
 
         The rates of topic and node are updated. A message about the motion may also show that the
-        robot has obeyed a STOP, or not, and that another client changed something; LOST goals are
-        asked about again.
+        robot has obeyed a STOP, or not, and that another client changed something; goals that are
+        LOST without ever having sent feedback are asked about again.
 
         Args:
             topic: The topic, as the robot file names it.

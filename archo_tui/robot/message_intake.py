@@ -100,13 +100,13 @@ class MessageIntake:
         return self.last_size > MAX_BYTES
 
     def rates(self, now: float) -> tuple[float, float] | None:
-        """Return the messages and the bytes in a second, over the last 5 s or so.
+        """Return the mean rates in messages and in bytes a second, over the last 5 s or so.
 
         Args:
             now: The present time in seconds.
 
         Returns:
-            None if fewer than two messages came in that time.
+            The two rates; None if fewer than two messages came in that time.
         """
         with self._lock:
             buckets, last = tuple(self._buckets), self.last

@@ -106,6 +106,9 @@ class NodeVerbs:
 
         Args:
             topic: The full name of the topic.
+
+        Raises:
+            ValueError: The name is not valid.
         """
 
         async def there() -> TopicInfo:

@@ -70,6 +70,9 @@ class Nodes:
 
         Args:
             topic: The full name of the topic.
+
+        Raises:
+            ValueError: The name is not valid.
         """
         node = self._node
         publishers = node.get_publishers_info_by_topic(topic)

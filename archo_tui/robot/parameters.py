@@ -55,7 +55,8 @@ class Parameters:
             on_change: Called when the mirror has changed.
             on_new_value: Called with a node's full name, and the old and new value of one of its
                 parameters, however the change became known.
-            on_event: Called with node, name, old and new value when a node publishes a change.
+            on_event: Called with node, name, old and new value when a node publishes another value
+                than the one that is known here; not for the first value.
             secrets: Decides which parameters are secret.
         """
         self._tell_event = on_event

@@ -65,7 +65,10 @@ def flag(value: Any) -> bool | None:
 
 
 def as_received(value: Any) -> str:
-    """Return a text for a value that is no reading: at most 20 characters, of a float 6 digits."""
+    """Return a text for a value that is no reading: a float with 6 digits, others in 20 characters.
+
+    It may hold any characters; for None it is `None`.
+    """
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]
 
 

@@ -21,7 +21,8 @@ class Requester:
         source: The source of its events: `console`, `pid 4711`.
         ends: Futures for the outcomes of the goals that it requested.
         goal: The last of these goals that ended; None if none has.
-        has_left: True once it has gone; whatever it requested and is not done yet is dropped.
+        has_left: True once it has gone: nothing more is sent for it, and what waits for an approval
+            is dropped.
         waits: True if it waits for the end of its goals, which are cancelled if it leaves.
     """
 

@@ -21,7 +21,7 @@ class SnapshotSender:
     Attributes:
         mailbox: The way to the front end; it holds the newest snapshot only.
         is_stale: True if a message with a reading came since the last snapshot, even one that
-            changed nothing. Set by whoever handles the message.
+            changed nothing. Set by whoever handles the message; cleared by `send`.
     """
 
     def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:

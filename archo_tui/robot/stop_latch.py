@@ -44,7 +44,8 @@ class StopLatch:
         sent_to: The nodes to which this console sent its last STOP, set by the sender.
         is_not_obeyed: True if by the last message about the motion the robot moves, and has not
             stood since a confirmed STOP left at least OBEYED before.
-        holders_have_ended: True if nothing holds the STOP any more (rule 6).
+        holders_have_ended: True if nothing holds the STOP any more (rule 6), by the last
+            `check_holders`.
     """
 
     def __init__(

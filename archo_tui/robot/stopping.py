@@ -253,7 +253,10 @@ class Stopping:
 
     @property
     def is_held_by_nobody(self) -> bool:
-        """True if all nodes that held the STOP have ended here, and no further STOP is open."""
+        """True if all nodes that held the STOP ran here and have ended, and no STOP is open.
+
+        The latch knows this since its last `check_holders`.
+        """
         return self.open is None and self.latch.holders_have_ended
 
     @property

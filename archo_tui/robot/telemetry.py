@@ -59,7 +59,8 @@ class Telemetry:
         diagnostics: The last diagnostic status of each part.
         gauges: The last readings of the gauges, in the order of the robot file.
         charge: Samples of the charge, the oldest first: monotonic seconds and percent. At most one
-            a second and `_SAMPLES`; earlier ones are dropped when charging begins or ends.
+            a second and `_SAMPLES`; earlier ones are dropped when charging begins or ends, or the
+            charge jumps the wrong way.
     """
 
     def __init__(
@@ -95,7 +96,7 @@ class Telemetry:
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """The reasons why a topic or one of its publishers is not read, by the file's topic."""
+        """The reasons why a topic or one of its publishers is not read, by its name in the file."""
         return self._subscriptions.faults
 
     def resubscribe(self) -> None:

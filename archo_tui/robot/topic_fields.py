@@ -99,6 +99,8 @@ class TopicFields:
     def plots(self, now: float, request: TopicRequest) -> dict[str, Curve]:
         """Return the curves of the plotted fields, by path; fields without a number are left out.
 
+        Empty if `plot_columns` is 0.
+
         Args:
             now: The present time in seconds, at which curves end.
             request: The paths of the fields, and the number of columns.

@@ -57,7 +57,7 @@ class VerbRunner:
         work: Callable[[Gate], Coroutine[Any, Any, Outcome]],
         wait: float = 0.0,
     ) -> Outcome:
-        """Run a verb, report how it ended, and return its outcome when the snapshot shows it.
+        """Run a verb, report how it ended, send a snapshot that shows it, and return its outcome.
 
         The report is an event, a line of the ROS log and an audit record for other consoles. Errors
         become outcomes: `Void` CANCELLED, another exception REFUSED. If the console's own node does

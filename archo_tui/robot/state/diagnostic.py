@@ -28,7 +28,8 @@ class Diagnostic(NamedTuple):
         level: The level that it reported.
         message: The text that it reported.
         received: When the last status came, in monotonic seconds.
-        period: The typical interval of its statuses in seconds; None before two of them.
+        period: The typical interval of its statuses in seconds; None until it is known, some
+            seconds after the first one.
     """
 
     name: str

@@ -130,7 +130,7 @@ class Goal(NamedTuple):
 
     @property
     def code(self) -> Code | None:
-        """The code of its outcome; None while it runs. GONE and DISPUTED have codes, too."""
+        """The code of its end: TIMEOUT for GONE, NOT_CONFIRMED for DISPUTED; None while it runs."""
         return _CODES.get(self.phase)
 
     def outcome_at(self, now: float) -> Outcome | None:

@@ -42,7 +42,7 @@ class NodeState(NamedTuple):
 
 
 def level_word(number: Any) -> str:
-    """Return the word for the numeric level of a log message; INFO for anything unknown."""
+    """Return the word for a log message's level: 10 is `DEBUG`; INFO for anything unknown."""
     return _WORDS.get(number, "INFO") if isinstance(number, int) else "INFO"
 
 
@@ -59,7 +59,7 @@ class LogLevel(NamedTuple):
 
     @property
     def text(self) -> str:
-        """`DEBUG and above`, or `INFO and above, the level of its process`."""
+        """The level as text: `DEBUG and above`, or `INFO and above, the level of its process`."""
         process = ", the level of its process" if self.own == "UNSET" else ""
         return f"{self.in_force} and above{process}"
 

@@ -35,7 +35,7 @@ class Snapshot(NamedTuple):
         gauges: The last readings of the gauges, in the order of the robot file.
         goal: The goal to show: one of this console, else another's, else the last that ended.
         running: The number of goals that run, of all clients.
-        history: The goals that ended, newest first.
+        history: The last 20 goals that ended, newest first.
         parameters: The parameters of all nodes.
         nodes: The nodes in the robot's namespace.
         offered: The names of the robot file for which a node publishes or serves something.
@@ -43,9 +43,10 @@ class Snapshot(NamedTuple):
         charge: Samples of the charge since charging began or ended: monotonic seconds and percent.
         open_stop: The STOP that is not confirmed; None if there is none.
         latch: The state of the last confirmed STOP.
-        latch_doubt: Why a latch that is UNCERTAIN is so.
-        latch_time: The Unix time of that STOP.
-        released: When a release or a goal was last accepted, in monotonic seconds.
+        latch_doubt: Why `latch` is UNCERTAIN; "" if it is not.
+        latch_time: The Unix time at which that STOP was confirmed; 0 before the first.
+        released: When a release or a goal was last accepted, in monotonic seconds; None if none
+            was.
         stop_held_by_nobody: True if every node that confirmed that STOP ran in this process and
             has ended, and no further STOP is open.
         stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
@@ -60,7 +61,7 @@ class Snapshot(NamedTuple):
         has_clock: True if a node publishes simulated time on /clock.
         other_namespaces: The other namespaces that have nodes.
         consoles: The other consoles in this namespace: `user_host_pid`.
-        forms: The fields of each goal, by the goal's id.
+        forms: The fields of each goal's form, by the goal's id, where its type is installed here.
         actions: The types of each action that is served, by its name.
         services: The types of each service that is served, by its name.
         resources: The topics, services and actions, without those that every node has.
@@ -112,9 +113,10 @@ class Snapshot(NamedTuple):
 
     @property
     def stop_holds(self) -> bool:
-        """True while a confirmed STOP is not released, for a robot that does not report its stops.
+        """True while the latch is HELD, for a robot that does not report whether it is stopped.
 
-        Where no service releases a STOP, it is over as soon as it is confirmed.
+        False for a robot without a service to release a STOP: there a STOP is over as soon as it is
+        confirmed.
         """
         stop = self.file.stop
         is_latched = self.latch is Latch.HELD and stop is not None and bool(stop.release)
@@ -127,10 +129,9 @@ class Snapshot(NamedTuple):
 
     @property
     def says_stopped(self) -> bool:
-        """True if the robot's last report is that it is stopped, and nothing has happened since.
+        """True if the robot's last report, newer than `released`, is that it is stopped.
 
-        What may happen is that a release or a goal was accepted, or that the latch became
-        UNCERTAIN.
+        False while the latch is UNCERTAIN.
         """
         heard, released = self.motion.received, self.released
         is_past = heard is not None and released is not None and heard <= released

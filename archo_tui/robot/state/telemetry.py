@@ -18,7 +18,8 @@ class Battery(NamedTuple):
         charging: True while it charges.
         health: The battery's own word for its health.
         received: When the last message came.
-        period: The typical interval of its messages in seconds; None before two messages.
+        period: The seconds between messages: those in the robot file, else the typical interval;
+            None until that is known, some seconds after the first message. Without meaning before.
         unreadable: What was received instead of a percentage; "" if one was.
         grace: The silence in seconds that is allowed while there is no period; None for any.
         discharging: True while it discharges; None means whenever it does not charge.
@@ -55,7 +56,8 @@ class Motion:
         moving: True while it moves.
         stopped: True while its software stop is latched.
         received: When the last message came.
-        period: The typical interval of its messages in seconds; None before two messages.
+        period: The seconds between messages: those in the robot file, else the typical interval;
+            None until that is known, some seconds after the first message. Without meaning before.
         grace: The silence in seconds that is allowed while there is no period; None for any.
     """
 
@@ -87,7 +89,8 @@ class Pose(NamedTuple):
         yaw: The direction in degrees, counter-clockwise from the x axis, -180 to 180.
         frame: The name of the frame that the pose is in; "" if it is not reported.
         received: When the last message came.
-        period: The typical interval of its messages in seconds; None before two messages.
+        period: The seconds between messages: those in the robot file, else the typical interval;
+            None until that is known, some seconds after the first message.
         grace: The silence in seconds that is allowed while there is no period; None for any.
     """
 
@@ -117,7 +120,8 @@ class GaugeReading(NamedTuple):
         gauge: The gauge of the robot file.
         value: The number.
         received: When the last message came.
-        period: The typical interval of its messages in seconds; None before two messages.
+        period: The typical interval of its messages in seconds; None until it is known, some
+            seconds after the first message.
         unreadable: What was received instead of a number; "" if one was.
         grace: The silence in seconds that is allowed while there is no period; None for any.
     """
