@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         NotDone,
         RanOut,
         Refused,
+        Unconfirmed,
         Unreached,
     )
     from archo_tui.remote.api_status import Goal, Status
@@ -32,6 +33,7 @@ __all__ = [
     "Refused",
     "Robot",
     "Status",
+    "Unconfirmed",
     "Unreached",
     "__version__",
     "connect",
@@ -61,8 +63,8 @@ def connect(to: str = "") -> Robot:
 
     Raises:
         Unreached: No console runs, several do, or one that could be meant does not answer. All
-            errors are in `archo_tui`: NotDone is their base, its subclasses Refused, Misused,
-            Aborted, Cancelled, RanOut and Unreached.
+            errors are in `archo_tui`: NotDone is their base, its subclasses Refused, Unconfirmed,
+            Misused, Aborted, Cancelled, RanOut and Unreached.
     """
     from archo_tui.remote.api import Robot
 
@@ -80,7 +82,7 @@ def stop(to: str = "") -> None:
 
     Raises:
         Unreached: No console runs, or one did not confirm the STOP: its robot may be moving.
-        Refused: A robot did not confirm the STOP.
+        Unconfirmed, Refused: A robot did not confirm the STOP, or refused it.
     """
     from archo_tui.remote.api import stop
 

@@ -140,11 +140,10 @@ class Robot:
             The handle: `wait`, `cancel`, `feedback`, `done`.
 
         Raises:
-            Refused: The robot or the console refused, and nothing is driven; or, with the code
-                `timeout`, the robot has not answered, and may drive.
+            Refused: The robot or the console refused; nothing is driven.
+            Unconfirmed: The robot has not answered: it may drive.
             Misused: The kind or the values mean nothing; nothing was sent.
             Cancelled: A STOP came before the goal had left, or the goal is held in the queue.
-            Aborted: The goal has already ended without the robot arriving.
             RanOut: `timeout` seconds passed before the robot had answered.
             Unreached: The console has gone or does not answer.
         """
@@ -174,7 +173,8 @@ class Robot:
             timeout: Seconds for the robot's answer; None: as long as the console answers.
 
         Raises:
-            Refused: No goal runs, or the robot refuses or does not answer.
+            Refused: No goal runs, or the robot refuses.
+            Unconfirmed: The robot does not answer.
             Misused: The running goal is another client's: `do("cancel", "--yes")` cancels it.
             RanOut: `timeout` seconds are over.
         """
@@ -194,7 +194,7 @@ class Robot:
         Raises:
             Unreached: The STOP is not confirmed: the robot may be moving. A suspended console
                 carries it out when it wakes.
-            Refused: The robot did not confirm the STOP.
+            Unconfirmed, Refused: The robot did not confirm the STOP, or refused it.
         """
         hello = self._hello
         robot = {name: hello.get(name) for name in ("engine", "domain")}
@@ -214,7 +214,8 @@ class Robot:
             timeout: Seconds; None: as long as the console answers.
 
         Raises:
-            Refused: The node refuses the value, or does not answer.
+            Refused: The node refuses the value.
+            Unconfirmed: The node does not answer: it may have taken the value.
             Misused: There is no such parameter, or the value is beyond its range.
             RanOut: `timeout` seconds are over.
         """
@@ -247,8 +248,8 @@ class Robot:
 
         Raises:
             RanOut: The robot is not in that state after `timeout` seconds.
-            Refused: The robot cannot reach that state, no goal runs that could arrive, or the goal
-                is lost: the robot may still be moving.
+            Refused: The robot cannot reach that state, or no goal runs that could arrive.
+            Unconfirmed: With `arrived`: the goal is lost: the robot may still be moving.
             Aborted: With `arrived`: the goal has ended without arriving.
             Cancelled: With `arrived`: the goal was cancelled.
             Misused: There is no such state, or the robot has no battery.
@@ -356,7 +357,7 @@ def stop(to: str = "") -> None:
 
     Raises:
         Unreached: No console runs, or one did not confirm the STOP.
-        Refused: A robot did not confirm the STOP.
+        Unconfirmed, Refused: A robot did not confirm the STOP, or refused it.
     """
     with convert_unreached():
         _stop({"to": to})

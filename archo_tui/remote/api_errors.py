@@ -24,7 +24,14 @@ class NotDone(ArchoError):
 
 
 class Refused(NotDone):
-    """The error for a request that the robot or the console refused, or did not confirm."""
+    """The error for a request that the robot or the console refused: nothing was done."""
+
+
+class Unconfirmed(NotDone):
+    """The error for a request without a clear answer, or for a goal that is lost.
+
+    The robot may have done it, or may still do it, and may be moving.
+    """
 
 
 class Misused(NotDone):
@@ -57,6 +64,8 @@ ERRORS: dict[str, type[NotDone]] = {
     "cancelled": Cancelled,
     "held": Cancelled,
     "ran_out": RanOut,
+    "timeout": Unconfirmed,
+    "not_confirmed": Unconfirmed,
     "lost": Unreached,
     "unreached": Unreached,
 }

@@ -9,6 +9,7 @@ from archo_tui.remote.api_errors import (
     ERRORS,
     NotDone,
     RanOut,
+    Unconfirmed,
     Unreached,
     checked_timeout,
     data_or_raise,
@@ -50,8 +51,8 @@ class GoalHandle:
         Raises:
             Aborted: The goal ended, and the robot has not arrived.
             Cancelled: The goal was cancelled by anybody, or is held in the queue.
-            Refused: A goal that waited in the queue was refused when its turn came; or the goal is
-                lost: the robot may still be moving.
+            Refused: A goal that waited in the queue was refused when its turn came.
+            Unconfirmed: The goal is lost, or the robot does not answer: it may still be moving.
             RanOut: `timeout` seconds passed, and the goal still runs; or the time given to `go` is
                 over.
             Unreached: The console has gone or no longer answers: the robot may still be moving.
@@ -83,7 +84,8 @@ class GoalHandle:
         self._request.give_up()
         if not self._has_ended.wait(checked_timeout(timeout)):
             raise RanOut("ran_out", "the cancel is not confirmed: the robot may still be moving")
-        if ERRORS.get(self._result["code"]) is Unreached:  # it ended for this program only
+        # It ended for this program only, or nobody knows whether it did.
+        if ERRORS.get(self._result["code"]) in (Unreached, Unconfirmed):
             data_or_raise(self._result)
 
     def feedback(self) -> Goal | None:

@@ -20,12 +20,14 @@ import pytest
 from rclpy.node import Node
 
 import archo_tui
-from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unreached
+from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
 from archo_tui.errors import ArchoError
 from archo_tui.remote import api, api_request, client, finder, request_handler, socket_files
 from archo_tui.remote.api import Robot
+from archo_tui.remote.api_errors import data_or_raise
 from archo_tui.remote.goal_handle import GoalHandle
 from archo_tui.remote.request_handler import RequestHandler
+from archo_tui.robot.outcome import Code
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
@@ -161,6 +163,27 @@ async def test_a_goal_that_ends_otherwise_raises() -> None:
             await asyncio.to_thread(goal.wait)
         with pytest.raises(Refused):
             await asyncio.to_thread(robot.go, 5)
+
+
+@pytest.mark.parametrize(
+    ("code", "error"),
+    [
+        *((code, Unconfirmed) for code in (Code.TIMEOUT, Code.NOT_CONFIRMED)),
+        *((code, Refused) for code in (Code.REFUSED, Code.NOT_OFFERED, Code.WATCHING)),
+    ],
+)
+def test_only_what_was_surely_not_done_counts_as_refused(code: Code, error: type[NotDone]) -> None:
+    with pytest.raises(error):
+        data_or_raise({"code": code.value, "text": ""})
+
+
+def test_a_cancel_of_a_goal_that_is_lost_says_that_the_robot_may_move() -> None:
+    replies = [{"said": "accepted"}, {"code": "timeout", "text": "goal lost"}]
+    request: Any = SimpleNamespace(
+        replies=lambda: iter(replies), close=lambda: None, give_up=lambda: None
+    )
+    with pytest.raises(Unconfirmed, match="goal lost"):
+        GoalHandle(request).cancel()
 
 
 def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
