@@ -29,10 +29,11 @@ _NARROW = 71  # Below so many cells without the clock, panels may be scrolled aw
 def header(view: View, width: int) -> Content:
     """Return the robot's name, contact and activity; at the right end, who else is connected.
 
-    In front of the name stand the words of a replay. At the right end stand other consoles,
-    assistants, shells, engine and namespace. If space is short, the names of other consoles are
-    left out first, then the remaining way, then the right end except for the engine, and at last
-    the robot's name. A narrow header has the charge of the battery as well.
+    In front of the name stand the words of a replay, behind the contact `watching`. At the right
+    end stand other consoles, assistants, shells, engine and namespace. If space is short, the names
+    of other consoles are left out first (not their number), then the remaining way, then the right
+    end except for the engine, then the engine, and at last the robot's name. Below 71 cells the
+    charge of the battery is shown as well.
 
     Args:
         view: The state to show.
@@ -104,9 +105,9 @@ def banner(view: ScreenState, width: int) -> Content:
     """Return the most important alarm with its advice, the number of others, and the shelved ones.
 
     A request of an assistant takes the place of the alarms, unless one of high priority is active
-    and unacknowledged. Without an alarm, an operator who has never sent a goal sees the first keys;
-    for everybody else the banner is empty. An active unacknowledged alarm is reversed over the
-    whole width.
+    and unacknowledged. If every alarm is shelved, the banner names them. Without any alarm, an
+    operator who has never sent a goal sees the first keys; for everybody else the banner is empty.
+    An active unacknowledged alarm is reversed over the whole width, but not in a replay.
 
     Args:
         view: The state to show.
@@ -163,7 +164,7 @@ def is_banner_needed(view: View) -> bool:
 
 
 def past_alarm(alarm: Alarm) -> str:
-    """Return `was: STOPPED, since 12:04:31, over at 12:05:02`; an active alarm has no end."""
+    """Return `was: STOPPED, since 12:04:31, over at 12:05:02`, without the end while active."""
     text = f"was: {alarm.short_text}, since {time_of_day(alarm.since)}"
     return text if alarm.until is None else f"{text}, over at {time_of_day(alarm.until)}"
 
@@ -218,9 +219,9 @@ def _shorten_cause(text: str, room: int) -> str:
 def _first_keys(view: ScreenState, width: int) -> Content:
     """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator.
 
-    The third key is that of the robot file's first command. The keys that have no room are left
-    out. The text is empty for an operator who has sent a goal before, for a console that only
-    watches, and for a robot without goals.
+    The third key is that of the first command of the robot file that has a key. The keys that have
+    no room are left out. The text is empty for an operator who has sent a goal before, for a
+    console that only watches, and for a robot without goals.
     """
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
@@ -273,7 +274,8 @@ def footer(
 ) -> Content:
     """Return the keys of the footer, and at its right end the palette's key if there is room.
 
-    Keys of the field are left out until the commands fit; its first and last key go last.
+    Keys of the field are left out until the commands fit, its first and its last key after the
+    others. The commands are never cut.
 
     Args:
         commands: The commands of the footer.
@@ -297,8 +299,8 @@ def contact(view: View) -> str:
     """Return the contact to the robot: `● online`, or what is silent, and for how many seconds.
 
     `✗ no contact, 12 s` stands for silence of battery and motion, `▲ /odom silent, 12 s` for one of
-    them, or for the action of a lost goal. Before the first reading it is `? waiting for data`, or
-    says in which namespaces robots were seen.
+    them, or for the action of a lost goal. Before the first reading of battery or motion the text
+    is `? waiting for data`, or says in which namespaces robots were seen.
     """
     snapshot, robot = view.snapshot, view.snapshot.file
     readings: dict[str, Battery | Motion] = {}
@@ -329,8 +331,8 @@ def activity(view: View) -> tuple[str, str]:
     """Return what the robot does, and how far it has to go, as `("MOVING to 12", "9.0 m left")`.
 
     A robot that is stopped is `✗ STOPPED` or `✗ STOP NOT CERTAIN`, whatever its goal. Without a
-    goal both texts are "". For a robot that has no STOP service, the first text ends with `no
-    STOP`.
+    goal both texts are "". For a robot without a STOP service, `no STOP` follows the first text or
+    takes its place.
     """
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"

@@ -23,7 +23,8 @@ _NO_MARK = Mark()
 class Board(LineWidget, can_focus=True):
     """The grid of numbers, in which only the lines that changed are redrawn.
 
-    The arrows move the cursor, also from page to page. Enter or a click chooses a number.
+    The arrows move the cursor, also from page to page; the page keys and the mouse wheel turn
+    pages. Enter or a click chooses a number.
     """
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
@@ -51,9 +52,9 @@ class Board(LineWidget, can_focus=True):
 
     @property
     def rows(self) -> int:
-        """Return the number of rows that the board takes: the grid's, and one to name the page.
+        """Return the number of rows that the board takes: the grid's, and one that names the page.
 
-        The last one is there only if the numbers take several pages.
+        The row with the page is there only if the numbers take several pages.
         """
         return self._grid.rows + (self._grid.pages > 1)
 

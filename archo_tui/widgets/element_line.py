@@ -18,7 +18,7 @@ class ElementLine(Horizontal):
     """The line `element 137  of ranges: 0 .. 359`, in which enter goes to an element of an array.
 
     The line is hidden until it is opened. If the index is not valid, an error takes the place of
-    the range, and nothing else happens.
+    the range until the text changes, and nothing else happens.
 
     Attributes:
         array: The path of the array; "" while the line is hidden.
@@ -64,7 +64,7 @@ class ElementLine(Horizontal):
         self.screen.set_focus(self.field)
 
     def close(self) -> None:
-        """Hide the line, and set `array` to None; the focus is left where it is."""
+        """Hide the line, and set `array` to ""; the focus is left where it is."""
         self.array = ""
         self.display = False
 

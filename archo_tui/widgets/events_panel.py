@@ -40,8 +40,9 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
 def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
     """Return one line: `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
 
-    The source is left out where it is the console, or the action of a goal. Below 70 cells it is
-    left out always, as is the time of the first of equal events.
+    A shell is named as `shell SOURCE`. The source is left out where it is the console, or the
+    action of a goal. Below 70 cells it is left out always, as is the time of the first of equal
+    events.
     """
     event, at, text = row.events[0], time_of_day(row.time), row.text
     is_wide = width >= _WIDE

@@ -20,6 +20,10 @@ class Field(Input, inherit_css=False):
 
     Textual's own gets each key as a message and answers with another message. Of keys typed fast,
     those behind an enter would arrive before anybody knew that something was entered.
+
+    Attributes:
+        next_field: The field of the same form that enter leads to; None for the last one.
+        keys: The keys that work in the field, each with its word, for the footer.
     """
 
     DEFAULT_CSS = """
@@ -38,8 +42,8 @@ class Field(Input, inherit_css=False):
 
     # Unlike in Textual, a change does not lay out the whole screen: a field never grows.
     virtual_size = Reactive(Size(0, 0))
-    next_field: Field | None = None  # The field that enter leads to.
-    keys: tuple[tuple[str, str], ...] = ()  # For the footer: keys that work in it, and their words.
+    next_field: Field | None = None
+    keys: tuple[tuple[str, str], ...] = ()
 
     def __init__(
         self,

@@ -52,8 +52,9 @@ class GoalPanel(Panel):
     """The panel with the form, the progress, the goal's state, the board, and the goals before.
 
     Attributes:
-        fields: The fields of the form, in their order.
-        typed: The texts of each goal that was sent, one a field, the oldest goal first.
+        fields: The fields of the form, in their order; empty without a goal, or if its type is not
+            installed.
+        typed: The texts of each time that the form was sent, one a field, the oldest first.
         board: The grid of numbers.
         send: Called with the values of each goal by dotted path, in the order of sending, and with
             the typed texts. To be set by the owner.
@@ -272,9 +273,8 @@ class GoalPanel(Panel):
             step: 1 for tab, -1 for shift+tab.
 
         Returns:
-            None if the widget is none of these three, or has no neighbour there, or if the board or
-            the
-            form is missing.
+            None if the widget is none of these three, or has no neighbour there, or if the limits
+            of the numbers are unknown or the panel is read-only.
         """
         if not self._has_board or self.can_focus:
             return None
@@ -356,8 +356,9 @@ class GoalPanel(Panel):
     def submit(self) -> None:
         """Send the typed goals and clear the form, or show what is wrong and keep it.
 
-        An error focuses its field. A form whose fields are all empty does nothing; one without
-        fields sends its goal.
+        After sending, the first field has the focus; after an error, the field that is wrong.
+        Without a goal in the robot file, or on a console that only watches, a hint says so. A form
+        whose fields are all empty does nothing; one without fields sends its goal.
         """
         typed = [field.value for field in self.fields]
         if self._kind is None:

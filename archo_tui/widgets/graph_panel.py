@@ -56,7 +56,10 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
 
 
 class GraphPanel(Panel):
-    """The list of topics, services and actions, updated once a second at most while visible."""
+    """The list of topics, services and actions.
+
+    While visible, the list is drawn once a second, and when anything but a rate changes.
+    """
 
     number, title_text = 8, "Graph"
     keys = (("resource", "open"),)

@@ -87,8 +87,8 @@ def history_lines(
 ) -> list[Spans]:
     """Return the lines of the plots below each other, the marks of ended goals, and the time axis.
 
-    If rows are few, the plots of x and y are left out. If the others have no room either, one line
-    says so.
+    If rows are few, the plots behind the first three are left out, the last one first. If three
+    have no room either, one line says so.
 
     Args:
         shown: The plots, the first at the top.

@@ -19,9 +19,10 @@ _GAP = 4  # Cells between the parts of the lowest row.
 
 
 class Journey(Vertical):
-    """The way of a goal in three rows: its ends, a bar with the robot on it, and the speed.
+    """The way of a goal in three rows: its ends, a bar with the robot on it, and its pace.
 
-    The parts of the rows keep their places while the robot moves.
+    The pace is the speed, the time left, and the goals that follow. The parts of the rows keep
+    their places while the robot moves.
     """
 
     DEFAULT_CSS = "Journey { height: 3; width: 1fr; }"
@@ -83,7 +84,7 @@ def bar(goal: Goal | None, width: int) -> Spans:
 def pace(snapshot: Snapshot, now: float, width: int, waiting: Sequence[str] = ()) -> Spans:
     """Return the row below the bar: `0.80 m/s x 7.5    about 12 s left    then 7, 3`.
 
-    The time is there only while a goal moves and it can be estimated.
+    The time is there only while a goal moves and the time can be estimated.
 
     Args:
         snapshot: The state of the robot.

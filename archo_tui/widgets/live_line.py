@@ -20,7 +20,8 @@ def live_line(view: ScreenState, width: int) -> Content:
     """Return ` LIVE ARCHO   ● online   ✗ STOPPED: look for the cause      12:04:32   q back `.
 
     Shown are the first alarm that is not shelved, the number of others, and whether an assistant
-    asks. If space is short, the least important parts are left out. The line is reversed while an
+    asks. If space is short, the robot's name and the remaining way are left out first, then the
+    number and the request, then the time; at last the alarm is cut. The line is reversed while an
     alarm is unacknowledged or the robot is stopped.
 
     Args:

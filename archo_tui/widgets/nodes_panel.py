@@ -57,8 +57,9 @@ def node_titles(width: int, columns: Columns) -> str:
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     """Return `● battery_monitor    0.4 s  1.0 Hz`, or the name and what is wrong with the node.
 
-    A text that has no room beside the name goes on below. For a node of the user's own, one more
-    line names its file, and when that was saved.
+    A text that has no room beside the name goes on below; in a list of fewer than 30 cells it is
+    cut to one line. For a node of the user's own, one more line names its file, and when that was
+    saved.
     """
     hosted = row.hosted
     if hosted is None or not hosted.file:
@@ -96,7 +97,7 @@ def _crop_at_word(text: str, width: int) -> str:
     """Return a text in at most `width` cells; a cut text ends with a whole word and `…`.
 
     If fewer than two whole words have room, what stands before the first `: ` is left out, so that
-    the name of an exception can be read.
+    the name of an exception can be read. A first word that has no room is cut.
     """
     cut = textwrap.shorten(text, width, placeholder=" …")
     if len(cut.split()) > 2:

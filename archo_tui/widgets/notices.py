@@ -48,8 +48,8 @@ class _Entry:
 class Notices:
     """The notices that have not gone yet, of which the gravest is shown, and of equals the newest.
 
-    The duration of a notice begins when it is shown for the first time. Behind a graver one it
-    waits for at most twice its duration; then it is dropped, shown or not.
+    The duration of a notice begins when it is shown for the first time, and runs on while a newer
+    or graver one hides it. A notice that has waited for twice its duration is dropped unseen.
     """
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class Notices:
         """Add a notice; it replaces one with the same text and severity.
 
         Args:
-            text: The message; line breaks become blanks.
+            text: The message; line breaks and runs of blanks become one blank.
             severity: The gravity: information, warning or error.
             duration: Seconds for which it is shown.
         """

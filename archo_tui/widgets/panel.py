@@ -40,7 +40,7 @@ class Panel(Container, QuietFocus):
     other_keys: Mapping[str, str] = {}
 
     class Outdated(Message):
-        """The message that a panel must be shown again, after a change of size or a click."""
+        """The message that a panel must be shown again, though no new state has come."""
 
         def __init__(self, panel: Panel) -> None:
             super().__init__()
@@ -66,7 +66,7 @@ class Panel(Container, QuietFocus):
 
         Commands that the registry lacks, or that have no key, are left out; so is STOP in a replay.
         Those that cannot run now are darker. While the panel fills the screen, `esc back` comes
-        first.
+        first, and its key for that is left out.
 
         Args:
             view: The state of the screen.
@@ -104,7 +104,7 @@ class Panel(Container, QuietFocus):
     def show_publishers(self, view: View, topic: str) -> None:
         """Name the publishers of a topic in the title while there are several; else name none.
 
-        The readings of several publishers are mixed.
+        The readings of several publishers are mixed. A text of `show_title` is replaced.
         """
         names = view.snapshot.publishers.get(topic, ())
         self.show_title(f"   {len(names)} publishers: {escape(', '.join(names))}" if names else "")
@@ -135,7 +135,9 @@ class Panel(Container, QuietFocus):
         self.show_title(self._title_more)
 
     def dim_unavailable(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
-        """Dim the buttons of services that cannot be called; all of them if nothing can be sent.
+        """Dim the buttons of services that cannot be called, or all on a console that only watches.
+
+        Buttons of services that can be called are no longer dim.
 
         Args:
             view: The state of the screen.

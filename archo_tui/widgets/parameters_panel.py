@@ -153,7 +153,10 @@ class ParametersPanel(Panel):
         self._rows.redraw_all()
 
     def toggle_standard(self) -> None:
-        """Show or hide the unchanged parameters that ROS gives every node, as `use_sim_time`."""
+        """Show or hide the unchanged parameters that ROS gives every node, as `use_sim_time`.
+
+        While a search or `toggle_changed` narrows the table, the choice shows only afterwards.
+        """
         self._shows_standard = not self._shows_standard
         self._refill()
 

@@ -21,7 +21,7 @@ def curve(
     """Return the rows of a curve from the top, with two values in each cell.
 
     Each value is drawn from its least to its greatest, cut at the scale's ends. Neighbours are
-    joined, and the cells between the curve and zero are filled.
+    joined, and the cells below a curve are filled down to zero, or to the lowest row.
 
     Args:
         values: The values, oldest first; None leaves a gap.

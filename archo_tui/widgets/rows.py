@@ -92,7 +92,8 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
     Attributes:
         columns: The widths of the columns, of the last layout.
         cursor: The number of the item under the cursor, from 0.
-        shows_cursor: True once the operator has come to the list.
+        shows_cursor: True once the operator has moved to the list or in it; the cursor is then
+            visible while the list has the focus.
         without_focus: True if the cursor is shown without the focus, too.
     """
 

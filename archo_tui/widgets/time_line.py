@@ -76,7 +76,8 @@ class TimeLine(Panel, can_focus=True):
 def _last_marks(marks: list[TimelineMark], here: float) -> str:
     """Return the text of the last mark up to a Unix time, or "".
 
-    Marks within 0.05 s before it are named, too.
+    The mark may lie up to 0.05 s after that time; marks up to 0.05 s before the mark are named,
+    too.
     """
     past = [mark for mark in marks if mark.time <= here + _TOGETHER]
     return ", ".join(mark.text for mark in past if past[-1].time - mark.time < _TOGETHER)

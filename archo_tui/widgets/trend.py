@@ -13,7 +13,7 @@ _MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """Return a bar for every 5 s, the newest at the right end, and their range in %.
+    """Return a bar for each 5 s that have samples, the newest at the right end, and the range in %.
 
     An example is `     ▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as fit into `width` cells. A bar shows
     the last sample of its 5 s. Without samples the text is "".
