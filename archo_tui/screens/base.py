@@ -56,8 +56,8 @@ class Base(Screen[ScreenResultType]):
     def _compositor_refresh(self) -> None:
         """Draw what has changed; behind a dialog, have the dialog draw that.
 
-        Textual marks a change on this screen as well, and draws it again with the next change. Once
-        all of a screen had changed, all of it was drawn each second, since the clock moves on.
+        Textual would keep the change marked on this screen, and draw it again with each later one,
+        such as that of the clock: after a change of the whole screen, all of it each second.
         """
         if self is self.app.screen:
             super()._compositor_refresh()

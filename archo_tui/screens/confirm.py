@@ -19,8 +19,8 @@ class Confirm(Dialog[None]):
     """A question with answers, of which the first is the safe one: escape and `n` give it.
 
     The safe answer has the focus at first; `y` gives the other one of two. The first letter of an
-    answer gives it, too, unless two begin with the same letter. A STOP closes the dialog without an
-    answer.
+    answer gives it, too, unless two begin with that letter, or it is `y` or `n`. A STOP closes the
+    dialog without an answer.
     """
 
     closes_at_stop = True

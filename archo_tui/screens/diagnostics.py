@@ -18,7 +18,7 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class _Part(NamedTuple):
-    """A row of the list; equal rows are not drawn again, so a new age must change the text."""
+    """A row of the list; equal rows are not drawn again, so `text` has the age."""
 
     name: str
     level: DiagnosticLevel

@@ -15,7 +15,7 @@ class Fit(IntEnum):
     """The fit of a typed word to a name; a smaller value is a better fit.
 
     WORD is a whole word of the name, BEGINNING the beginning of a word, INSIDE any part of the
-    name, SCATTERED letters in the right order.
+    name, SCATTERED letters in the right order; NONE means that the word does not fit.
     """
 
     WORD = 0
@@ -48,7 +48,9 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
 def matching_rows(
     typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
 ) -> Sequence[T]:
-    """Return the rows that every typed word fits, the best first; equals keep their order.
+    """Return the rows that every typed word fits, the best first.
+
+    The word that fits worst decides, then the sum over all words; equals keep their order.
 
     Args:
         typed: What was typed; if it is blank, all rows are returned in their order.
@@ -70,7 +72,7 @@ def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:
     """Return the beginnings and ends of what typed words match in a name, sorted; they may overlap.
 
     A word matches at the beginning of a word if it can, else inside of one. A word that is not in
-    the name gives no span.
+    the name gives no span; nor does any word if casefolding changes the length of the name.
 
     Args:
         typed: The typed text, of one or more words.

@@ -65,22 +65,23 @@ def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
 class MainScreen(Base[None]):
     """The panels, laid out for the terminal's size, with header, banner and footer.
 
-    Nothing is drawn before the first view with nodes, or for 0.3 s. A panel that cannot be drawn
+    Nothing is drawn until a view with nodes has come, or for 0.3 s. A panel that cannot be drawn
     shows why in its title, and the others go on.
 
     Attributes:
         starts_in_field: True if the goal's field has the focus at first, where it is in sight.
         everywhere_keys: What the footer shows of the keys that work in dialogs, too.
-        head: The lines at the top, as they were shown last.
-        notice: The notice that is shown, over the last of these lines or below them.
-        on_head: Functions without arguments, called whenever lines or notice are shown.
+        head: The lines at the top, as they were shown last; empty before.
+        notice: The notice that is shown, over the last of these lines or below them; None for none.
+        on_head: Functions without arguments, called whenever lines or notice are shown; each dialog
+            adds one, and removes it at its end.
     """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall")]
 
     class Broken(Message):
-        """The message that a panel cannot be drawn, and why; posted once for each reason."""
+        """The message that a panel cannot be drawn, and why; posted when the reason is new."""
 
         def __init__(self, text: str) -> None:
             super().__init__()
@@ -261,7 +262,11 @@ class MainScreen(Base[None]):
         return self.has_class("-full")
 
     def toggle_full(self, panel: Panel) -> None:
-        """Let a panel fill the screen and focus it, or show all panels again if it does already."""
+        """Let a panel fill the screen and focus it, or show all panels again if it does already.
+
+        The widget that had the focus before a panel fills the screen is remembered for
+        `focus_back`.
+        """
         if self.has_class(f"-full-{panel.number}"):
             self.leave_full()
             return
@@ -321,8 +326,8 @@ class MainScreen(Base[None]):
         """Focus a panel by its number, and scroll to it.
 
         A panel that fills the screen makes way for all panels, unless it is this one. A panel that
-        has no room among them fills the screen itself. The widget that had the focus is remembered
-        for `focus_back`.
+        has no room among them fills the screen itself. The widget that had the focus, unless it is
+        the board, is remembered for `focus_back`.
         """
         if not self.has_class(f"-full-{number}"):
             self._show_all()
@@ -377,10 +382,10 @@ class MainScreen(Base[None]):
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Leave the field with the focus for the widget that had the focus before.
+        """Focus the widget that had the focus before a panel was chosen; of a search, its panel.
 
-        A search is closed and cleared instead. The parameters get the focus if no such widget is
-        known, or its panel has no room.
+        If a search has the focus, it is only closed and cleared. The parameters get the focus if no
+        such widget is known, or its panel has no room.
         """
         before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
@@ -461,9 +466,10 @@ class MainScreen(Base[None]):
         return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show the keys that work now, behind those of the field with the focus, if there is one.
+        """Show the commands' keys, behind those of the field with the focus, if there is one.
 
-        Keys that are text in that field are left out. `everywhere_keys` is updated.
+        While a field has the focus, `go` and the keys that are text in that field are left out.
+        `everywhere_keys` is updated.
         """
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()

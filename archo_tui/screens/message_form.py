@@ -56,7 +56,7 @@ class MessageForm(Dialog[None]):
             send: Sends the values, and returns the outcome. The values are keyed by dotted path;
                 those of a YAML text are nested as they were typed.
             typed: The texts of the last time by path, that of the YAML text under "". The dialog
-                changes it as the form is sent.
+                puts the present texts there when it is to send, though a text may not be valid.
             form: Labels, units and limits of the robot file, by path.
         """
         super().__init__()

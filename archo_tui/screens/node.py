@@ -168,7 +168,7 @@ class NodeDialog(Dialog[None]):
                     await box.mount(*map(self._button, range(len(words)), words))
 
     def action_choose_topic(self) -> None:
-        """List the node's topics, of which one can be opened; without topics close the dialog."""
+        """List the node's topics to open one of them; while none is known, close the dialog."""
         if not self._topics:
             self.dismiss()
             return

@@ -64,7 +64,7 @@ class AnswerRequest(Dialog[None]):
             input_time: Returns when the key or click that is being handled was read; None for
                 neither.
             answer: Called with the number of the request, and True if it is allowed; once at most.
-            on_over: Called with a text if the request ends before it is answered.
+            on_over: Called with a text if the request ends while the dialog is open.
         """
         super().__init__()
         self._request, self._view = request, view

@@ -60,7 +60,8 @@ class WatchedTopic(NamedTuple):
         follow: Returns a coroutine that follows the topic until it is cancelled. It is called with
             a function that returns what is asked for, and with one that gets each new view.
         read_type: Returns the definition of the topic's type as text.
-        copy: Copies the command that shows the topic in a shell.
+        copy: Copies the command that shows the topic in a shell; called with the view that is
+            shown.
     """
 
     name: str
@@ -184,9 +185,10 @@ class TopicDialog(Dialog[None]):
                 self._margin = self._box.styles.margin = margin
 
     def _uncovered_cells(self, main: MainScreen) -> tuple[int, int]:
-        """Return how many columns at the left and rows at the top stay in sight.
+        """Return how many columns of Graph, and how many rows of the goal, stay in sight.
 
-        There are Graph and the goal. Both numbers are 0 in a terminal that is not wide enough.
+        Graph is at the left of the dialog, the goal above it. Both numbers are 0 if Graph is
+        hidden, or the terminal too narrow for both.
         """
         graph = main.graph
         is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
@@ -461,7 +463,8 @@ class TopicDialog(Dialog[None]):
     def action_show_type(self) -> None:
         """Read the definition of the type, and show it in a dialog over this one.
 
-        Keys wait until then. A second call meanwhile is ignored.
+        Keys wait meanwhile, and a second call is ignored. Nothing is shown if the dialog was closed
+        or shows another topic by then.
         """
         if not self.is_asking:
             self.is_asking = True
