@@ -110,9 +110,10 @@ class Console(Protocol):
         """Return a context in which keys wait for a dialog that is about to be opened."""
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Show the verb's question, or return a coroutine that runs the verb, if it asks none.
+        """Return a coroutine that runs a verb, or show the verb's question and return None.
 
-        An answer to the question runs the verb. A failure is shown.
+        The verb is not checked for a refusal first. The answer that acts runs it. A failure is
+        shown.
 
         Args:
             verb: The verb.

@@ -82,8 +82,8 @@ class LookAtDomains(VerbCommand):
 class OperateOtherRobot(Command):
     """The command that restarts the console for the robot of another namespace, chosen in a list.
 
-    The command is disabled unless the console was started with `--attach`, and while a goal runs or
-    waits or a STOP is not confirmed.
+    The command is disabled unless the console was started with `--attach` and another namespace has
+    nodes, and while a goal runs or waits or a STOP is not confirmed.
     """
 
     id = "other_robot"

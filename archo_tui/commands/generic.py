@@ -134,7 +134,7 @@ class AnyService(_GenericCommand):
     key = "C"
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return a row for each verb that calls the service; without verbs, that for a form."""
+        """Return a row for each verb that calls the service; without any, one that opens a form."""
         from archo_tui.screens.choose import Choice
 
         verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
@@ -159,7 +159,7 @@ class AnyService(_GenericCommand):
         STOP is run as its key does it. If a verb cannot run, a notification says why.
 
         Returns:
-            A coroutine if the robot must be waited for.
+            A coroutine if the robot must be waited for; else None.
         """
         if verb.urgent:
             console.action_command(verb.id)

@@ -32,7 +32,7 @@ class _NodeCommand(Command):
         """Run a verb on a hosted node, after its question if it has one.
 
         Returns:
-            A coroutine if the answer must be waited for.
+            A coroutine if the node must be waited for; None while the question is shown.
         """
         return console.run_verb(console.verbs[verb], {"node": hosted.name})
 

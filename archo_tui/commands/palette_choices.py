@@ -110,8 +110,8 @@ class CommandPalette(Choose):
 def palette_choices(console: Console) -> list[Choice]:
     """Return all rows: go, cancel and STOP first, other commands, then everything else.
 
-    Commands that can run now come before those that cannot. Everything else is nodes, parameters,
-    topics, themes, and a picture of the screen.
+    Of the other commands, those that can run now come first; `palette` and `quit_everywhere` are
+    left out. Everything else is nodes, parameters, topics, themes, and a picture of the screen.
     """
     commands = {
         c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES

@@ -22,7 +22,10 @@ _HARMLESS = frozenset(
 
 
 def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the commands of `archo-tui replay`, where STOP, copying and quitting differ.
+    """Return the commands of `archo-tui replay`: the read-only ones, and four of its own.
+
+    These are STOP, which only says that nothing was stopped, one that copies the selection, and two
+    that quit.
 
     Args:
         player: The player of the recording.
@@ -38,10 +41,10 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
 
 
 def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the commands of the time line, and those of `commands` that change nothing.
+    """Return the time line's commands, a list of recorded alarms, and all that change nothing.
 
-    The time line is panel 9, so the footer's key of the panels becomes `1-9`: that command is
-    changed.
+    What changes nothing is taken from `commands`. There the command of panel 1 is changed: it
+    stands for all panels in the footer, as `1-9`.
 
     Args:
         player: The player of the recording.

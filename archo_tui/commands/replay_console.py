@@ -38,7 +38,8 @@ class ReplayConsole:
         registry: The commands of the replay; STOP is passed on to the live console.
         keys: The key of each command by its id.
         shown_keys: The same keys, as a person reads them.
-        main: The screen of the replay.
+        main: The screen of the replay. The other attributes are as in `Console`: station, verbs,
+            view, typed and used are those of the recording, theme that of the live console.
     """
 
     def __init__(

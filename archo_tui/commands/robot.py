@@ -86,7 +86,8 @@ class CancelKey(VerbCommand):
     """The command of ctrl+c, which cancels the running goal, whoever sent it.
 
     If none is running, it ends the wait of a dialog for an answer, else it copies the selection,
-    else it says which key quits. A key that is held down does nothing but cancel an own goal again.
+    else it says which key quits. A key that is held down does nothing but cancel an own goal that
+    is not being cancelled yet.
     """
 
     key, footer = "ctrl+c", "Cancel"
