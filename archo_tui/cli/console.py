@@ -29,7 +29,8 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     """Run a console until it is left; with `--version`, only print the versions.
 
     The standard input and error of this process are replaced, so that a node cannot read keys or
-    write escape sequences.
+    write escape sequences. At the end signals are ignored, and a namespace that was chosen in the
+    console is passed to `use_namespace`.
 
     Args:
         options: The options of the command line.
@@ -114,7 +115,7 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
         The exit code.
 
     Raises:
-        ArchoError: A key in the robot file is wrong.
+        ArchoError: A key in the file of `--robot` is wrong.
     """
     from archo_tui.hosting.node_output import NodeOutput
     from archo_tui.imports import OF_ALL, import_the_rest

@@ -35,7 +35,8 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
 def run_words(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand or the verb that the words name, else the console.
 
-    If the words are no command line but one of them is a STOP, the STOP is sent, with a complaint.
+    If an option of the console is wrong but one of the words is a STOP, the STOP is sent, with a
+    complaint; the words behind a subcommand are not looked through for one.
 
     Args:
         words: The words of the command line, without ROS's own.
@@ -45,7 +46,8 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         The exit code of the program.
 
     Raises:
-        ArchoError: The words are no command line of this program, and none of them is a STOP.
+        ArchoError: An option of the console is wrong, and no word is a STOP; or the words of a
+            subcommand or a verb are wrong.
     """
     if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
         from archo_tui.remote.completing import print_candidates

@@ -53,10 +53,12 @@ def launch(options: Namespace) -> int:
 
 
 def _launch_file(given: Path) -> Path:
-    """Return a given file as it is, or for a folder the only launch file of that workspace.
+    """Return a given file as it is, or for a workspace the only launch file of its packages.
+
+    In a package only `launch/*.launch.py` counts.
 
     Raises:
-        ArchoError: The workspace has none, or several.
+        ArchoError: The workspace has no such file, or several.
     """
     if not given.is_dir():
         return given

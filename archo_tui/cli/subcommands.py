@@ -138,9 +138,9 @@ def look(_options: Namespace) -> int:
 
 
 def recordings(options: Namespace) -> int:
-    """Print a line for each recording of the black box, or delete those named; return 0.
+    """Print a line for each recording of the black box, or for each one that is deleted; return 0.
 
-    With `--json` a line is a JSON object.
+    With `--json` each line of the list is a JSON object.
 
     Raises:
         ArchoError: A name to delete is unknown, so that none is deleted, or the disk refuses it.

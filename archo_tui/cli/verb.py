@@ -27,8 +27,8 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
         The exit code of the verb.
 
     Raises:
-        ArchoError: An option of the console is given that a verb does not take. A STOP is sent
-            all the same, with a complaint.
+        ArchoError: An option of the console is given that a verb does not take, or `--engine` names
+            no engine. A STOP is sent all the same, with a complaint.
     """
     from pathlib import Path
 
