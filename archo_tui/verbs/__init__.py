@@ -27,7 +27,7 @@ def verbs(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> dict[s
     """Return all verbs of a robot by the word that is typed, those for goals first.
 
     The first goal of the robot file has the verb `go`, each further goal its id. Each command of
-    the file has a verb, and a second one for the way back if the command is a toggle.
+    the file has a verb, and if the command is a toggle, a second one that switches off.
 
     Args:
         robot: The robot file.

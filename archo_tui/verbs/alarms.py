@@ -108,7 +108,8 @@ class Acknowledge(_AlarmVerb):
 class Shelve(_AlarmVerb):
     """The verb `shelve`: silence an alarm for SHELF_TIME, or end that early if it is shelved.
 
-    The reason goes into the journal; without one, an alarm of HIGH priority is not shelved.
+    The reason goes into the journal; without one, an alarm of HIGH priority is not shelved, and the
+    outcome is MISUSE.
     """
 
     id, title, tells = "shelve", "Shelve", True

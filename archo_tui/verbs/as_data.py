@@ -102,9 +102,9 @@ def _stop_state(snapshot: Snapshot) -> str:
 def in_line(station: Station) -> str:
     """Return the state in one line, such as `ARCHO 87 % MOVING to 12, 9.0 m left`.
 
-    The running goal is named unless the robot is stopped; then the motion is. A held queue, and
-    the HIGH alarms whose cause is not over, follow. The charge is `--` if it is unknown or old, and
-    left out for a robot without a battery.
+    Named is the running goal, or the motion if no goal runs or the robot is stopped. A held queue,
+    and the HIGH alarms whose cause is not over, follow. The charge is `--` if it is unknown or old,
+    and left out for a robot without a battery.
     """
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
@@ -159,7 +159,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 def event(found: Event) -> dict[str, Any]:
     """Return an event as JSON has it: time, level, source, text and count.
 
-    Its command is added if it has one, and the verb, arguments and code of its audit record.
+    If it has them, its command is added, and the verb, arguments and code of its audit record.
     """
     told: dict[str, Any] = {
         "time": found.time,

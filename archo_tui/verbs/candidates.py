@@ -16,7 +16,7 @@ _MOST_NUMBERS = 1000  # Numbers of a range, such as shelves, that are listed.
 
 
 def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
-    """Return the words that may stand at the end of a line, each once.
+    """Return the words that may stand at the end of a line, each once; [] if none is known.
 
     Verbs keep their order; numbers are sorted by value, names by the alphabet.
 
@@ -49,7 +49,8 @@ def _sort_key(word: str) -> tuple[int, str]:
 def _goal_words(verb: Go, snapshot: Snapshot) -> Iterable[str]:
     """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field.
 
-    The numbers are the first _MOST_NUMBERS; there are none if a limit is unknown or below 0.
+    The numbers are the first _MOST_NUMBERS; there are none if a limit is unknown, infinite or below
+    0.
     """
     if len(verb.arguments) != 1 or not verb.arguments[0].many:
         return [f"{argument.name.lower()}=" for argument in verb.arguments]

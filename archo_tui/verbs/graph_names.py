@@ -89,8 +89,8 @@ async def fields_of(
     """Return the values that typed words give to the fields of a request or a goal.
 
     `FIELD=VALUE ...` gives parsed values by dotted path. A single word that begins with `{` is a
-    YAML mapping, which is returned without a check of its fields. Fields that are left out keep
-    the message's defaults.
+    YAML mapping, which is returned without a check of its fields. Fields that are left out keep the
+    message's defaults.
 
     Args:
         station: The station, whose robot knows the types.
@@ -99,7 +99,8 @@ async def fields_of(
         words: The words after the name.
 
     Raises:
-        ValueError: The type is not installed or has no such field, or a value does not fit.
+        ValueError: The type is not installed or has no such field, a value does not fit, or a YAML
+            text is no mapping.
     """
     fields = await in_daemon(station.robot.form, type_name)  # Reads files.
     if fields is None:

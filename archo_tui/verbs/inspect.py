@@ -97,7 +97,7 @@ class Echo(_TopicVerb):
 
     With `--follow` it shows each new message, until it is cancelled. Otherwise it waits WAIT
     seconds for a message; if none comes, the outcome is TIMEOUT, or NOT_OFFERED for a topic without
-    a publisher. Programs get the message as data unless it is too large.
+    a publisher. A program gets the message as text and as data; if it is too large, as text only.
     """
 
     id, title = "echo", "Echo"
@@ -138,7 +138,8 @@ class Echo(_TopicVerb):
             has_room: Returns False while the reader is behind: messages are left out then.
 
         Raises:
-            ArchoError: There is no such topic or field, or a message cannot be shown.
+            ArchoError: The topic cannot be subscribed to, as in `inspect`; there is no such field;
+                or a message cannot be shown.
         """
         clock, fields = station.clock, values.get("field", ())
         async with self.inspect(station, values["topic"]) as inspection:

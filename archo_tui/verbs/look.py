@@ -13,7 +13,8 @@ from archo_tui.words.domains import domains_text
 class Look(Verb):
     """The verb `look`: list the nodes in the ROS 2 domains 0 to 20, and how to operate them.
 
-    A process of its own joins the domains for some seconds. Only an attached console has the verb.
+    A process of its own joins the domains for some seconds. The verb is disabled unless the console
+    was started with `--attach`.
     """
 
     id, title, tells = "look", "Look", True

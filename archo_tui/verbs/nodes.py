@@ -52,7 +52,8 @@ class Nodes(Verb):
 class _NodeVerb(Verb):
     """The base of the verbs that start, stop or copy one node of this process.
 
-    The outcome is also written as an event. Nothing is done if a STOP was read after the verb.
+    If a STOP was read after the verb, nothing is done, and the outcome is CANCELLED. Each outcome
+    is written as an event.
     """
 
     arguments = (Argument("node"),)

@@ -21,7 +21,7 @@ async def run_when_ready(
     """Run a verb once the robot is found, earlier requests are answered, and the person agrees.
 
     The waits end at ROBOT_TIMEOUT seconds after the start, and after ANSWERS seconds: the verb is
-    tried then all the same.
+    tried then all the same. A question whose `go` is "" is not asked, and the verb runs.
 
     Args:
         station: The station.

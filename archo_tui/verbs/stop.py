@@ -12,7 +12,8 @@ from archo_tui.verbs.base import Question, Values, Verb
 class StopNow(Verb):
     """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none.
 
-    The outcome comes when the robot has answered.
+    The outcome comes when the robot has answered; its code is NOT_OFFERED for a robot without a
+    STOP.
     """
 
     id, title = "stop", "STOP"
