@@ -81,8 +81,8 @@ class ChoiceRows(Rows[Choice]):
     on_choose: Callable[[], object]
     typed = ""
 
-    def light(self, typed: str) -> None:
-        """Underline what a typed text matches in the titles, in place of the text before."""
+    def highlight(self, typed: str) -> None:
+        """Highlight what a typed text matches in the titles, in place of the text before."""
         if typed != self.typed:
             self.typed = typed
             self.refresh()
@@ -164,7 +164,7 @@ class Choose(Dialog[None]):
 
     def _show_matches(self) -> None:
         shown = self._matches()
-        self._rows.light(self._narrow.value)
+        self._rows.highlight(self._narrow.value)
         self._rows.show(shown)
         self._rows.move_to(0)
         self._show_reason()

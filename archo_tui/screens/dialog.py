@@ -35,9 +35,10 @@ def main_screen(app: App[Any]) -> MainScreen | None:
 
 
 class DialogHead(Vertical):
-    """The lines at the top of a dialog: copies of the main screen's header and banner, not dimmed.
+    """The lines at the top of a dialog: copies of the main screen's, not dimmed.
 
-    They follow the main screen, and are hidden in a terminal of fewer than 20 rows.
+    These are header and banner, and over a replay the live robot's line above them. They change
+    with the main screen, and are hidden in a terminal of fewer than 20 rows.
     """
 
     def __init__(self, notice_line: NoticeLine) -> None:
@@ -80,7 +81,7 @@ class DialogHead(Vertical):
 
 
 class DialogFooter(Line):
-    """The line at the bottom of a dialog: the keys that work in dialogs, STOP first.
+    """The line at the bottom of a dialog: the keys that work in dialogs, such as cancel and STOP.
 
     The line shows the keys as they were when the dialog was opened.
     """
