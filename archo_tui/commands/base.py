@@ -68,7 +68,10 @@ class Console(Protocol):
 
     @property
     def input(self) -> InputTime | None:
-        """The time at which the key or click that is being handled was read; None for neither."""
+        """The time when the present key or click was read, and the pause before it, in s.
+
+        None while neither a key nor a click is handled.
+        """
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -91,7 +94,8 @@ class Console(Protocol):
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog, to which the following keys go.
 
-        A dialog that a STOP closes is not shown if a STOP was read since the key that opens it.
+        A dialog that a STOP closes is not shown if a STOP was read since the key that opens it; a
+        message and an event say so.
         """
 
     def begin_replay(self, player: Player) -> None:
@@ -104,10 +108,16 @@ class Console(Protocol):
         """
 
     def end_replay(self) -> None:
-        """Close the replay with its dialogs, and show the live console again."""
+        """Close the replay with its dialogs, and show the live console again.
+
+        Nothing happens without a replay.
+        """
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog that is about to be opened."""
+        """Return a context in which keys wait for a dialog that is about to be opened.
+
+        Keys that work everywhere do not wait.
+        """
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
@@ -164,13 +174,19 @@ class Console(Protocol):
         """Save the screen as SVG, once the palette that asked for it has gone."""
 
     def action_command(self, name: str) -> None:
-        """Run a command by its id, or show why it cannot run."""
+        """Run a command by its id, or show why it cannot run.
+
+        A command that still waits for its answer does not run again; an unknown id does nothing.
+        """
 
     def action_suspend_process(self) -> None:
         """Suspend the console's process until the shell continues it, as ctrl+z does."""
 
     def leave(self) -> None:
-        """End the console when every command has its answer, after some seconds at the latest."""
+        """End the console when every command has its answer, after 30 s at the latest.
+
+        In a replay inside of a live console, only the replay ends.
+        """
 
 
 def file_writer(
@@ -218,13 +234,13 @@ class Command:
         where: The place where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
         panel: The panel's number, for IN_PANEL.
         runs_disabled: True if `run` is called even while the command is disabled, after the reason
-            was shown.
+            was shown; not on a console that only watches.
         always_tried: True if `run` is called although the last snapshot disables the command,
             without the reason; not on a console that only watches.
         waits_for_answer: True if the command does not run again before its answer, or for a held
             key.
         resend_after: Seconds after which a held key runs the command again.
-        verbs: The words of the verbs that the command runs.
+        verbs: The words of the verbs that the command runs, or that print what it shows.
         gives_way: True if a robot file or a keymap may take the key of this command.
         from_file: The place in the robot file (`FILE:LINE`) that defines the command, or "".
     """

@@ -94,7 +94,10 @@ class ReplayConsole:
 
     @property
     def input(self) -> InputTime | None:
-        """The time at which the key or click that is being handled was read; None for neither."""
+        """The time when the present key or click was read, and the pause before it, in s.
+
+        None while neither a key nor a click is handled.
+        """
         return self._live.input
 
     @property
@@ -142,7 +145,10 @@ class ReplayConsole:
         self._live.end_replay()
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog that is about to be opened."""
+        """Return a context in which keys wait for a dialog that is about to be opened.
+
+        Keys that work everywhere do not wait.
+        """
         return self._live.opening()
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
@@ -186,7 +192,7 @@ class ReplayConsole:
     def action_command(self, name: str) -> None:
         """Run a command of the replay by its id, or show why it cannot run.
 
-        `stop` runs the live console's STOP.
+        `stop` runs the live console's STOP; an unknown id does nothing.
         """
         self._live.action_command(name)
 
@@ -194,7 +200,7 @@ class ReplayConsole:
         """Do nothing: only the live console can be suspended."""
 
     def leave(self) -> None:
-        """Close the replay, and show the live console again."""
+        """Close the replay with its dialogs, and show the live console again."""
         self.end_replay()
 
 

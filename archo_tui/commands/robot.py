@@ -17,7 +17,7 @@ from archo_tui.verbs.base import Verb
 class GoKey(Command):
     """The command for the first goal of the robot file: it focuses that goal's form on the screen.
 
-    The form gets the focus even while no goal can be sent.
+    The form gets the focus even while no goal can be sent, but not on a console that only watches.
     """
 
     id, key, footer, verbs = "go", "g", "Go", ("go",)
@@ -83,7 +83,7 @@ class FormGoalKey(VerbCommand):
 
 
 class CancelKey(VerbCommand):
-    """The command of ctrl+c, which cancels the running goal, whoever sent it.
+    """The command of ctrl+c, which cancels the running goal; another client's after a question.
 
     If none is running, it ends the wait of a dialog for an answer, else it copies the selection,
     else it says which key quits. A key that is held down does nothing but cancel an own goal that
