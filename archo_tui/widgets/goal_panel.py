@@ -54,7 +54,8 @@ class GoalPanel(Panel):
     Attributes:
         fields: The fields of the form, in their order; empty without a goal, or if its type is not
             installed.
-        typed: The texts of each time that the form was sent, one a field, the oldest first.
+        typed: The texts that the arrows recall, one a field, for each time that the form was sent,
+            the oldest first. Changed by `set_typed` only.
         board: The grid of numbers.
         send: Called with the values of each goal by dotted path, in the order of sending, and with
             the typed texts. To be set by the owner.
