@@ -23,7 +23,8 @@ _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the program, and print errors that the user can mend as one line on standard error.
 
-    A console that asks for a restart, such as in another namespace, replaces this process.
+    A console that asks for a restart, such as in another namespace, replaces this process. Other
+    errors of the operating system pass through.
 
     Args:
         argv: The words of the command line; None means the program's own.
