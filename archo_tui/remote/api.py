@@ -295,8 +295,6 @@ class Robot:
                 iterator.
         """
         words = ["echo", topic, *fields]
-        if is_stop({"words": words}):
-            raise Misused("misuse", "messages takes a topic: use robot.stop()")
         request = self._request(checked_timeout(timeout), words=words, follow=True)
         request.send()
         return _messages(request)
