@@ -195,7 +195,7 @@ class Parameters:
 
         Returns:
             DONE with the values that the node reports afterwards and those before, secrets masked;
-            if it does not report them in time, the last known ones. REFUSED with its reason,
+            if it does not report them in time, with those before only. REFUSED with its reason,
             TIMEOUT, or MISUSE for a value that does not fit.
 
         Raises:
@@ -224,6 +224,9 @@ class Parameters:
         )
         for name, value in zip(names, got.values if got is not None else (), strict=False):
             self._take(node, name, as_python(value))
+        if got is None:
+            were = ", ".join(f"{name} was {before[name]}" for name in names)
+            return Outcome(Code.DONE, f"accepted, but {node} does not tell the value now; {were}")
         now = self._event_texts(node, values)
         text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
         return Outcome(Code.DONE, text)

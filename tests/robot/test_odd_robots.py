@@ -58,6 +58,22 @@ async def test_a_parameter_without_a_value_hides_none_of_the_others() -> None:
         await until(lambda: it.snapshot.parameter("later").value == 1.5)  # type: ignore[union-attr]
 
 
+async def test_a_value_that_is_not_read_back_is_not_said_to_be_as_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with robot(Unset) as it:
+        await until(lambda: it.snapshot.parameter("speed"))
+        call = it._services.call
+
+        async def hangs(kind: Any, *given: Any, **options: Any) -> Any:
+            return None if kind is srv.GetParameters else await call(kind, *given, **options)
+
+        monkeypatch.setattr(it._services, "call", hangs)
+        outcome = await ended(it.set_parameters("/unset", {"speed": 0.7}))
+        said = "accepted, but /unset does not tell the value now; speed was 0.5"
+        assert outcome == (Code.DONE, said)
+
+
 async def test_a_parameter_without_a_value_is_edited_from_an_empty_field() -> None:
     async with console(node_makers=[Unset], wait=False) as op:
         await op.until("later")
