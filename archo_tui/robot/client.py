@@ -24,6 +24,7 @@ from rclpy.context import Context
 from std_msgs.msg import String
 
 from archo_tui.clock import Clock
+from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot import audit_records, message_classes, messages, services
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.clock_offsets import ClockOffsets
@@ -513,12 +514,15 @@ class Robot:
 
         Raises:
             TimeoutError: The ROS thread does not answer.
-            Exception: rclpy refuses the subscription, as Fast DDS does for a second type.
+            ArchoError: rclpy refuses the subscription, as Fast DDS does for a second type.
         """
         inspection = Inspection(self._node, self._clock, topic, message_class, on_data)
 
         async def begin() -> None:
-            inspection.subscribe()
+            try:
+                inspection.subscribe()
+            except Exception as error:  # As Fast DDS refuses a second type of a topic.
+                raise ArchoError(f"{topic}: no subscription: {in_one_line(error)}") from None
 
         try:
             await self._thread.run(begin, QUESTION_TIMEOUT)

@@ -13,6 +13,7 @@ from typing import Any, NoReturn, Protocol
 
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
 from archo_tui.robot import message_classes
 from archo_tui.robot.inspection import Inspection
 from archo_tui.robot.message_intake import MessageIntake
@@ -126,6 +127,8 @@ class TopicFollower:
                         return TopicView(self._topic, ends=ends, fault="its type has changed")
         except TimeoutError:
             return TopicView(self._topic, kind, ends=ends, fault=_NO_ANSWER)
+        except ArchoError as error:
+            return TopicView(self._topic, kind, ends=ends, fault=str(error))
 
     def _update(
         self, watch: TopicWatch, request: TopicRequest, spent: float

@@ -16,6 +16,7 @@ from std_msgs.msg import Float32, Float32MultiArray, String, UInt8MultiArray
 from archo_tui.errors import ArchoError
 from archo_tui.robot import inspection, message_text
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.state import TopicRequest
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 
@@ -53,6 +54,26 @@ async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.Monkey
             assert made[0].count_subscribers("/fast") == 1
         await until(lambda: made[0].count_subscribers("/fast") == 0)
         assert "/fast" not in recorded
+
+
+async def test_a_subscription_that_rclpy_refuses_is_a_fault_and_an_outcome(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(_: object) -> None:
+        raise RuntimeError("created topic with other type")
+
+    monkeypatch.setattr(inspection.Inspection, "subscribe", refused)
+    said = "/fast: no subscription: RuntimeError: created topic with other type"
+    async with robot(making([], Talker)) as it:
+        await until(lambda: "/fast" in {end.name for end in it.snapshot.resources})
+        with pytest.raises(ArchoError, match=said):
+            async with it.inspect("/fast", String):
+                pass
+        views: list[Any] = []
+        task = asyncio.ensure_future(it.follow_topic("/fast", TopicRequest, views.append))
+        await until(lambda: views and said in views[-1].fault)
+        assert not task.done()
+        task.cancel()
 
 
 async def test_a_message_that_is_kept_comes_at_once() -> None:
