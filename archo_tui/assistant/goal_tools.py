@@ -161,7 +161,10 @@ class CancelTool(Tool):
 
     async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
         result = await connection.request(words=["cancel"])
-        if result["code"] in ("done", "accepted"):
+        if result["code"] == "done":
+            summary = "Withdrawn: no request of this assistant waits for a person any more."
+            return ToolAnswer(result["code"], summary, robot_part_of(result))
+        if result["code"] == "accepted":
             summary = "The robot accepts the cancel. `wait` tells when its goal has ended."
             return ToolAnswer(result["code"], summary, robot_part_of(result))
         summary = "Not cancelled, or not confirmed: `said` tells why. `stop` stops the robot."

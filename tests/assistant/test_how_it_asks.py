@@ -198,6 +198,9 @@ async def test_a_stop_that_is_not_confirmed_is_a_failure_that_names_the_hardware
 
 async def test_a_cancel_that_is_not_done_says_why() -> None:
     async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("cancel", "done", "withdrawn: 3")
+        said = await model.call("cancel")
+        assert said.data["summary"].startswith("Withdrawn")
         console.answer("cancel", "refused", "no goal of the assistant runs")
         said = await model.call("cancel")
         assert said.failed
