@@ -58,7 +58,7 @@ class GoalFinder:
             clock: The clock of all times.
             register: The goals that are tracked; found ones are added.
             canceller: Cancels a goal of this console whose feedback shows that it was accepted
-                after it was cancelled.
+                after a STOP or a cancel.
             note: Called with level and text of an event: a goal of another client was found.
             watching: True for a console that sends nothing.
         """
@@ -141,6 +141,8 @@ class GoalFinder:
             is_found=lost is not None or not is_new,
         )
         tracked = self._register.prepare(goal, goal_id, action)
+        if lost is not None:  # A STOP since then is meant for it, too.
+            tracked.tracked_since = lost.sent
         self._register.add(tracked)
         if not self._watching:
             tracked.assume_accepted()
@@ -152,14 +154,17 @@ class GoalFinder:
     def on_feedback(self, action: GoalAction, message: Any) -> None:
         """Pass a feedback message on to its goal, and track a goal again that was lost.
 
-        Feedback of a goal that is neither tracked nor lost is ignored. If the operator has
-        cancelled the goal before its acceptance was known, its cancel begins now.
+        Feedback of a goal that is neither tracked nor lost is ignored. If a STOP or a
+        cancel came before the goal's acceptance was known, or while nothing was known of the goal,
+        its cancel begins now.
         """
         goal_id = bytes(message.goal_id.uuid)
         tracked = self._register.running.get(goal_id) or self._track_again(action, goal_id)
         if tracked is not None:
+            was_unknown = tracked.goal.phase == Phase.UNKNOWN
             tracked.on_feedback(message.feedback)
-            if tracked.is_cancelled:  # The answer that it was accepted may have been lost.
+            # The answer that it was accepted may have been lost.
+            if tracked.is_cancelled or was_unknown:
                 self._canceller.cancel_if_unwanted(tracked)
 
     def _track_again(self, action: GoalAction, goal_id: bytes) -> TrackedGoal | None:

@@ -112,11 +112,12 @@ class StopLatch:
         `released` becomes the present time, also if there was no STOP. `on_change` is not called.
         """
         self._end()
-        self.released, self._sent = self._clock.monotonic(), None
+        self.released = self._clock.monotonic()
 
     def _end(self) -> None:
         self.state, self.doubt, self._lasting_doubt = Latch.NONE, "", ""
-        self.holders_have_ended = False
+        self.holders_have_ended = self.is_not_obeyed = False
+        self._sent = None
 
     def expect_standstill(self, sent: float) -> None:
         """Expect the robot to stand at least once after a STOP (rule 5).

@@ -9,7 +9,8 @@ The rules, each of which is checked in one method:
    server has answered, or as soon as there is a server: `must_repeat`, `send_again`.
 4. An answer counts for the call that it belongs to, however late it comes: `_record_result`.
 5. A STOP is past when a release or a goal is accepted that left after it, and never by one that
-   left before it: `on_accepted`, `is_behind`.
+   left before it: `on_accepted`, `is_behind`. If a yes to it comes after that, it holds again: the
+   robot may have carried it out last.
 
 What a confirmed STOP means from then on is in `stop_latch.py`.
 """

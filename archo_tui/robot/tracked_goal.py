@@ -58,7 +58,7 @@ class TrackedGoal:
         handle: The rclpy client's handle, with which the goal can be cancelled; None before the
             server accepted the goal or is assumed to have, and after the end.
         tracked_since: When tracking began, in monotonic seconds: for a goal of this console when it
-            was sent, for another one when it was found.
+            was sent, also if it was lost meanwhile, for another one when it was found.
         tried_to_cancel: When the console last tried to cancel the goal without being asked, in
             monotonic seconds; 0 if never.
         gate: The last check that the goal passed as it was sent from here; None if others sent it.

@@ -10,12 +10,14 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.stops import NOT_SENT
 from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
+from tests.support.ros import begin
 
 
 class Slow(Node):
@@ -35,7 +37,7 @@ class Slow(Node):
             (impl.CancelGoalService, "cancel_goal", self.cancel),
         ):
             self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
 
@@ -74,6 +76,20 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         await until(lambda: made[0].cancels >= 1)
         said = "shelf 3 was accepted after a STOP: cancelling it"
         await until(lambda: said in [event.text for event in it.snapshot.events])
+
+
+async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancelled() -> None:
+    made: list[Slow] = []
+    async with robot(making(made, Slow)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        task = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].asked == 1)
+        it.stops.register()
+        moves = MoveToShelf.Impl.FeedbackMessage()
+        moves.goal_id = UUID(uuid=list(it._goals._register.ours.id))  # type: ignore[union-attr]
+        assert (await ended(task)).code is Code.TIMEOUT
+        begin(made[0], made[0].feedback.publish, moves)
+        await until(lambda: made[0].cancels >= 1)
 
 
 async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:

@@ -55,6 +55,15 @@ def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() ->
     assert not nodes.look()
 
 
+def test_what_moves_behind_a_release_is_not_said_to_disobey() -> None:
+    nodes = Nodes()
+    nodes.latch.expect_standstill(0.0)
+    nodes.latch.on_motion(Motion(moving=True, received=5.0))
+    assert nodes.latch.is_not_obeyed
+    nodes.latch.release()
+    assert not nodes.latch.is_not_obeyed
+
+
 def test_one_whose_node_has_left_but_is_not_ended_is_held() -> None:
     nodes = Nodes(motor=HERE)
     assert not nodes.look()  # Its program is suspended: it returns, and holds the STOP.
