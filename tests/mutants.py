@@ -233,7 +233,7 @@ FAULTS = [
     Fault("robot/parameter_values.py", "    if parameter.read_only:\n        raise", "    if False:\n        raise", ROBOT),
     Fault("robot/parameter_values.py", "not parameter.low <= value <= parameter.high", "value > parameter.high", ROBOT),
     Fault("robot/stopping.py", "        if self.open is not None:\n            self.close()", "        pass", ROBOT + " " + CONSOLE),
-    Fault("hosting/hosted_node.py", "        self._on_change(self)\n", "        pass\n", ROBOT),
+    Fault("hosting/hosted_node.py", "        self._on_crash(self)\n", "        pass\n", ROBOT),
     Fault("hosting/hosted_node.py", "            return False\n        self._executor.shutdown(0)", "            return True\n        self._executor.shutdown(0)", "tests/terminal/test_terminal.py"),
     Fault("shutdown.py", "    if on_disconnect == LEAVE:\n", "    if False:\n", "tests/station/test_shutdown.py"),
     Fault("shutdown.py", "        if self._task is None:\n", "        if True:\n", "tests/station/test_shutdown.py"),

@@ -34,9 +34,10 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
         source: The text of the file.
 
     Returns:
-        A line, as `FILE:LINE: TypeError: ..., in: x = y + 1`, and the traceback without the frames
-        of the engine. The place is that of a syntax error, else the last line that ran of the file
-        or its modules, else a callback that the error is about; else FILE without a line.
+        A line, as `FILE:LINE: TypeError: ..., in: x = y + 1`, which for known mistakes says how to
+        mend them; and the traceback without the frames of rclpy and the console. The place is that
+        of a syntax error, else the last line that ran of the file or its modules, else a callback
+        that the error is about; else FILE without a line.
     """
     name, why = type(error).__name__, reason_of(error)
     report = traceback_without(error, rclpy, archo_tui)
@@ -60,7 +61,7 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the first line of an error's text; "" for an error without text.
+    """Return the first line of an error's text; "" if there is none, or its `__str__` raises.
 
     The text about a topic that has two types in this process, which Fast DDS reports as an
     incompatible type or an invalid allocator, is replaced by an explanation.
@@ -79,7 +80,7 @@ def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> 
     Args:
         own_code: The code of the file and of its folder.
         source: The text of the file.
-        where: `FILE:LINE` of the call.
+        where: `FILE:LINE` of the last line that ran of the file or its modules.
         why: The text of the error.
     """
     early = source.line_of_called_callback()
@@ -95,7 +96,7 @@ def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> 
 def _place_of_callback(
     error: BaseException, own_code: OwnCode, source: Source, where: str, why: str
 ) -> tuple[str, str]:
-    """Find the callback of the file that an error within rclpy is about.
+    """Find the callback of the file or its modules that an error within rclpy is about.
 
     Args:
         error: The error, which has no frame of the file.
@@ -105,7 +106,8 @@ def _place_of_callback(
         why: The text so far.
 
     Returns:
-        `FILE:LINE` of the callback and what is wrong with it, or `where` and `why` as they are.
+        `FILE:LINE` of the callback, and how to mend it, or `why` if that is not known; `where` and
+        `why` if there is no such callback.
     """
     # A timer whose callback is None raises UnboundLocalError in rclpy's own code.
     if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:

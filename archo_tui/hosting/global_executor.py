@@ -42,7 +42,7 @@ class GlobalExecutor(SingleThreadedExecutor):
 
 
 def use(executor: Executor) -> None:
-    """Set the global executor of the calling thread, which rclpy uses once `install` was called."""
+    """Set the executor that rclpy, after `install`, uses as the calling thread's global one."""
     _of_thread.set(executor)
 
 

@@ -53,7 +53,7 @@ class Host:
             context: The rclpy context of the nodes.
             on_event: Called with level, source and text of an event, on any thread.
             on_end: Called with the services and actions that no node of this process serves any
-                more, perhaps none, after a node has ended; on any thread.
+                more, perhaps none, after a node or program has ended; on any thread.
             early_stop_request: Returns the full name of the service of a STOP that is not released,
                 and the values of its request; "" for the name if there is no such STOP.
             on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
@@ -76,8 +76,9 @@ class Host:
     def add(self, make: Callable[..., Any]) -> None:
         """Construct a node, which `start` spins.
 
-        A late node of a file is added, too: an event names the line at which its constructor waits,
-        and the node starts by itself.
+        A node of a file whose constructor takes long or waits for other nodes is late: it is added,
+        too, an event names the line of its constructor, and it starts by itself, not before
+        `start`.
 
         Args:
             make: Makes the node, given the context by that name.
@@ -95,7 +96,7 @@ class Host:
         return HostedNode(make, self._context, *callbacks, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
-        """Wait for a node; write an event if it is late, a warning if it is overdue.
+        """Wait for a node; if it is late, write an event, which is a warning if it is overdue.
 
         Raises:
             Exception: The exception that the constructor raises.
@@ -141,7 +142,7 @@ class Host:
         return [*(hosted.name for hosted in self.nodes), *self.programs.names()]
 
     def unended_names(self) -> list[str]:
-        """Return the full names of the nodes that neither were stopped, nor crashed, nor ended.
+        """Return the full names of the nodes, programs' included, that are up, starting or stuck.
 
         May be called on any thread.
         """
@@ -153,14 +154,16 @@ class Host:
 
         If a STOP is not released, a node that serves it carries it out before it spins, and a
         program is refused. What still runs of a stuck node is interrupted and taken off the graph.
+        The node gets the parameter values of the start, and the text of its file that was last
+        loaded.
 
         Args:
             name: The fully qualified name of one of the nodes.
 
         Returns:
             The outcome; REFUSED if the node runs, is starting, or raises in its constructor;
-            NOT_CONFIRMED if it spins now without having confirmed the STOP; DONE also for a node
-            whose constructor takes long: it starts by itself.
+            NOT_CONFIRMED if it spins now without having confirmed the STOP; otherwise DONE, also
+            for a node whose constructor takes long: it starts by itself.
         """
         program = self.programs.find(name)
         if program is not None:
@@ -180,13 +183,13 @@ class Host:
     def stop_node(self, name: str) -> Outcome:
         """Stop a node, or end its program as Ctrl-C does; other nodes are not affected.
 
-        `on_end` is called with what no node of this process serves any more.
-
         Args:
             name: The fully qualified name of one of the nodes.
 
         Returns:
-            The outcome; TIMEOUT if a callback of the node does not return: the node is stuck then.
+            DONE, also if it had ended before, after a call of `on_end` with what no node of this
+            process serves any more; TIMEOUT if a callback of the node, or the program, does not
+            return: it is stuck then.
         """
         program = self.programs.find(name)
         if program is not None:
@@ -201,7 +204,7 @@ class Host:
             return Outcome(Code.DONE, f"{name} stopped{held}")
 
     def copy_node(self, name: str) -> Outcome:
-        """Run another node of the same class, under the next free name: `dashboard_2`.
+        """Run another node of the same class, under the next name free here: `dashboard_2`.
 
         If a STOP is not released, a copy that serves it carries it out before it spins.
 
@@ -209,8 +212,8 @@ class Host:
             name: The fully qualified name of one of the nodes.
 
         Returns:
-            The outcome; REFUSED for the node of a program, or if the constructor raises. Otherwise
-            as that of `start_node`.
+            REFUSED for the node of a program, or if the constructor raises or takes no name;
+            otherwise DONE or NOT_CONFIRMED, as `start_node`.
         """
         if self.programs.find(name) is not None:
             return Outcome(Code.REFUSED, f"{name} is a program of its own: it is not copied")
@@ -223,12 +226,13 @@ class Host:
             return self._make_and_spin(lambda: self._hosted(kind, short), f"{short} started")
 
     def reload(self, file: NodeFile, operator_values: Callable[[str], Mapping[str, Any]]) -> None:
-        """Load a file as it is now, and run its nodes in place of those of its text before.
+        """Load a file as it is now, and run its nodes in place of all those it has here.
 
-        If the file cannot be imported, the old nodes run on. If a new node cannot be constructed,
-        the old nodes are constructed again. An event says what was done. If a STOP is not released,
-        a node that serves it carries it out before it spins. A node of the robot's own with the
-        name of a new one is stopped and removed.
+        Stopped and crashed nodes of the file are replaced, too, and copies end. If the file cannot
+        be imported, the old nodes run on. If a new node cannot be constructed, the old nodes are
+        constructed again. An event says what was done. If a STOP is not released, a node that
+        serves it carries it out before it spins. A node of the robot's own with the name of a new
+        one is stopped and removed.
 
         Args:
             file: The file.
@@ -286,7 +290,7 @@ class Host:
         The node spins even if it does not confirm the STOP.
 
         Returns:
-            The outcome of the STOP, whose text goes on after `NODE started`.
+            The outcome of `_carry_out_stop`.
         """
         outcome = self._carry_out_stop(new)
         new.start()
@@ -299,7 +303,7 @@ class Host:
         one that it confirms.
 
         Returns:
-            The outcome of the STOP, whose text goes on after `NODE started`: DONE and "" if there
+            The outcome of the STOP, with a text to append to `NODE started`: DONE and "" if there
             is nothing to carry out, NOT_CONFIRMED if the node does not confirm the STOP.
         """
         service, request = self._early_stop_request()
@@ -316,8 +320,8 @@ class Host:
     def _carry_out_stop_early(self, new: HostedNode) -> None:
         """Make a node carry out a STOP that is not released, before its constructor spins it.
 
-        Do nothing if a STOP was not released at its last spin either: since then the node receives
-        requests itself. `was_stopped_early` of the node is set for the next call.
+        Do nothing if a STOP already held when the constructor last spun the node: since then the
+        node receives requests itself. `was_stopped_early` of the node is set for the next call.
         """
         is_told, new.was_stopped_early = new.was_stopped_early, bool(self._early_stop_request()[0])
         if not is_told:
@@ -346,7 +350,8 @@ class Host:
     def _make_way_for_program_node(self, name: str, is_stopping: Callable[[], bool]) -> None:
         """Stop and remove the node of the robot's own, if any, that a node of a program replaces.
 
-        Do nothing if the program is to end. This is called on a thread of the program.
+        `on_end` is called for it. Do nothing if the program is to end. This is called on a thread
+        of the program.
 
         Args:
             name: The full name of both nodes.
@@ -468,14 +473,14 @@ class Host:
                 self._changing.release()
 
     def _report_ended(self, hosted: HostedNode) -> None:
-        """Call `on_end` with what the node served and no other node of this process serves."""
+        """Call `on_end` with what the node served and no other node that is UP serves."""
         others = [h for h in self.nodes if h is not hosted]
         self._report_gone(hosted.state.serves, others)
 
     def _report_gone(
         self, names: Sequence[str], others: Sequence[HostedNode] | None = None
     ) -> None:
-        """Call `on_end` with the names that no other node of this process serves.
+        """Call `on_end` with the names that no other node or program that is UP serves.
 
         Args:
             names: The services and actions that have gone.

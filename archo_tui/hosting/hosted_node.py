@@ -50,8 +50,8 @@ class HostedNode:
         node: The node; not set until its constructor has returned.
         make: The function or FileNode that makes the node.
         file: The node file; None for a node of the robot's own.
-        operator_values: A function that returns the parameter values that the operator has set
-            on a node, given the node's full name.
+        operator_values: A function that returns the parameter values that the operator has set on a
+            node, given the node's full name; it returns none until `Host.reload` sets another one.
         state: The state of the node; `current_state` is more precise while it is constructed.
         was_stopped_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
@@ -63,7 +63,7 @@ class HostedNode:
         self,
         make: Callable[..., Node],
         context: Context,
-        on_change: Callable[[HostedNode], None],
+        on_crash: Callable[[HostedNode], None],
         on_event: Callable[[str, str, str], None],
         on_late: Callable[[HostedNode], None],
         on_early: Callable[[HostedNode], object],
@@ -74,14 +74,14 @@ class HostedNode:
         Args:
             make: Makes the node, given the context.
             context: The rclpy context of the node.
-            on_change: Called when the node has crashed, in its thread.
+            on_crash: Called when the node has crashed, in its thread.
             on_event: Called with level, source and text of an event, in any of its threads.
-            on_late: Called when the node is made after `wait` has returned False, in its thread.
-            on_early: Called before the constructor spins the node, in its thread.
+            on_late: Called when the node is made after `wait` has given up, in its thread.
+            on_early: Called each time before the constructor spins the node, in its thread.
             rename: The name of the node; "" for the name that it gives itself.
         """
         self.make, self._context, self._rename = make, context, rename
-        self._on_change, self._on_event = on_change, on_event
+        self._on_crash, self._on_event = on_crash, on_event
         self._on_late, self._on_early = on_late, on_early
         self.file = make.file if isinstance(make, FileNode) else None
         self.operator_values: Callable[[str], Mapping[str, Any]] = lambda _: {}
@@ -113,7 +113,7 @@ class HostedNode:
 
     @property
     def name(self) -> str:
-        """The full name; until the node has one, the name of its file, or `/` if it has none."""
+        """The full name; until the node has one, `/` and its file's name without `.py`, or `/`."""
         if self._name:
             return self._name
         for node in self._begun:
@@ -181,7 +181,7 @@ class HostedNode:
 
     @property
     def is_overdue(self) -> bool:
-        """True if CONSTRUCTION_TIME has passed since the constructor began."""
+        """True once CONSTRUCTION_TIME has passed since construction began, even if it has ended."""
         return time.monotonic() - self._began >= CONSTRUCTION_TIME
 
     def lateness_text(self) -> str:
@@ -316,7 +316,8 @@ class HostedNode:
 
         Args:
             service: The full name of the STOP service, which the node `serves`.
-            request: The values of the request; it must have exactly these fields.
+            request: The values of the request; a service whose request has other fields is not
+                called.
 
         Returns:
             The reason why the STOP is not confirmed; "" if it is.
@@ -362,8 +363,11 @@ class HostedNode:
         return "" if result.successful else result.reason or "refused"
 
     def make_again(self) -> HostedNode:
-        """Start to construct another node of the same class and name; this node stays as it is."""
-        callbacks = self._on_change, self._on_event, self._on_late, self._on_early
+        """Start to construct another node of the same maker and name; this node stays as it is.
+
+        `operator_values` is not taken over.
+        """
+        callbacks = self._on_crash, self._on_event, self._on_late, self._on_early
         return HostedNode(self.make, self._context, *callbacks, self._rename)
 
     def _spin(self) -> None:
@@ -387,7 +391,7 @@ class HostedNode:
         name = self.name
         self.state = self.state._replace(name=name, life=Life.CRASHED, error=text, traceback=report)
         self._leave_graph()
-        self._on_change(self)
+        self._on_crash(self)
 
     def _leave_graph(self) -> None:
         if self.is_made:
@@ -420,13 +424,13 @@ class HostedNode:
                 self._executor.create_task(lambda: None)
 
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
-        """End the threads and destroy the node; a node that has crashed keeps that state.
+        """End the threads and destroy the node; its state becomes STOPPED, unless it has crashed.
 
         Args:
             timeout: Seconds to wait for the running callbacks.
 
         Returns:
-            False if a callback takes longer: the node is marked as stuck and not destroyed then.
+            False if a callback takes longer: the node is STUCK then, and not destroyed.
         """
         self.begin_to_stop()
         end = time.monotonic() + timeout
@@ -465,7 +469,10 @@ def _end_spinning() -> NoReturn:
 
 
 def waits_for_others(thread: threading.Thread) -> bool:
-    """Return True if a thread is in a spin, or in a function of rclpy that waits for nodes."""
+    """Return True if a thread is within `rclpy.spin` or its like, or waits for a server.
+
+    A callback that the spin runs counts as within it.
+    """
     frame = sys._current_frames().get(thread.ident or 0)
     while frame is not None:
         module = frame.f_globals.get("__name__", "")
@@ -503,7 +510,8 @@ def destroy(node: Node) -> None:
 def served_names(node: Node) -> tuple[str, ...]:
     """Return the full names of a node's services and actions, sorted.
 
-    Services below the node's own name (`NODE/...`), such as those of its parameters, are left out.
+    Services below the node's own name (`NODE/...`), such as those of its parameters, and those of
+    which an action consists are left out.
     """
     own = f"{node.get_fully_qualified_name()}/"
     names = {service.service_name for service in node.services}

@@ -29,8 +29,8 @@ class Program(NamedTuple):
         arguments: The words of the command line before `ros_args`.
         name: The full name of its node, if that is known before the program runs; else "".
         domain_id: The ROS domain; None for that of the environment.
-        respawn_delay: Seconds between its end and the next run, at least LEAST_RESPAWN_DELAY;
-            None to run it only once.
+        respawn_delay: Seconds between its end and the next run, raised to LEAST_RESPAWN_DELAY if it
+            is less; None to run it only once.
         start_delay: Seconds before the first run.
     """
 
@@ -47,8 +47,9 @@ class ProgramEnd(NamedTuple):
     """The result of a run of a program.
 
     Attributes:
-        code: The exit code; 1 after an exception.
-        error: The exception in one line, which begins with the file; "" for none.
+        code: The exit code; 1 after an exception, 130 after an interruption, -N after signal N.
+        error: The exception, the text of a SystemExit or the signal, in one line which begins with
+            the file; "" for none.
         traceback: The traceback of the exception; "" for none.
     """
 
@@ -66,8 +67,8 @@ class HostedProgram(ABC):
         program: The program to run.
         file: The file of the program.
         state: The state of the program; `current_states` has one for each of its nodes.
-        crash: `FILE:LINE` and the error of the last crash; "" if the last run did not crash.
-        has_name: True once it has made a node, in this run or before.
+        crash: The `ProgramEnd.error` of the last run that ended by itself; "" before.
+        has_name: True once a node of it was accepted, in this run or before.
         was_refused: True if this run was ended at its first node because a STOP was not released.
         served: The full names of the services and actions that it was last known to serve.
     """
@@ -87,8 +88,8 @@ class HostedProgram(ABC):
             program: The program to run.
             on_end: Called each time that the program has ended without being stopped, in a thread
                 of the program.
-            on_node: Called with the full name of each node that the program makes, in a thread of
-                the program.
+            on_node: Called with this object and the full name of each node that the program makes,
+                in a thread of the program; not for a node that is refused behind a STOP.
             may_run: Returns False while a STOP is not released.
         """
         self.program, self.file = program, program.file
@@ -104,12 +105,16 @@ class HostedProgram(ABC):
 
     @property
     def name(self) -> str:
-        """The full name of the program's first node; before there is one, its planned name."""
+        """The first of `names`."""
         return self.names[0]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The full names of the program's nodes, the oldest first; if it has none, `state.name`."""
+        """The full names of the program's nodes on the graph, the oldest first; never empty.
+
+        Without a node on the graph, this is the name of the first node that the program ever made;
+        before that the planned name, or `/` and the file's name without `.py`.
+        """
         return self.node_names() or (self.state.name,)
 
     @property
@@ -128,7 +133,7 @@ class HostedProgram(ABC):
         return tuple(state._replace(name=name, serves=self.served) for name in self.names)
 
     def begin(self) -> None:
-        """Start the thread that runs the compiled file, once.
+        """Start the thread that runs the compiled file; call this once only.
 
         With a start delay, the first run also waits until no STOP holds. Without one, a STOP ends
         the run at its first node, see `accept_node`.
@@ -148,7 +153,7 @@ class HostedProgram(ABC):
         self.state = self.state._replace(error=text, traceback=error.report)
 
     def _run(self) -> None:
-        """Run the program until it has ended, and again if it respawns and no STOP holds."""
+        """Run the program until it has ended, and again if it respawns, once no STOP holds."""
         with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
             self._run_and_respawn()
 
@@ -164,7 +169,7 @@ class HostedProgram(ABC):
                 return
 
     def _may_run_after(self, delay: float) -> bool:
-        """Wait for `delay` seconds, and until no STOP holds; return False if asked to end."""
+        """Wait for `delay` seconds, and until no STOP holds; return False if it is to end."""
         if self._stopping.wait(delay):
             return False
         while not self._may_run():
@@ -247,14 +252,14 @@ class HostedProgram(ABC):
     def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
         """Interrupt the program and wait for its end; end it by force if it takes too long.
 
-        A program that has crashed keeps that state.
+        Its state becomes STOPPED, unless it has crashed. What it left on the graph is taken off.
 
         Args:
             timeout: Seconds to wait before it is ended by force.
             kill_timeout: Seconds to wait after that.
 
         Returns:
-            False if the program did not end; it is marked as stuck then.
+            False if the program did not end; it is STUCK then.
         """
         self.begin_to_stop()
         if not self.join(timeout):

@@ -42,8 +42,9 @@ class LaunchFile:
 
     Attributes:
         path: The path of the launch file.
-        workspace: The packages that it can use.
-        notes: The messages of the file, and a note for each part that does not run here.
+        workspace: The packages of the workspace that the file is in, which it can use.
+        notes: The messages of the file, what it prints, and a note for each part that does not run
+            here; `programs` adds warnings.
     """
 
     def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
@@ -85,13 +86,16 @@ class LaunchFile:
     def programs(self, ros_args: Sequence[str], domain_id: int | None) -> list[Program]:
         """Return the programs of the file, and prepare this process to run them.
 
-        The environment variables that the file sets are set in this process, and the programs'
-        modules can be imported. A variable that is set for one program only is not set: `notes`
-        gets a warning.
+        The environment variables that the file sets or removes are set or removed in this process,
+        and the programs' modules can be imported. A variable other than ROS_DOMAIN_ID that is set
+        for one program only is not set: `notes` gets a warning.
 
         Args:
             ros_args: ROS arguments that each program gets before its own, from `--ros-args` on.
             domain_id: The ROS domain of a program for which the file sets none.
+
+        Raises:
+            NodeFileError: There is no file for the module of a program.
         """
         from archo_tui.hosting.hosted_program import Program
         from archo_tui.hosting.program_file import ProgramFile
@@ -117,7 +121,7 @@ class LaunchFile:
         return programs
 
     def _note_environment(self, launched: LaunchedProgram) -> None:
-        """Warn in `notes` of variables that the file sets for one program only.
+        """Warn in `notes` of variables but ROS_DOMAIN_ID that the file sets for one program only.
 
         They are not set, because the programs share one environment.
         """
@@ -129,7 +133,10 @@ class LaunchFile:
             self.notes.append(LaunchNote("WARN", where, text))
 
     def current_stamps(self) -> Stamps:
-        """Return the stamps of what was read: the file, each setup.py, the parameter files."""
+        """Return the stamps of the file, its workspace's setup.py files and installed YAML files.
+
+        Launch files that it includes are not among them.
+        """
         setups = {package.folder / "setup.py" for package in self.workspace.packages.values()}
         values = {path.resolve() for path in Path(self._prefix.name).rglob("*.yaml")}
         return stamps({self.path, *setups, *values})
@@ -140,7 +147,7 @@ class LaunchFile:
 
 
 class HostedLaunchFile:
-    """A watched launch file: the console restarts when it, or a file that it reads, is saved."""
+    """A watched launch file: the console restarts when one of its `current_stamps` changes."""
 
     def __init__(
         self,
@@ -152,14 +159,14 @@ class HostedLaunchFile:
 
         Args:
             file: The launch file.
-            note: Gets level, source and text of an event about a text that is wrong.
+            note: Gets level, source and text of an event about a saved text with a mistake.
             restart: Restarts the console, given the reason.
         """
         self._file, self._note, self._restart = file, note, restart
         self.loaded = file.current_stamps()
 
     def current_stamps(self) -> Stamps:
-        """Return the stamps of the file now, and of what it reads."""
+        """Return the stamps of the launch file as they are now; see `LaunchFile.current_stamps`."""
         return self._file.current_stamps()
 
     def reload(self) -> None:

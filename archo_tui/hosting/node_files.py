@@ -32,12 +32,12 @@ IMPORT_TIME = 10.0  # Seconds that a file may take to be imported.
 
 
 class FileNode:
-    """A maker of one node of a file, in the way that the file's `main()` makes it.
+    """A maker of one node of a file: as `main()` makes it, or of a node class without arguments.
 
     Attributes:
         file: The file.
         threads: The number of threads that spin the node, as `Source.threads` returns it.
-        has_executor: True if `main()` makes an executor of its own.
+        has_executor: True if `main()` names an executor class of rclpy.
     """
 
     def __init__(self, file: NodeFile, call: NodeCall) -> None:
@@ -69,8 +69,9 @@ class FileNode:
                 in `main()`.
 
         Raises:
-            NodeFileError: The constructor raised, or does not take `options`; the text names file
-                and line.
+            NodeFileError: The constructor raised, does not run that of Node, or does not take
+                `options`; the text names the file, and the line if there is one.
+            Interrupted: The constructor was interrupted.
         """
         known = inspect.signature(self._node_class.__init__).parameters
         takes_all = any(p.kind == p.VAR_KEYWORD for p in known.values())
@@ -151,7 +152,7 @@ class NodeFile(UserFile):
         path: The path of the file.
         code: The code of the file and of its folder, as messages name it.
         loaded: Time and size of each file when it was last loaded, or could not be loaded.
-        source: The text that was last loaded.
+        source: The syntax tree of the text that `load` parsed last; an empty one before.
         not_run: One line about the calls of its `main()` that are not made here; "" if there are
             none.
     """
@@ -183,14 +184,17 @@ class NodeFile(UserFile):
     def load(self) -> list[FileNode]:
         """Import the file and its modules as they are now, within IMPORT_TIME, in a thread.
 
-        `loaded`, `source` and `not_run` are set. `main()` is not run.
+        `loaded`, `source` and `not_run` are set, and the folder can be imported from. `main()` is
+        not run.
 
         Returns:
-            A maker for each node that `main()` makes, or, if it makes none, for each node class.
+            A maker for each node that `main()` makes, or, if it makes none, for each node class
+            that the file defines and does not subclass itself.
 
         Raises:
-            NodeFileError: The file cannot be imported in that time or defines no node; the previous
-                modules stay in place.
+            NodeFileError: The file cannot be imported in that time, defines no node, or makes one
+                with arguments that only running `main()` could tell; the previous modules stay in
+                place.
         """
         before = {name: sys.modules.pop(name) for name in self._modules if name in sys.modules}
         known = set(sys.modules)
@@ -282,7 +286,7 @@ class NodeFile(UserFile):
         return [FileNode(self, NodeCall(kind, (), {}, 0, "")) for kind in dict.fromkeys(nodes)]
 
     def _nodes_by_main(self, module: ModuleType) -> list[FileNode]:
-        """Return a maker for each node that `main()` makes, perhaps none, and set `not_run`.
+        """Return a maker for each node that `main()` makes, perhaps none; set `not_run`.
 
         Raises:
             NodeFileError: An argument of a node has a value that only running `main()` could tell.
@@ -309,7 +313,8 @@ class NodeFile(UserFile):
             The value that the work returns.
 
         Raises:
-            NodeFileError: The work raised, or took too long.
+            NodeFileError: The work raised another error than those below, or took too long.
+            ArchoError: The work raised this error.
         """
         try:
             return self.run_explained(lambda: run_limited(work, seconds, f"/{self.path.stem}"))

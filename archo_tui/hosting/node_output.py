@@ -80,8 +80,9 @@ class HarmlessOutput(_Output):
 class NodeOutput(_Output):
     """A standard output that turns lines of other threads than the main one into events.
 
-    The console itself prints in the main thread only. The source of an event is the name of the
-    thread, which is that of its node, or of the owner that `share_output` has set.
+    The console itself prints in the main thread only. The source of an event is `NAME stdout`,
+    where NAME is the name, without leading slash, of the thread or of the owner that `share_output`
+    has set: that of its node.
     """
 
     def __init__(self, stream: TextIO, note: Callable[[str, str, str], None]) -> None:
@@ -100,8 +101,8 @@ class NodeOutput(_Output):
     def write(self, text: str) -> int:
         """Write text of the main thread; make an event of each whole line of another thread.
 
-        Of other threads, 50 lines a second are shown, and 10,000 characters of a line; an event
-        tells how many lines were left out.
+        Of other threads, 50 lines a second are shown, and 10,000 characters of a line; the next
+        line after that second comes with an event that tells how many were left out.
 
         Returns:
             The number of characters of `text`.

@@ -85,7 +85,7 @@ class PackageShares:
         The folder is made if necessary. `print_warning` is ignored.
 
         Raises:
-            PackageNotFoundError: No workspace has such a package.
+            PackageNotFoundError: No workspace has such a package, or `close` was called.
             ArchoError: Its setup.py has a mistake.
         """
         return os.path.join(self.get_package_prefix(package_name), "share", package_name)

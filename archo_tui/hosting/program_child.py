@@ -75,7 +75,7 @@ class ProgramChild(HostedProgram):
         return ProgramEnd(code, end.get("error", ""), end.get("traceback", ""))
 
     def _started(self) -> tuple[subprocess.Popen[str], IO[str], IO[str]]:
-        """Start the process, and return it with the streams of its reports and of our answers."""
+        """Start the process; return it, the stream of its reports and that of their answers."""
         receiver, sender = os.pipe()
         heard, answerer = os.pipe()
         environment = dict(os.environ)

@@ -1,4 +1,4 @@
-"""A Python file that is run in this process as `python FILE` runs it: `--run FILE`, or a launch."""
+"""A Python file that runs as with `python FILE`: a program of `--run FILE` or of a launch file."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class ProgramFile(UserFile):
         path: The path of the file.
         code: The code of the file and of its folder, as messages name it.
         loaded: The stamps of the text that was last compiled, or could not be compiled.
-        imported: The files of its folder that it has imported, in this run or before.
-        source: The text that was last compiled.
+        imported: The files of its folder that were seen to be imported, in this run or before.
+        source: The syntax tree of the text that was last compiled.
     """
 
     def __init__(self, given: str, function: str = "") -> None:
@@ -82,11 +82,12 @@ class ProgramFile(UserFile):
     def run(self, use_as_main: Callable[[ModuleType], None]) -> None:
         """Run the compiled text in the calling thread, and then the function, if one was given.
 
-        Modules of the file's folder are imported anew, but for the first run. The folder is first
-        in `sys.path`.
+        Modules of the file's folder are imported anew, but for the first run. The folder becomes
+        the first in `sys.path`, but for a dotted name.
 
         Args:
-            use_as_main: Lets `sys.modules` have a module as this program's `__main__`.
+            use_as_main: Makes a module the `__main__` that this program sees; not called if a
+                function was given.
 
         Raises:
             NodeFileError: The module does not have the function.
@@ -150,7 +151,7 @@ class ProgramFile(UserFile):
         self.imported.update(self.own_modules().values())
 
     def own_modules(self) -> dict[str, Path]:
-        """Return the imported modules of the file's folder: names and files, without `__main__`.
+        """Return the files of the imported modules of the folder, by name, without `__main__`.
 
         Modules of the console and of rclpy are left out, even if they are in that folder.
         """

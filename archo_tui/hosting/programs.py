@@ -35,8 +35,8 @@ class Programs:
         Args:
             make: Makes a hosted program, which is not begun yet.
             on_event: Called with level, source and text of an event, on any thread.
-            on_gone: Called with the services and actions that an ended program has served; on any
-                thread.
+            on_gone: Called with the services and actions that a program that ended, was stopped or
+                is restarted has served; on any thread.
             on_node: Called with the full name of each node that a program makes, and with a
                 function that returns True if the program is to end; on any thread.
             has_stop: Returns True while a STOP is not released.
@@ -52,8 +52,8 @@ class Programs:
         """Add a program, run it, and wait until it is at rest or over, at most CONSTRUCTION_TIME.
 
         Raises:
-            NodeFileError: Its text is not Python, or it crashed by then without a node. The program
-                stays in the collection.
+            NodeFileError: Its text cannot be read or is not Python, or it crashed by then without a
+                node. The program stays in the collection.
         """
         hosted = self._new(program)
         self._adding = hosted
@@ -125,7 +125,8 @@ class Programs:
         """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; it is not respawned.
 
         Returns:
-            DONE, after a call of `on_gone`; TIMEOUT if the program does not end: it is stuck then.
+            DONE, after a call of `on_gone`, also if the program had ended before; TIMEOUT if the
+            program does not end: it is stuck then.
         """
         with self._changing:
             name = hosted.name
@@ -192,7 +193,7 @@ class Programs:
             hosted.begin_to_stop()
 
     def end(self, seconds: Callable[[], float]) -> list[str]:
-        """Wait for the end of all programs, then end the others by force, within KILL_TIMEOUT.
+        """Wait for the end of all programs; end those that still run by force, within KILL_TIMEOUT.
 
         Args:
             seconds: Returns the number of seconds that are left for waiting before force.

@@ -1,8 +1,8 @@
 """The child process of a program on ROS 2: `... run_program REPORTS ANSWERS FILE ...`.
 
 It runs the file as `python FILE ...` does, and reports on a file descriptor, a JSON object a line:
-each node that is made, what they serve, and what the file raised. On another one it is answered
-whether it may go on with a node.
+each node that is made, what they serve, and what the file raised. From another one it reads the
+console's answer: whether the file may go on with a node.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ _GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
 def main() -> int:
     """Run the file of the command line, reporting to the console, and return its exit code.
 
-    The code is 1 after an exception, and 130 after Ctrl-C or if the console refuses a node.
+    The code is that of a SystemExit, 1 after another exception, and 130 after Ctrl-C or if the
+    console refuses a node; otherwise 0.
     """
     descriptor, answerer, given = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3]
     os.set_inheritable(descriptor, False)

@@ -12,7 +12,11 @@ _SPINS = ("init", "spin", "spin_once", "spin_until_future_complete")
 
 
 class Source:
-    """The syntax tree of a file, and the questions about it."""
+    """The questions about the syntax tree of a file.
+
+    Attributes:
+        tree: The syntax tree.
+    """
 
     def __init__(self, text: bytes) -> None:
         """Parse a file.
@@ -68,7 +72,7 @@ class Source:
         return isinstance(node, ast.Name) and node.id in {name, *aliases}
 
     def spin_at_import(self) -> tuple[str, int] | None:
-        """Find a function of the file that inits or spins rclpy and is called when it is imported.
+        """Find a function that inits or spins rclpy and is called when its file is imported.
 
         Returns:
             The name of the function, and the line of the call; None if there is none.
@@ -88,7 +92,7 @@ class Source:
         return None
 
     def line_of_called_callback(self) -> int | None:
-        """Find a callback that is called instead of given, as in `create_timer(1.0, self.tick())`.
+        """Find a method of `self` that is called, not given: `create_timer(1.0, self.tick())`.
 
         Returns:
             The line of the first such call; None if there is none.
@@ -105,8 +109,8 @@ class Source:
         """Find the file's only ActionServer.
 
         Returns:
-            The line of its constructor, and whether it has a cancel_callback; None if the file has
-            none or several.
+            The line of its constructor, and whether it has, or may have, a cancel_callback; None if
+            the file has none or several.
         """
         found = [call for call in self._calls(self.tree) if _name(call) == "ActionServer"]
         if len(found) != 1:

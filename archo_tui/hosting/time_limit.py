@@ -82,8 +82,8 @@ def interrupt(thread: threading.Thread) -> bool:
     """Raise Interrupted in a thread and wait at most half a second for its end.
 
     Returns:
-        True if the thread has ended; False if it catches the exception, or runs no Python code, as
-        in a long `sleep`.
+        True if the thread has ended or was never started; False if it catches the exception, or
+        runs no Python code, as in a long `sleep`.
     """
     if thread.ident is not None and thread.is_alive():
         raise_in(thread)

@@ -15,7 +15,7 @@ OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the f
 
 
 class NodeFileError(UserFileError):
-    """The error for a file that cannot be run, or a node of it that cannot be constructed."""
+    """The error for a file that cannot be found or run, or a node of it that is not constructed."""
 
 
 class UserFile:
@@ -24,8 +24,8 @@ class UserFile:
     Attributes:
         path: The path of the file, resolved.
         code: The code of the file and of its folder, as messages name it.
-        loaded: The stamps of the text that was last loaded, or could not be loaded.
-        source: The text that was last loaded.
+        loaded: The stamps of the text that was last loaded, or could not be loaded; empty before.
+        source: The syntax tree of the text that was last loaded; an empty one before.
     """
 
     def __init__(self, given: str) -> None:

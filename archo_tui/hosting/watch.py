@@ -45,7 +45,7 @@ class Watched(Stamped, Protocol):
     """Files that are reloaded together."""
 
     def reload(self) -> None:
-        """Load the files as they are now; report a mistake in them as an event.
+        """Load the files as they are now, or restart the console; report a mistake as an event.
 
         Afterwards `loaded` holds the current stamps, also if there was a mistake.
         """

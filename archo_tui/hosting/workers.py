@@ -46,7 +46,7 @@ class Workers:
         self.threads: list[threading.Thread] = []  # The threads that have work.
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Run work as soon as a thread is free; start a thread if there are fewer than `most`.
+        """Start a thread for the work if there are fewer than `most`; else run it once one is free.
 
         Returns:
             A future of what the work returns or raises.
@@ -94,8 +94,7 @@ def multi_threaded(
 
     Args:
         context: The rclpy context of the node.
-        threads: The number of threads, raised to two if it is less; 0 where the file does not
-            say.
+        threads: The number of threads, as `Source.threads` returns it; raised to two if it is less.
         name: The name of each thread.
         on_begin: Called first in each new thread.
     """
