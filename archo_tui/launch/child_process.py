@@ -27,7 +27,7 @@ class Reply(NamedTuple):
     """The outcome of a request.
 
     Attributes:
-        value: The answer, as JSON has it; None if the process ended without one.
+        value: The answer, as JSON has it; None if the process ended without a whole one.
         printed: The first 100 kB that the code printed.
         exit_code: The exit code of the process; negative for a signal, such as the kill when its
             time was over.
@@ -46,8 +46,8 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
     Args:
         module: The module, whose `main()` calls `serve`.
         request: The request, as JSON has it.
-        seconds: The time limit, when `serve` answers that time is over. A process that does not
-            even do that is killed two seconds later, without an answer.
+        seconds: The time limit, after which `serve` answers what its `late` returns. A process that
+            does not even do that is killed two seconds later, without an answer.
 
     Raises:
         ArchoError: No process can be started, or its answer is larger than 10 MB.

@@ -43,15 +43,16 @@ def evaluate(
 ) -> LaunchPlan:
     """Return what a launch file would start.
 
-    The file runs in a process of its own; a program that is not here is left out with a note.
-    This blocks: not for the UI thread.
+    The file runs in a process of its own, and so does the setup.py of each package that it starts a
+    program of. A program that is not here is left out with a note. This blocks: not for the UI
+    thread.
 
     Args:
         given: The path of the file as the user typed it, which messages name.
         workspace: The packages that the file can use.
         prefix: A folder for files that nodes read as long as they run; the caller removes it.
         arguments: The values of `name:=value`.
-        seconds: The time limit.
+        seconds: The time limit for the file; a setup.py has its own.
 
     Raises:
         LaunchFileError: The file is missing, wrong or not in Python, or does not return.

@@ -91,7 +91,7 @@ class LaunchPlan:
         notes: The messages of the launch file, and what of it is left out.
         arguments: The arguments that the file and those it includes declare.
         environment: The variables that it sets for the whole launch; None for one that is unset.
-        printed: The output of its code.
+        printed: The first 100 kB that its code printed.
     """
 
     programs: tuple[LaunchedProgram, ...]

@@ -48,10 +48,10 @@ class EntryPoint:
 
 
 class Workspace:
-    """The packages of a workspace, by their names.
+    """The packages of a workspace, and what can be run of them.
 
     Attributes:
-        packages: The packages.
+        packages: The packages, by name.
         problems: A line for each package.xml that cannot be used, or whose name is taken already.
     """
 
@@ -91,8 +91,8 @@ class Workspace:
     def around(cls, file: Path) -> Workspace:
         """Return the workspace around a file, with the packages that the file can use.
 
-        These are the packages of the workspace if the file's package is below its `src/`, else
-        the packages beside it; the file's own comes first. A file in no package has none.
+        These are all packages below the nearest folder `src/` above the file's package, else the
+        packages beside it; the file's own comes first. A file in no package has none.
 
         Args:
             file: A file, such as a launch file; none of its folders needs to be a package.

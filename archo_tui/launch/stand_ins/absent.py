@@ -73,8 +73,8 @@ class Absent(Action, Substitution):
     """The stand-in for a part of launch that is not supported, with any arguments.
 
     Its objects can be used as an action, substitution, condition or included file. A call of one,
-    and any attribute that it lacks, gives the object itself. Its use in the evaluation raises
-    SkipActionError, except as an action whose condition does not hold.
+    and any public attribute that it lacks, gives the object itself. Its use in the evaluation
+    raises SkipActionError, except as an action whose condition does not hold.
     """
 
     reason = ""
@@ -113,7 +113,7 @@ def absent_class(module: str, name: str) -> type[Absent] | None:
 
     Returns:
         None for a name that begins with `_`, and for one of which REASONS has nothing. A module
-        that is not supported at all has every other name.
+        that is not supported at all has a class for every other name.
     """
     reasons = REASONS.get(module, {})
     reason = reasons.get(name, reasons.get(None))

@@ -51,8 +51,8 @@ __all__ = [
 class DeclareLaunchArgument(Action):
     """The action that declares an argument of the launch file, and sets its default if need be.
 
-    SubstitutionFailure is raised if there is neither a value nor a default, or if one of them is
-    not among the choices.
+    SubstitutionFailure is raised if it is performed with neither a value nor a default, or if the
+    value is not among the choices; for a default text that is not, at once.
     """
 
     declares_argument = True
@@ -169,7 +169,10 @@ class PushLaunchConfigurations(Action):
 
 
 class PopLaunchConfigurations(Action):
-    """The action that ends a scope of launch configurations, and restores those from before it."""
+    """The action that ends a scope of launch configurations, and restores those from before it.
+
+    Without a scope, IndexError is raised.
+    """
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_configurations()
@@ -183,14 +186,17 @@ class PushEnvironment(Action):
 
 
 class PopEnvironment(Action):
-    """The action that ends a scope of environment variables, and restores those from before it."""
+    """The action that ends a scope of environment variables, and restores those from before it.
+
+    Without a scope, IndexError is raised.
+    """
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_environment()
 
 
 class ResetEnvironment(Action):
-    """The action that restores the environment variables of the start of the launch."""
+    """The action that restores, in its scope, the environment variables of the launch's start."""
 
     def execute(self, context: LaunchContext) -> None:
         context.reset_environment()
@@ -245,7 +251,7 @@ class GroupAction(Action):
     """The action that performs several actions, in a scope of their own unless `scoped` is false.
 
     The given launch configurations are set before. If `forwarding` is false, the scope has only
-    them, and the environment of the start.
+    them, and the environment of the start. Without a scope, `forwarding` is ignored.
     """
 
     def __init__(
@@ -278,9 +284,9 @@ class GroupAction(Action):
 class IncludeLaunchDescription(Action):
     """The action that sets the given arguments, and performs everything in another launch file.
 
-    Both the arguments and ThisLaunchFile stay as they are after the included file, as in launch. An
-    argument without a value raises SubstitutionFailure; `launch_arguments` are pairs, and a mapping
-    raises TypeError.
+    The arguments and ThisLaunchFile keep the values of the included file afterwards, as in launch.
+    An argument without a value raises SubstitutionFailure; `launch_arguments` are pairs, and a
+    mapping raises TypeError.
     """
 
     def __init__(

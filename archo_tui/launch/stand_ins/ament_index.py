@@ -23,8 +23,8 @@ class PackageIndex:
         workspace: The packages of the workspace.
         prefix: The install prefix that this process makes, with a share folder for each package
             that was asked for.
-        missing: The packages that the launch file needs and that are not here, each with the first
-            line that needs it.
+        missing: The packages that the launch file needs and that are not here, each with a line
+            that needs it.
     """
 
     def __init__(self, workspace: Workspace, prefix: Path) -> None:
@@ -111,7 +111,8 @@ def get_package_share_path(package_name: str, print_warning: bool = True) -> Pat
 def get_packages_with_prefixes() -> dict[str, str]:
     """Return the install prefix of each package of the workspace, by the package's name.
 
-    Packages on AMENT_PREFIX_PATH are left out.
+    Packages on AMENT_PREFIX_PATH are left out. The share folder of each package is filled, which
+    runs its setup.py.
     """
     return {name: get_package_prefix(name) for name in index.workspace.packages}
 

@@ -33,8 +33,8 @@ class DeclaredArgument(NamedTuple):
 def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
     """Return the arguments that entities declare, in their order; of several of a name, the first.
 
-    What is declared after a ResetLaunchConfigurations is left out. The files that the entities
-    include are loaded, which runs the code in them.
+    What follows a ResetLaunchConfigurations in the same list is left out. Included files whose
+    paths are known are loaded, which runs the code in them; one that fails counts as empty.
     """
     found: dict[str, DeclaredArgument] = {}
     for declared in _walk(entities, False, frozenset()):

@@ -37,7 +37,8 @@ class Condition:
 class IfCondition(Condition):
     """The condition that an expression is `true` or `1`; it does not hold for `false` or `0`.
 
-    Upper or lower case makes no difference. Any other text raises SubstitutionFailure.
+    Upper or lower case and blanks around it make no difference. Any other text raises
+    SubstitutionFailure.
     """
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:

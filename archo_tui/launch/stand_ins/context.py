@@ -31,7 +31,8 @@ class LaunchContext:
 
     Attributes:
         argv: The arguments that the context was created with.
-        locals: The path and the folder of the launch file, as ThisLaunchFile reads them.
+        locals: The path and the folder of the launch file, as ThisLaunchFile reads them; empty
+            until it is performed.
         programs: A JSON object for each program to start, as `LaunchedProgram` has it.
         notes: A JSON object for each note, as `LaunchNote` has it.
         delayed: The actions of timers that are not due yet, as a heap.

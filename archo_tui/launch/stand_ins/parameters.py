@@ -33,7 +33,8 @@ _AS_TEXT = "is a text meant? ParameterValue(..., value_type=str)"
 class ParameterValue:
     """The value of a parameter, and the type that its text is to become.
 
-    Without a type, the text is read as YAML 1.1.
+    Without a type, the text of a substitution is read as YAML 1.1; a plain text stays one. A value
+    of another type raises TypeError at once.
     """
 
     def __init__(self, value: Any, *, value_type: Any = None) -> None:
@@ -72,7 +73,7 @@ class Parameter:
 class ParameterFile:
     """A parameter file; `allow_substs` tells that `$(var name)` in it is to be replaced.
 
-    Here nothing is replaced: a Node leaves such a file out, with a note.
+    Here nothing is replaced: a Node leaves such a file out, with a note, if it has a `$(`.
     """
 
     def __init__(
@@ -102,7 +103,7 @@ def evaluate_parameters(context: LaunchContext, given: Mapping[Any, Any]) -> dic
 
     Raises:
         TypeError: A value cannot be the value of a parameter.
-        SubstitutionFailure: A substitution has no value.
+        SubstitutionFailure: A substitution has no value, or a ParameterValue not the wanted type.
     """
     return {name: _evaluate(context, name, value) for name, value in _flat(context, given, "")}
 

@@ -53,7 +53,7 @@ class Node(Action):
 
     Options that are not followed here, such as `prefix`, get a note; an option that launch_ros does
     not have raises TypeError, a wrong name or namespace SubstitutionFailure. A Node without a
-    package is left out.
+    package is left out, with a note.
     """
 
     def __init__(
@@ -253,7 +253,11 @@ PushRosNamespace = PushROSNamespace
 
 
 class SetParameter(Action):
-    """The action that sets a parameter of all nodes that follow in the scope."""
+    """The action that sets a parameter of all nodes that follow in the scope.
+
+    As in launch_ros, a list becomes the text of a tuple, and the parameter outlives its scope if
+    there were such parameters before.
+    """
 
     def __init__(self, name: SomeSubstitutionsType, value: Any, **options: Any) -> None:
         super().__init__(**options)
@@ -268,7 +272,10 @@ class SetParameter(Action):
 
 
 class SetParametersFromFile(Action):
-    """The action that gives a parameter file to all nodes that follow in the scope."""
+    """The action that gives a parameter file to all nodes that follow in the scope.
+
+    As in launch_ros, the file outlives its scope if there were such files or parameters before.
+    """
 
     def __init__(self, filename: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
@@ -280,7 +287,10 @@ class SetParametersFromFile(Action):
 
 
 class SetRemap(Action):
-    """The action that remaps a name for all nodes that follow in the scope."""
+    """The action that remaps a name for all nodes that follow in the scope.
+
+    As in launch_ros, the remapping outlives its scope if there were such remappings before.
+    """
 
     def __init__(
         self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, **options: Any
@@ -298,7 +308,8 @@ class SetRemap(Action):
 def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
     """Add entries to a list in the launch configurations, which is made if there is none.
 
-    As in launch, a scope shares the lists of the scope around it, which gets the entries, too.
+    As in launch, a scope shares the lists of the scope around it, if that has them already: both
+    get the entries.
     """
     context.launch_configurations.setdefault(name, []).extend(entries)
 

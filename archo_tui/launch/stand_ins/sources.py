@@ -35,11 +35,12 @@ class PythonLaunchDescriptionSource:
         self._loaded: dict[str, LaunchDescription] = {}
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Return the path of the file, and what it describes; run each file once only.
+        """Return the path of the file, and what it describes; this object runs each path once only.
 
         Raises:
             SkipActionError: The package of the file is not here, or the file is not in Python.
             InvalidLaunchFileError: There is no such file, or it describes nothing.
+            Exception: The error that the code of the file raises.
         """
         path = os.path.abspath(perform_substitutions(context, self._path))
         missing = ament_index.index.missing_package(path)

@@ -146,7 +146,7 @@ class PythonExpression(Substitution):
 
     The expression can use the given modules by their names, and if `math` is one of them, as by
     default, what `math` contains without that name. An error in the expression raises
-    SubstitutionFailure.
+    SubstitutionFailure, a module that is not there ImportError.
     """
 
     def __init__(
@@ -195,7 +195,10 @@ class _Boolean(Substitution):
 
 
 class NotSubstitution(_Boolean):
-    """The text `true` if a boolean is false, else `false`; a text of another kind is an error."""
+    """The text `true` if a boolean is false, else `false`.
+
+    A text that is no boolean raises SubstitutionFailure.
+    """
 
     def __init__(self, value: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -246,8 +249,8 @@ class AndSubstitution(AllSubstitution):
 class EqualsSubstitution(_Boolean):
     """The text `true` if two values are equal, else `false`.
 
-    They are compared as booleans or numbers if both are such, else as texts. Numbers may differ by
-    a rounding error. None counts as an empty text.
+    They are compared as booleans, which `1` and `0` are, too, or as numbers, if both are such; else
+    as texts. Numbers may differ by a rounding error. None counts as an empty text.
     """
 
     def __init__(self, left: Any, right: Any) -> None:
@@ -300,7 +303,10 @@ class IfElseSubstitution(_Boolean):
 
 
 class FileContent(Substitution):
-    """The text of a file; if the file cannot be opened, SubstitutionFailure is raised."""
+    """The text of a file; SubstitutionFailure is raised if the file cannot be opened.
+
+    A file that is not UTF-8 raises UnicodeDecodeError.
+    """
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
         super().__init__()

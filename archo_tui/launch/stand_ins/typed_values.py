@@ -20,7 +20,8 @@ _SCALARS = (bool, int, float, str)
 def check_typed(given: Any, value_type: Any) -> None:
     """Raise an error for what can never become a value of a type, as launch does.
 
-    The texts of substitutions are not known yet, so they are not checked. An int is no float.
+    The texts of substitutions are not known yet, so they are not checked. An int is no float, but a
+    bool is an int.
 
     Args:
         given: A scalar, a substitution, or a list of these.
