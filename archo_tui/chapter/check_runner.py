@@ -39,7 +39,7 @@ class CheckRunner:
 
     Attributes:
         node: The checker's node, which `spin_until` spins.
-        logs: The messages on /rosout since the start, in the order in which they were received.
+        logs: The messages on /rosout that the checker's node received, in their order.
         radius: The wheel_radius in m of the parameter file that all nodes were given.
         printed: The lines that the nodes print, which grow while they run.
     """
@@ -48,7 +48,7 @@ class CheckRunner:
         """Create the checker's node beside the nodes of a session, and subscribe to their logs.
 
         Args:
-            session: The session that hosts the nodes.
+            session: The session that hosts the nodes, at least one.
             radius: The wheel_radius in m of the parameter file that all nodes were given.
             printed: The lines that the nodes print, which grow while they run.
         """
@@ -80,7 +80,7 @@ class CheckRunner:
         return self.started_nodes()
 
     def query(self, ask: Callable[[Node], T]) -> dict[HostedNode, T]:
-        """Restart crashed nodes, and return what `ask` returns for each node that runs.
+        """Restart crashed nodes, and return what `ask` returns for each of `started_nodes`.
 
         If a node crashes meanwhile, all are asked again; after five attempts the result is empty.
         """
@@ -123,7 +123,8 @@ class CheckRunner:
         """Return place and text of the line that a callback of some nodes executes now.
 
         Returns:
-            `FILE:LINE, in: ...` of the first node that executes code of its file; "" if none does.
+            `FILE:LINE, in: ...` of the first node that executes code of its file or folder; "" if
+            none does.
         """
         for hosted in nodes:
             for thread in hosted.threads():
@@ -162,12 +163,15 @@ class CheckRunner:
         rclpy prints the traceback of an exception of an execute callback and goes on.
 
         Args:
-            since: The number of the printed line with which the search begins.
+            since: The index in `printed` with which the search begins.
         """
         return ([*self._tracebacks(since)] or [""])[-1]
 
     def _tracebacks(self, since: int) -> Iterator[str]:
-        """Yield each printed traceback that names a line of the nodes' files, in one line."""
+        """Yield the error of each printed traceback with a line of the nodes' files or folders.
+
+        Each is one line: `FILE:LINE: TypeError: ..., in: x = y + 1`.
+        """
         where = text = ""
         for line in self.printed[since:]:
             frame = _FRAME.match(line)

@@ -34,8 +34,8 @@ def is_launch_file(given: str) -> bool:
 def launch_checks(given: str) -> Iterator[Result]:
     """Yield the outcome of each of the five checks of a launch file.
 
-    The file is evaluated in a child process, without and with `use_sim:=true`; nothing is started.
-    If it cannot be evaluated, the first check fails and the others are skipped.
+    The file is evaluated in a child process, and again with `use_sim:=true` if it declares that;
+    nothing is started. If it cannot be evaluated, the first check fails and the others are skipped.
 
     Args:
         given: The path of the launch file as the user typed it.
@@ -61,7 +61,7 @@ def _evaluate(given: str, arguments: Mapping[str, str]) -> LaunchPlan:
 
 
 def _by_name(plan: LaunchPlan) -> dict[str, LaunchedProgram]:
-    """Return the programs by the names of their nodes; without one, by their executables."""
+    """Return the programs by their nodes' names, else their executables; of several the last."""
     return {program.name or program.executable: program for program in plan.programs}
 
 

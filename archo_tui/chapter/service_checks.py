@@ -102,9 +102,9 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
     """Call reset_encoder, and check that it succeeds and that a counter of the node is zero.
 
-    Attributes of the first node that look like tick counters are set to a large number before, and
-    get their old value again if the service leaves that number. If there are none, only the answer
-    is checked, and the title says so.
+    Attributes of the first node that look like tick counters and are small are set to a large
+    number before, and get their old value again if the service leaves that number. Without such
+    attributes, only the answer is checked, and the title says so.
 
     Raises:
         CrashedError: One of the nodes crashed.
@@ -154,7 +154,8 @@ def _check_stop_answer(
 ) -> Result:
     """Call emergency_stop, and check that it answers True; what it stops is not checked.
 
-    The check passes under another title if the type of the service tells no success.
+    The check passes under another title if the service's type tells no success, or if its request
+    has fields and it answers False: the empty request may not be the one that stops.
 
     Raises:
         CrashedError: One of the nodes crashed.

@@ -35,7 +35,7 @@ class TapReport:
     """The printer of the outcomes of a run of checks as TAP; TAP's header comes before all else.
 
     Attributes:
-        has_failed: True if a check failed.
+        has_failed: True if a check failed; `run_checks` sets it also if nothing was checked.
         has_checked: True if a check was not skipped.
     """
 
@@ -69,7 +69,7 @@ class TapReport:
         self._print(f"# {safe(text)}")
 
     def bail_out(self) -> None:
-        """Print that the rest is not checked, since the person interrupted it."""
+        """Print that the person interrupted the checks, so that the rest is not checked."""
         self._print("Bail out! interrupted")
 
     def end(self) -> int:
