@@ -29,7 +29,8 @@ class LoadPlan(NamedTuple):
         changes: The parameters whose value would differ, each with its new value.
         problems: Why the file cannot be loaded, a line each with file and line; if there are any,
             nothing may be changed.
-        left_out: A line for each node and parameter of the file that does not exist.
+        left_out: The lines about nodes and parameters of the file that do not exist, as
+            `unknown_lines` returns them.
     """
 
     changes: tuple[tuple[Parameter, Any], ...]

@@ -58,7 +58,8 @@ def documents(text: str, path: Path) -> list[yaml.Node]:
         path: The file that error messages name; it is not opened.
 
     Raises:
-        YamlError: The text is not YAML, nested too deep, or has an alias.
+        YamlError: The text is not YAML, nested too deep, or has an alias or half of a surrogate
+            pair.
     """
     try:
         return _with_readable_error(text, _compose_all)
@@ -74,7 +75,8 @@ def compose(text: str, path: Path) -> yaml.Node | None:
         path: The file that error messages name; it is not opened.
 
     Raises:
-        YamlError: The text is not YAML, nested too deep, has an alias, or a second document.
+        YamlError: The text is not YAML, nested too deep, or has an alias, half of a surrogate pair
+            or a second document.
     """
     try:
         return node_of(text)
@@ -86,8 +88,8 @@ def load(text: str) -> Any:
     """Return the value of a text that somebody typed, or None if the text is empty.
 
     Raises:
-        YamlFault: The text is not YAML of one document, too long, nested too deep, has an alias, or
-            a value that `core_schema.value` refuses.
+        YamlFault: The text has more than 1,000,000 characters, `node_of` does not read it, or
+            `core_schema.value` refuses a value.
     """
     if len(text) > MAX_BYTES:
         raise YamlFault(1, f"more than {MAX_BYTES} characters")
@@ -96,10 +98,11 @@ def load(text: str) -> Any:
 
 
 def scalar_texts(text: str) -> list[str]:
-    """Return the elements of a list of scalars as typed, without quotes, for any type of them.
+    """Return the elements of a YAML list of scalars as texts without quotes, whatever their types.
 
     Raises:
-        YamlFault: The text is not a list, or one element is not a scalar.
+        YamlFault: The text is not a list, one element is not a scalar, or `node_of` does not read
+            it.
     """
     node = node_of(text)
     if not isinstance(node, yaml.SequenceNode):
@@ -116,7 +119,8 @@ def node_of(text: str) -> yaml.Node | None:
     The length of the text is not checked.
 
     Raises:
-        YamlFault: The text is not YAML, nested too deep, has an alias, or a second document.
+        YamlFault: The text is not YAML, nested too deep, or has an alias, half of a surrogate pair
+            or a second document.
     """
     return _with_readable_error(text, _compose_one)
 
