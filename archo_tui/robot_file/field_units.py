@@ -12,7 +12,8 @@ def field_units(
 ) -> dict[str, str]:
     """Return the units of a topic's fields by path, as far as the robot file tells them.
 
-    A field with a scale, an offset or a condition is left out: its unit in the message is unknown.
+    A field without a unit is left out, and so is one with a scale, an offset or a condition: its
+    unit in the message is unknown.
 
     Args:
         file: The robot file.

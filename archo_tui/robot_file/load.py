@@ -66,7 +66,12 @@ def _load(path: Path) -> RobotFile:
 
 
 def _parse(text: str, path: Path) -> RobotFile:
-    """Parse and validate a text; an error may quote its control characters unchanged."""
+    """Parse and validate a text; an error may quote its control characters unchanged.
+
+    Raises:
+        ArchoError: The text is empty, or no valid robot file.
+        YamlError: The text is not YAML.
+    """
     node = bounded_yaml.compose(text, path)
     if node is None:
         raise ArchoError(f"{path}:1: the file is empty: it describes no robot")

@@ -69,7 +69,7 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     """Propose a robot file for what was seen.
 
     Parts that a person must decide, such as the STOP or a second battery, are marked as not sure.
-    Services of ROS itself are left out.
+    Of several topics of diagnostics the first is taken. Services of ROS itself are left out.
 
     Args:
         seen: Everything in the namespace or below it.
@@ -197,7 +197,8 @@ Found = tuple[Entry, Sighting]
 def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) -> list[Found]:
     """Return the topics that were found for a part; all but the first as comments.
 
-    The first is one that somebody publishes, of the type that the table names first.
+    The first is one that a node publishes, if any; of several, that of the type which the table
+    names first.
     """
     known = list(_KNOWN[part])
 

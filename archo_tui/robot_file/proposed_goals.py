@@ -25,7 +25,7 @@ def propose_goal(
     feedback: Mapping[str, str],
     result: Mapping[str, str],
 ) -> GoalKind | None:
-    """Propose the entry of a robot file for an action; None if no form can hold its goal.
+    """Propose the entry of a robot file for an action; None if its goal is unknown or fits no form.
 
     A type that the table of known types has gets the entry from there.
 

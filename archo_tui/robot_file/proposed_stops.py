@@ -20,8 +20,8 @@ def proposed_stops(
 ) -> Iterator[tuple[StopServices, str, Sighting]]:
     """Yield an entry for each service that may be the STOP, the reason, and its sighting.
 
-    The entry names the service that may release it, if one is found. Services that only release
-    get no entry of their own.
+    The entry names the service that may release it, if one is found; a service of a type in the
+    table of known STOPs releases itself. Services whose names tell of a release get no entry.
 
     Args:
         seen: The services that `is_stop` is true of.
@@ -45,7 +45,10 @@ def proposed_stops(
 
 
 def is_stop(sighting: Sighting) -> bool:
-    """Return True for a service that may stop the robot, or release a stop, by its name or type."""
+    """Return True for a service that may stop the robot, or release a stop.
+
+    Its type tells, or its full name, namespace included.
+    """
     if sighting.kind != "service":
         return False
     return (

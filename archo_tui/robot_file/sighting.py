@@ -22,7 +22,7 @@ class Sighting:
         rate: Messages in a second; None before the second message.
         values: The primitive fields of the last message by dotted path.
         goal: The types of all fields of the goal or request by dotted path; None if the type is not
-            installed.
+            installed, and for a topic.
         feedback: The same of an action's feedback.
         result: The same of an action's result.
     """

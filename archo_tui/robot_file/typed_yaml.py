@@ -154,7 +154,7 @@ def _read_union(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
 
 
 def _is_left_out(node: yaml.Node) -> bool:
-    """Return True for an empty or `none` value; in quotes these are texts."""
+    """Return True for an unquoted empty value, `~`, `null` or `none`, in any case."""
     return isinstance(node, yaml.ScalarNode) and not node.style and node.value.lower() in NONE_WORDS
 
 
