@@ -123,9 +123,10 @@ class HostedProgram(ABC):
         return self._stopping.is_set()
 
     def current_states(self) -> tuple[Hosted, ...]:
-        """Update `served`, and return a state for each node of the program, one if it has none.
+        """Return a state for each node of the program, or one state if it has none.
 
-        Each state has the services and actions of the whole program.
+        Each state has the services and actions of the whole program. `served` is updated if the
+        program is UP.
         """
         state = self.state
         if state.life is Life.UP:
@@ -169,7 +170,7 @@ class HostedProgram(ABC):
                 return
 
     def _may_run_after(self, delay: float) -> bool:
-        """Wait for `delay` seconds, and until no STOP holds; return False if it is to end."""
+        """Wait `delay` seconds and until no STOP holds; return False if the program is to end."""
         if self._stopping.wait(delay):
             return False
         while not self._may_run():

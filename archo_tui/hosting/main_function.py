@@ -67,7 +67,9 @@ class SkippedCall(NamedTuple):
 
 
 class MainFunction(ast.NodeVisitor):
-    """The calls of `main()`, and of the file's functions that it calls, in order of execution.
+    """The calls below the module's `if`s, or in `main()` if these make no node, in their order.
+
+    Calls in the file's functions that these call are among them.
 
     Attributes:
         made: The calls that make nodes; of equal ones the first.
@@ -156,8 +158,9 @@ class MainFunction(ast.NodeVisitor):
     def visit_Call(self, node: ast.Call) -> None:
         """Add a call that makes a node to `made`, and another one about a node to `not_run`.
 
-        Of a call of the file's own function, that function is read. The arguments of the call are
-        read first. After a call of `spin`, nothing is added to `not_run`.
+        A call of a function of the file leads to the calls in its body instead, unless it is
+        recursive. The arguments of a call are read first. After a call of `spin`, nothing is added
+        to `not_run`.
 
         Raises:
             ComputedError: The call makes a node, and only `main()` could tell a value of it.

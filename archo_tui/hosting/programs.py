@@ -99,9 +99,9 @@ class Programs:
         return next((h for h in list(self._hosted) if name in h.names), None)
 
     def start(self, hosted: HostedProgram) -> Outcome:
-        """Run a stopped, ended or crashed program again, with the text of its file as it is now.
+        """Run a stopped, ended, crashed or stuck program again, with its file's text as it is now.
 
-        A run that is stuck is ended by force once more, and left aside if it still runs.
+        A stuck run is ended by force once more, and left aside if it still runs.
 
         Returns:
             The outcome, as soon as the program has begun; REFUSED if the program runs, a STOP is

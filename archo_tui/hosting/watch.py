@@ -16,7 +16,7 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(paths: Iterable[Path]) -> Stamps:
-    """Return the stamps of files, by path.
+    """Return the stamps of files, by path: the time in ns when each was saved, and its size.
 
     Files that are missing or cannot be read are left out: an editor may be replacing them.
     """

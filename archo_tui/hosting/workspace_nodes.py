@@ -30,13 +30,15 @@ class WorkspaceNodes(NamedTuple):
 def found_in_workspaces(given: Iterable[Path | str]) -> WorkspaceNodes:
     """Return the given files, with each workspace replaced by the modules of its executables.
 
-    The source folders of the workspace's packages can be imported from afterwards.
+    The setup.py of each Python package runs, while this waits. The source folders of these packages
+    can be imported from afterwards.
 
     Args:
         given: Python files, modules by dotted names, and folders of workspaces.
 
     Raises:
-        ArchoError: A folder is no workspace, or no Python package of it has an executable.
+        ArchoError: A folder is no workspace, no Python package of it has an executable, or a
+            setup.py has a mistake.
     """
     names, workspaces = found = WorkspaceNodes([], [])
     for item in given:
