@@ -124,10 +124,10 @@ def _as_json(found: DeclaredArgument) -> dict[str, Any]:
 
 
 def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.UserError:
-    """Describe an error of a launch file, with the line that is to be mended.
+    """Describe an error of a launch file, with the file and line to mend, or "" and 0.
 
-    This is the last line of the person's files in the traceback. For a SubstitutionFailure, or
-    without such a line, it is the place that the error has, else that of the failed action.
+    The line is the last one of the person's files in the traceback. For a SubstitutionFailure, or
+    without such a line, it is the `place` of the error, else that of the failed action.
     """
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)

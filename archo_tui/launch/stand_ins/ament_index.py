@@ -91,19 +91,25 @@ def use(packages: PackageIndex) -> None:
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return the install prefix of a package; a missing one raises nothing, see `prefix_of`."""
+    """Return the install prefix of a package; for a missing one a path that does not exist.
+
+    See `PackageIndex.prefix_of`.
+    """
     return str(index.prefix_of(package_name))
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:  # noqa: ARG001
-    """Return the share folder of a package; a missing one raises nothing, see `prefix_of`."""
+    """Return the share folder of a package; for a missing one a path that does not exist.
+
+    See `PackageIndex.prefix_of`. `print_warning` is ignored.
+    """
     return str(get_package_share_path(package_name))
 
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:  # noqa: ARG001
     """Return the share folder of a package as a Path.
 
-    A missing package raises nothing, see `prefix_of`.
+    See `get_package_share_directory`.
     """
     return index.prefix_of(package_name) / "share" / package_name
 

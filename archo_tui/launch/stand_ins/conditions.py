@@ -66,7 +66,7 @@ class UnlessCondition(IfCondition):
 class LaunchConfigurationEquals(Condition):
     """The condition that a launch configuration has a value; for None, that it is not set.
 
-    The launch configuration counts as read.
+    The name is added to `LaunchContext.read`.
     """
 
     def __init__(

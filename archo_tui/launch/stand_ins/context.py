@@ -37,7 +37,8 @@ class LaunchContext:
         notes: A JSON object for each note, as `LaunchNote` has it.
         delayed: The actions of timers that are not due yet, as a heap.
         time: The time that the evaluation has reached, in seconds after the start.
-        read: The names of the launch configurations that were read.
+        read: The names of the launch configurations that were read; an argument that is given and
+            neither declared nor read gets a note.
         failed_at: The line of the action that raised an error; None if none has.
     """
 

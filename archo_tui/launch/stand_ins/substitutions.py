@@ -65,7 +65,7 @@ def _as_texts(default: Any) -> list[Substitution] | None:
 class LaunchConfiguration(Substitution):
     """The value of a launch configuration, such as an argument of the launch file, or the default.
 
-    Without a default SubstitutionFailure is raised. The launch configuration counts as read.
+    Without a default SubstitutionFailure is raised. The name is added to `LaunchContext.read`.
     """
 
     def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None) -> None:
