@@ -158,9 +158,10 @@ class CheckRunner:
         return ""
 
     def last_exception(self, since: int) -> str:
-        """Return the last exception whose traceback was printed, in one line with its place, or "".
+        """Return the last printed exception of the nodes' files, in one line with its place, or "".
 
-        rclpy prints the traceback of an exception of an execute callback and goes on.
+        A traceback without a line of these files does not count. rclpy prints the traceback of an
+        exception of an execute callback and goes on.
 
         Args:
             since: The index in `printed` with which the search begins.

@@ -138,7 +138,7 @@ class _MoveProbe:
         return handle, way, ""
 
     def check_arrival(self) -> str:
-        """Send a goal, wait for its end, and return what is wrong, or "".
+        """Send a goal, wait 8 s at most for its end, and return what is wrong, or "".
 
         Raises:
             CrashedError: A node that serves the action crashed.

@@ -238,7 +238,11 @@ def _first_warning(
 def _try_good_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level of 20 % or more for 0.5 s; return the hint if a node warns of it, or ""."""
+    """Publish a level of 20 % or more for 0.5 s; return the hint if a node warns of it, or "".
+
+    Raises:
+        CrashedError: One of the nodes crashed.
+    """
     hint = _first_warning(runner, nodes, publisher, level, _NO_WARNING_TIME)
     if not hint:
         return ""
@@ -248,7 +252,11 @@ def _try_good_level(
 def _try_low_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level below 20 % until a node warns; return the hint if none does, or ""."""
+    """Publish a level below 20 % until a node warns; return the hint if none does in 3 s, or "".
+
+    Raises:
+        CrashedError: One of the nodes crashed.
+    """
     logs, lines = len(runner.logs), len(runner.printed)
     if _first_warning(runner, nodes, publisher, level, ANSWER):
         return ""
