@@ -24,8 +24,9 @@ def text_of(proposal: Proposal, head: str) -> str:
     """Return the text of a proposed robot file, with a comment above each part.
 
     Args:
-        proposal: The proposal. Parts that are not sure become comments.
-        head: The first lines, as comments: where the file comes from.
+        proposal: The proposal. Parts that are not sure become comments, and so do the first 200
+            lines of `unknown`.
+        head: The first lines, which become comments: where the file comes from.
 
     Raises:
         ArchoError: The text would not load as a robot file.

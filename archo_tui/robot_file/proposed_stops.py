@@ -59,7 +59,7 @@ def is_stop(sighting: Sighting) -> bool:
 
 
 def _is_release(sighting: Sighting) -> bool:
-    """Return True if the service releases a stop; only its own name counts, not its namespace."""
+    """Return True if a service may release a stop; only its own name counts, not its namespace."""
     own_name = sighting.name.rpartition("/")[2].lower()
     return any(word in own_name for word in known_types.RELEASE_WORDS)
 

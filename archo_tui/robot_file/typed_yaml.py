@@ -66,7 +66,7 @@ def _error(node: yaml.Node, path: Path, reason: str) -> ArchoError:
 
 
 def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
-    """Convert the value of a key; an error names the key and its line."""
+    """Convert the value of a key; an error for a wrong scalar names the key and the line."""
     try:
         return read(kind, node, path)
     except _TypeMismatch as error:
@@ -129,7 +129,7 @@ def _read_any(node: yaml.Node, path: Path) -> Any:
 
 
 class _TypeMismatch(ArchoError):
-    """A scalar of the wrong type; `_read_named` adds the key to the message."""
+    """The error for a node that is not the wanted scalar; `_read_named` adds key and line."""
 
 
 def _read_union(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
