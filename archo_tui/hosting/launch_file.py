@@ -133,13 +133,15 @@ class LaunchFile:
             self.notes.append(LaunchNote("WARN", where, text))
 
     def current_stamps(self) -> Stamps:
-        """Return the stamps of the file, its workspace's setup.py files and installed YAML files.
+        """Return the stamps of all that the launch reads when it starts.
 
-        Launch files that it includes are not among them.
+        That are the launch file and those that it includes, the setup.py files of its workspace,
+        and the installed YAML files.
         """
+        launch_files = {self.path, *(Path(file).resolve() for file in self._plan.files)}
         setups = {package.folder / "setup.py" for package in self.workspace.packages.values()}
         values = {path.resolve() for path in Path(self._prefix.name).rglob("*.yaml")}
-        return stamps({self.path, *setups, *values})
+        return stamps({*launch_files, *setups, *values})
 
     def close(self) -> None:
         """Remove the folder with what its packages install."""

@@ -69,7 +69,8 @@ def evaluate(
         except ArchoError as error:
             notes.append(names.note({**program, "level": "WARN", "text": str(error)}))
     found = _arguments(value["arguments"])
-    return LaunchPlan(tuple(programs), tuple(notes), found, value["environment"], printed)
+    files = tuple(value["files"])
+    return LaunchPlan(tuple(programs), tuple(notes), found, value["environment"], printed, files)
 
 
 def launch_arguments(

@@ -49,8 +49,8 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
             are made; `only_arguments`, true to perform nothing.
 
     Returns:
-        `programs`, `notes` and `arguments` as lists of objects, and `environment`, the variables
-        that differ; or only `error`, a UserError.
+        `programs`, `notes` and `arguments` as lists of objects, `environment`, the variables that
+        differ, and `files`, the paths of the launch files; or only `error`, a UserError.
     """
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
@@ -79,6 +79,7 @@ def _evaluate(request: Mapping[str, Any], context: LaunchContext) -> dict[str, A
         "notes": context.notes,
         "arguments": [_as_json(found) for found in declared],
         "environment": context.changed_environment(),
+        "files": sorted(loaded_files),
     }
 
 

@@ -92,6 +92,7 @@ class LaunchPlan:
         arguments: The arguments that the file and those it includes declare.
         environment: The variables that it sets for the whole launch; None for one that is unset.
         printed: The first 100 kB that its code printed.
+        files: The absolute paths of the launch file and of those that it includes.
     """
 
     programs: tuple[LaunchedProgram, ...]
@@ -99,3 +100,4 @@ class LaunchPlan:
     arguments: tuple[LaunchArgument, ...]
     environment: Mapping[str, str | None]
     printed: str
+    files: tuple[str, ...]

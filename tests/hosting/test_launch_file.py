@@ -15,6 +15,7 @@ import pytest
 from archo_tui.cli import main
 from archo_tui.errors import ArchoError
 from archo_tui.hosting import hosted_program
+from archo_tui.hosting.launch_file import LaunchFile
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Launch, Options, check_options
@@ -209,6 +210,27 @@ def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: 
         launch_file(TWO)
         wait_until(lambda: restarts)
         assert restarts[0] == "robot.launch.py, or a file that it reads, was saved"
+
+
+OUTER = """
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+
+
+def generate_launch_description():
+    return LaunchDescription([IncludeLaunchDescription("FILE")])
+"""
+
+
+def test_a_launch_file_is_saved_when_one_that_it_includes_is(workspace: Path) -> None:
+    inner = launch_file(TWO)
+    outer = inner.with_name("outer.launch.py")
+    outer.write_text(OUTER.replace("FILE", inner.as_posix()))
+    launch = LaunchFile(outer, {})
+    before = launch.current_stamps()
+    launch_file(TWO + "    # changed\n")
+    assert launch.current_stamps() != before
+    launch.close()
 
 
 def test_with_ros_2_the_launch_of_ros_2_is_named() -> None:
