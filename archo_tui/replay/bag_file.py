@@ -77,9 +77,9 @@ class BagFile:
 
     @property
     def faults(self) -> list[str]:
-        """Return the faults found so far, a line each; those of a topic's messages share a line.
+        """Return the faults found so far: of files and topics, then a line for a topic's messages.
 
-        At most 100 lines of either kind.
+        Of each of these two kinds at most 100 lines are kept.
         """
         return self._faults.lines()
 
@@ -153,10 +153,10 @@ class BagFile:
     def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
         """Return the topics of a file that can be decoded, by channel, and note their types.
 
-        The others are reported as faults.
+        The others are reported as faults, and so are topics whose definition cannot be compared.
 
         Raises:
-            ArchoError: None of the file's messages is encoded as ROS 2's are.
+            ArchoError: The file's profile is not `ros2`, and no channel is encoded as CDR.
         """
         encodings = {channel.encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:

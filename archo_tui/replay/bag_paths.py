@@ -48,11 +48,11 @@ def mcap_files(path: Path) -> list[Path]:
 
 @contextmanager
 def opened(path: Path) -> Iterator[BinaryIO]:
-    """Open an MCAP file for the block of a `with`; seek before reading, it is not at its beginning.
+    """Open an MCAP file for a `with` block; its position is behind the first bytes, so seek first.
 
     Raises:
-        ArchoError: The file cannot be opened or is no MCAP file; the message says what it is, and
-            how to convert it.
+        ArchoError: The file cannot be opened or is no MCAP file; the message says why, and for a
+            bag of another format how to convert it.
     """
     try:
         descriptor = open_regular(path, os.O_RDONLY)

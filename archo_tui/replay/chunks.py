@@ -39,7 +39,7 @@ class ReadBudget:
         """Take a record off the budget.
 
         Raises:
-            BudgetExceeded: There were too many.
+            BudgetExceeded: No record was left in the budget.
         """
         self._records -= 1
         if self._records < 0:
@@ -49,7 +49,7 @@ class ReadBudget:
         """Take bytes off the budget, whether read from the file or decompressed.
 
         Raises:
-            BudgetExceeded: There were too many.
+            BudgetExceeded: More bytes were taken than the budget had.
         """
         self._bytes -= count
         if self._bytes < 0:
@@ -62,8 +62,8 @@ def iter_records(data: bytes, budget: ReadBudget) -> Iterator[tuple[int, int, in
     Begin and end are the offsets of the record's content, behind its opcode and length.
 
     Raises:
-        Unreadable: After the last whole record, if more bytes follow.
-        BudgetExceeded: There are too many records.
+        Unreadable: At a record with opcode 0 or without its end; those before it were yielded.
+        BudgetExceeded: The budget is used up.
     """
     offset = 0
     while len(data) - offset >= FRAME.size:
@@ -79,7 +79,7 @@ def iter_records(data: bytes, budget: ReadBudget) -> Iterator[tuple[int, int, in
 
 
 def decompress_chunk(content: bytes, budget: ReadBudget, *, is_cut: bool) -> bytes:
-    """Return the records of a chunk, decompressed, after a check of their size and CRC.
+    """Return the records of a chunk, decompressed, after a check of their size and, if given, CRC.
 
     Args:
         content: The chunk record without its frame.
@@ -88,8 +88,8 @@ def decompress_chunk(content: bytes, budget: ReadBudget, *, is_cut: bool) -> byt
             unchecked.
 
     Raises:
-        Unreadable: The chunk is damaged, larger than MAX_RECORD, or compressed by a method that is
-            unknown or not installed.
+        Unreadable: The chunk is damaged, decompressed larger than MAX_RECORD, or compressed by a
+            method that is unknown or not installed.
         BudgetExceeded: The budget is used up.
     """
     from mcap.data_stream import ReadDataStream

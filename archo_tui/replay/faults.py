@@ -27,13 +27,13 @@ class Faults:
         self._reasons: dict[str, str] = {}  # By topic, for its first message.
 
     def add(self, text: str) -> None:
-        """Add a line, made safe for a terminal, unless it is there already."""
+        """Add a line, safe for a terminal and cut to 500 characters, unless it is there already."""
         text = harmless(text)
         if text not in self._lines:
             self._lines[text if len(self._lines) < _MAX_LINES else "and more"] = None
 
     def add_cut(self, text: str) -> None:
-        """Set `is_cut`, and add a line that names the limit and says that the rest is left out."""
+        """Set `is_cut`, and add a line: the text, which names a limit, `: the rest is left out`."""
         self.is_cut = True
         self.add(f"{text}: the rest is left out")
 

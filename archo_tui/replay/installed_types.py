@@ -66,7 +66,11 @@ class InstalledTypes:
 
 
 def _find_class(type_name: str, encoding: str, text: str) -> Any:
-    """Return the class for `package/kind/Name`; raise Unreadable if it is missing or differs."""
+    """Return the class for `package/kind/Name`.
+
+    Raises:
+        Unreadable: It is not installed, or its fields are not those of a `ros2msg` definition.
+    """
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:

@@ -36,7 +36,7 @@ class LinearReader:
     """A pass over a file from its beginning that fills an index.
 
     It skips the content of a chunk if the message index behind the chunk tells enough. `run` reads
-    the whole file; `read_record_at` a single record.
+    all up to the end of the messages; `read_record_at` reads a single record.
     """
 
     def __init__(self, file: BinaryIO, size: int, index: Index, budget: ReadBudget) -> None:
@@ -49,11 +49,11 @@ class LinearReader:
         self._open_run: MessageRange | None = None
 
     def run(self) -> None:
-        """Fill the index from the whole file; a cut or damaged end is reported as a fault.
+        """Fill the index up to the end of the messages; report a cut or damaged end as a fault.
 
         Raises:
             OSError: The file cannot be read; the index holds what was found until then.
-            BudgetExceeded: The file is too large; the index holds what was found until then.
+            BudgetExceeded: The budget is used up; the index holds what was found until then.
         """
         try:
             self._read_records()
@@ -243,7 +243,8 @@ def read_range(file: BinaryIO, messages: MessageRange, budget: ReadBudget) -> by
 
     Raises:
         OSError: The file cannot be read.
-        Unreadable: The range is damaged or too large.
+        Unreadable: The range is too large, or it is a chunk that is damaged or compressed by a
+            method that is unknown or not installed.
         BudgetExceeded: The budget is used up.
     """
     if messages.size > MAX_RECORD + FRAME.size:

@@ -65,16 +65,18 @@ class EncodedMessage(NamedTuple):
 def read_messages(
     ranges: Sequence[FileRange], begin: float, end: float, wanted: Container[str], faults: Faults
 ) -> list[EncodedMessage]:
-    """Return the messages of some topics within a time, sorted; what is unreadable is left out.
+    """Return the messages of some topics within a time, in the order of time.
 
-    Not more than MAX_MESSAGES or MAX_BYTES are returned; the ranges after that are not read.
+    What cannot be read is left out. Not more than MAX_MESSAGES or MAX_BYTES are returned; the
+    ranges after that are not read.
 
     Args:
         ranges: The ranges of the bag, sorted by their start.
         begin: Unix time of the first message, in s; itself included.
         end: Unix time of the last message, in s; itself included.
         wanted: The topics, by full names.
-        faults: Receives what could not be read; its `is_cut` is set if messages were too many.
+        faults: Receives what could not be read; its `is_cut` is set if a limit or the budget of a
+            pass ended the reading.
     """
     found: list[EncodedMessage] = []
     budget, left = ReadBudget(), MAX_BYTES
@@ -117,7 +119,7 @@ def _split_range(
     budget: ReadBudget,
     faults: Faults,
 ) -> Iterator[EncodedMessage]:
-    """Yield the messages of some channels in a range, in the order of the file, at any time.
+    """Yield the messages of some channels in a range, in the order of the file, of whatever time.
 
     Args:
         file: The file, which is open.

@@ -29,17 +29,19 @@ class Player:
     It is used on one thread, and reads an hour of the bag at a time on another.
 
     Attributes:
+        bag: The bag.
+        file: The robot.
         start: Unix time of the first message, in s.
         end: Unix time of the last message, in s.
-        speed: One of SPEEDS, in recorded seconds for each second.
-        is_playing: True while the position moves; False while paused.
+        speed: One of SPEEDS, in recorded seconds for each second; 1.0 at first.
+        is_playing: False while paused; True also while `refresh` holds the position.
     """
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
         """Find the robot's namespace in the bag, and begin to read the first hour.
 
-        The namespace is read by the call itself, the hour on another thread. The player is paused
-        at the start.
+        This call reads the bag for the namespace; another thread reads the hour. The player is
+        paused at the start.
 
         Args:
             bag: The bag.
@@ -86,8 +88,8 @@ class Player:
     def go_to(self, time: float) -> None:
         """Move the position to a Unix time, bounded by the recording; playing goes on from there.
 
-        Outside of the hour that is loaded, begin to read the hour around the position, on another
-        thread.
+        If the new position is outside of the loaded hour, begin to read the hour around it, on
+        another thread.
         """
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
@@ -110,8 +112,8 @@ class Player:
     def refresh(self) -> None:
         """Keep up with the time that has passed while playing.
 
-        Begin to read the next hour where the loaded one ends, hold the position while its messages
-        are still being read, and pause at the end of the recording.
+        Begin to read the hour around the position once it has passed the loaded one, hold the
+        position while messages up to it are still being read, and pause at the end.
         """
         position = self.position
         if position > self._window.end:
@@ -131,7 +133,7 @@ class Player:
     def step_message(self, step: int) -> None:
         """Pause, and move to the time of the next message (1) or of the one before (-1).
 
-        The position stays if the messages that are loaded have none there.
+        If no loaded message is on that side, only pause.
         """
         self.play(on=False)
         neighbour = self._window.neighbour(self.position, step)
@@ -145,7 +147,7 @@ class Player:
     def step_mark(self, step: int) -> TimelineMark | None:
         """Pause, move to the next mark (1) or the one before (-1), and return it.
 
-        If the loaded hour has none there, return None, and neither pause nor move.
+        If the loaded hour has no mark on that side, return None, and neither pause nor move.
         """
         here, marks = self.position, self.marks
         neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
@@ -158,17 +160,23 @@ class Player:
 
     @property
     def is_reading(self) -> bool:
-        """Return True while the messages up to the position are still being read."""
+        """Return True until the messages up to the position are read; for ever if none could be."""
         return not self._window.covers(self.position)
 
     @property
     def is_complete(self) -> bool:
-        """Return True when the loaded hour is read in full, or its reading has failed halfway."""
+        """Return True when the loaded hour is read, or an error has ended its reading halfway.
+
+        False for ever after an error before the first message.
+        """
         return self._window.is_complete
 
     @property
     def unreadable(self) -> int:
-        """Return how many messages of the loaded hour could not be applied so far."""
+        """Return how many messages of the loaded hour could not be applied so far.
+
+        An error that has ended the reading counts as one more.
+        """
         return self._window.unreadable
 
     async def follow(self, update: Callable[[], None]) -> None:
@@ -227,7 +235,7 @@ class Player:
 def namespace_of(bag: BagFile, file: RobotFile) -> str:
     """Return the robot's namespace, as the recorded console state says or as the topics suggest.
 
-    It reads the first second of the bag from the disk, where the black box writes its first state.
+    It reads from the disk the first second of the bag, in which the black box records a state.
     """
     state = ReplayState(file, bag.types, "/")
     for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):

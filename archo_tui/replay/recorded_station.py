@@ -47,17 +47,17 @@ class RecordedRobot:
         return self._player.snapshot()
 
     def subscribe(self, receiver: Callable[[Snapshot], None]) -> None:
-        """Call `receiver` once, at once; it is not told of later changes."""
+        """Call `receiver` with the snapshot at once, and never again."""
         receiver(self.snapshot)
 
     def note(self, *_: Any, **__: Any) -> None:
         """Ignore an event: nothing is added to a recording."""
 
     async def stop_sending_goals(self) -> None:
-        """Return at once: nothing was sent."""
+        """Do nothing: a recorded robot is sent no goals."""
 
     async def emergency_stop(self) -> Outcome:
-        """Refuse, since a recording cannot be stopped."""
+        """Return an outcome with the code REFUSED: a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)
 
     async def follow_topic(
@@ -66,7 +66,9 @@ class RecordedRobot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Call `show` with a view of a topic at the position, five times a second, until cancelled.
+        """Call `show` with a view of a topic at the position, until cancelled.
+
+        It is called five times a second, less often if decoding takes long.
 
         Args:
             topic: The full name of the topic.
@@ -76,9 +78,13 @@ class RecordedRobot:
         await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Return what a node published and served, as far as it was recorded.
+        """Return the topics, services and actions that a node offered at the position.
 
-        A node that was not recorded is refused. Log levels are never recorded.
+        What it subscribed to and called, and its log level, are not recorded. A node without any
+        recorded topic, service or action is refused.
+
+        Args:
+            node: The full name of the node.
         """
         found = self.snapshot.resources
 
@@ -114,7 +120,7 @@ class RecordedHost:
 
 
 class NullRecorder:
-    """A stand-in for the journal and for the black box of a replay: it records nothing."""
+    """A stand-in for the journal and the recorder of a console in a replay: it records nothing."""
 
     failure = trouble = kept = ""
 
@@ -125,7 +131,7 @@ class NullRecorder:
         """Ignore a view."""
 
     def keep(self, *_: Any) -> Outcome:
-        """Refuse to record, since this is a recording already."""
+        """Return an outcome with the code REFUSED: this is a recording already."""
         return Outcome(Code.REFUSED, "this is a recording")
 
 

@@ -59,8 +59,8 @@ class RecordedTopicFollower:
     async def run(self) -> NoReturn:
         """Show a view five times a second, less often if decoding takes long; never return.
 
-        Messages are read and decoded on another thread. A topic that the recording lacks is shown
-        with the reason as its fault.
+        Messages are read and decoded on another thread. A topic that the recording lacks, or that
+        cannot be decoded, is shown with the reason as its fault.
         """
         spent = 0.0
         while True:
@@ -83,8 +83,8 @@ class RecordedTopicFollower:
     ) -> tuple[TopicView, float]:
         """Return the view at a Unix time, and the processor time in seconds that it took.
 
-        It reads the file if the messages around that time are not loaded, so not on the event loop.
-        After a jump of the position it begins anew with the messages before the position.
+        Call it on a thread: it reads the bag if the messages around that time are not loaded. After
+        a jump of the position it forgets the messages so far, and begins with those before `now`.
         """
         begun = time.thread_time()
         watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
@@ -111,7 +111,7 @@ class RecordedTopicFollower:
     def _read_around(self, now: float) -> None:
         """Load the messages of the topic before a Unix time and shortly after it.
 
-        If they are too many, load those of a shorter time.
+        If they are too many, load those of a shorter time: of 1 s before it at last.
         """
         for span in _SPANS:
             self._read_until = now + span / 4

@@ -160,10 +160,10 @@ class ReplayState:
         self._evaluated_until = checkpoint.evaluated_until
 
     def apply(self, time: float, topic: str, message: Any) -> None:
-        """Apply the next message; one of an unknown topic only moves the time.
+        """Apply the next message; one of a topic that is not in `topics` only moves the time.
 
-        If no console state was applied yet, the alarms of each second until then are evaluated
-        first.
+        If no console state was applied yet, the alarms of each second up to the message's time are
+        evaluated first.
 
         Args:
             time: Its Unix time, in s; not before that of the last message.
@@ -185,9 +185,9 @@ class ReplayState:
             self._topics.callbacks[topic](message)
 
     def _evaluate_alarms_until(self, time: float) -> None:
-        """Evaluate the alarms of each second up to a Unix time, if no console recorded its alarms.
+        """Evaluate the alarms of each second up to a Unix time, unless a console state was applied.
 
-        Of a silence longer than MAX_SILENCE, only the first seconds and the last are evaluated.
+        Of a longer silence, only the first MAX_SILENCE seconds and the last one are evaluated.
         """
         if self.has_console_state:
             return
@@ -204,6 +204,8 @@ class ReplayState:
 
     def _apply_state(self, state: ConsoleState) -> None:
         """Replace the console's state, keeping what messages have told since it was made.
+
+        If the state has events, they replace the log.
 
         Raises:
             KeyError: It has an alarm of an unknown kind.
@@ -234,21 +236,18 @@ class ReplayState:
                 self._nodes[node.name] = node.heard, rate
 
     def _with_file_kind(self, goal: Goal) -> Goal:
-        """Return a goal whose kind is the robot file's."""
+        """Return the goal with what `goal_kind` returns for its kind."""
         return goal._replace(kind=self.goal_kind(goal.kind))
 
     def goal_kind(self, recorded: RecordedAction | GoalKind) -> GoalKind:
-        """Return the robot file's goal of the same id and action, or one of the recorded words."""
+        """Return the robot file's goal of the same id and action, else one made of `recorded`."""
         known = self._kinds.get((recorded.id, recorded.action))
         return known or GoalKind(
             recorded.id, recorded.title, recorded.action, recorded.type, noun=recorded.noun
         )
 
     def _on_journal(self, message: Any) -> None:
-        """Add the event of a console that a message of the journal's topic records.
-
-        Each message there is one.
-        """
+        """Add to the log the event that a message of the journal's topic records."""
         level, source, text = level_word(message.level), message.name, message.msg
         own, _, rest = text.partition(": ")
         if own in OWN_LEVELS:
@@ -335,10 +334,10 @@ class ReplayState:
         return node._replace(heard=heard, rate=None if rate is None else rate.hertz)
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Return the alarms at a Unix time, with their texts of that time.
+        """Return the alarms at a Unix time; those that are not over have their text of that time.
 
-        They are those that the console recorded; without a console state they are evaluated up to
-        `now`, which changes this state.
+        They are the alarms that the console recorded. If no console state was applied, they are
+        evaluated up to `now`, which changes this state.
 
         Args:
             snapshot: The state's snapshot.
@@ -354,7 +353,7 @@ class ReplayState:
 
 
 def _parse_state(text: str) -> ConsoleState:
-    """Return a console state; raise TypeError, ValueError or KeyError if the JSON is none."""
+    """Return a console state; raise TypeError, ValueError or KeyError if the text is none."""
     return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 

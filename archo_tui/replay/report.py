@@ -19,8 +19,8 @@ from archo_tui.words.event import event_text
 def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
     """Yield the lines of the report: the bag, its events and alarms in order of time, its faults.
 
-    Alarms get a line when they come and when they are over. The last lines say how many messages
-    were unreadable, and what else was left out.
+    Alarms get a line when they become active unacknowledged, and when they are over. The last lines
+    say how many messages were unreadable, and what else was left out.
     """
     seconds = bag.end - bag.start
     begin = datetime.fromtimestamp(bag.start)

@@ -51,7 +51,7 @@ def open_bag(given: str) -> BagFile:
     """Open the bag that `find_recording` finds.
 
     Raises:
-        ArchoError: There is no such recording, it is no bag, or has no message.
+        ArchoError: There is no such recording, it is no bag that can be read, or has no message.
     """
     bag = BagFile(find_recording(given))
     if not bag.count:
@@ -93,7 +93,7 @@ def load_robot_file(bag: BagFile, given: str) -> RobotFile:
 
 
 def make_player(bag: BagFile, robot: RobotFile, clock: Clock) -> Player:
-    """Return the player of a bag, paused 5 s before what triggered the recording.
+    """Return the player of a bag, paused at its `opening_time`.
 
     It reads the disk, so a console that runs calls it on another thread.
     """

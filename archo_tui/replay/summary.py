@@ -32,11 +32,12 @@ def read_summary(file: BinaryIO, size: int, index: Index, budget: ReadBudget) ->
     Parts that are damaged are reported by the index.
 
     Returns:
-        False if the summary is missing, damaged or incomplete; the index is of no use then.
+        True if the index is filled. False if the summary is missing, damaged or incomplete; the
+        index may hold a part of it then, and is of no use.
 
     Raises:
         OSError: The file cannot be read.
-        BudgetExceeded: The summary is too large.
+        BudgetExceeded: The budget is used up.
     """
     data = _summary_section(file, size)
     if data is None:

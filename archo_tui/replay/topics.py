@@ -18,6 +18,9 @@ class RecordedTopics:
     """A stand-in for the console's node, on which every recorded topic has a publisher.
 
     It receives nothing by itself: the caller calls `callbacks` with recorded messages.
+
+    Attributes:
+        callbacks: The callback of each subscribed topic, by its full name.
     """
 
     def __init__(self, types: Mapping[str, str], namespace: str) -> None:
@@ -28,7 +31,7 @@ class RecordedTopics:
             namespace: The robot's namespace.
         """
         self._types, self._namespace = types, namespace
-        self.callbacks: dict[str, Callable[[Any], None]] = {}  # By full topic names.
+        self.callbacks: dict[str, Callable[[Any], None]] = {}
 
     def resolve_topic_name(self, name: str) -> str:
         """Return the full name of a topic; one without a leading `/` is below the namespace."""

@@ -32,11 +32,12 @@ class Window:
 
     Attributes:
         begin: Unix time, in s.
-        end: Unix time, in s; earlier than was asked for if the messages are too many.
+        end: Unix time, in s; once `fill` is through, the time of the last message if they are too
+            many for a window.
         is_complete: True when `fill` is through, or `abort` was called after messages were read.
-        unreadable: The number of messages that could not be applied.
+        unreadable: The number of messages that could not be applied; `abort` counts as one.
         marks: The events and alarms read so far, in the order of reading.
-        history: The samples of the trends.
+        history: The samples of the trends, read so far.
     """
 
     def __init__(self, begin: float, end: float) -> None:
@@ -125,7 +126,9 @@ class Window:
         )
 
     def advance(self, state: ReplayState, time: float) -> None:
-        """Bring a state to a Unix time, forwards or backwards, which `covers` has to be true for.
+        """Bring a state forwards or backwards to a Unix time, for which `covers` has to be True.
+
+        A message that cannot be applied is left out.
 
         Args:
             state: The same state at each call; it is restored from a checkpoint where that is
