@@ -48,6 +48,8 @@ def write(
 ) -> WriteResult:
     """Write a whole bag into an empty folder; messages that cannot be encoded are left out.
 
+    If the disk refuses it, what is written by then stays in the folder.
+
     Args:
         folder: The folder, which exists.
         messages: The messages, which are written in this order.
@@ -244,7 +246,7 @@ class BagInfo(NamedTuple):
         why: What triggered the recording; "" if another tool wrote the bag.
         kept: True if the operator asked for the recording.
         number: The place in the order of writing; 0 if another tool wrote the bag.
-        at: Unix time of the first trigger, in s; None if there was none.
+        at: Unix time of the first trigger, in s; None if there was none, or it is not known.
     """
 
     start: float  # Unix time, in s.

@@ -184,7 +184,10 @@ class BlackBox:
         self._thread: threading.Thread | None = None
 
     def receive(self, topic: str, message: Any) -> None:
-        """Add to the last minute a message that was received now."""
+        """Add a message that was received now to the last minute, and to recordings that go on.
+
+        It may be a LazyMessage.
+        """
         now = self._clock.monotonic()
         self.ring.add(ReceivedMessage(int(self._clock.now() * 1e9), topic, message), now)
 
@@ -197,13 +200,13 @@ class BlackBox:
     def trigger(
         self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
     ) -> None:
-        """Record the last minute and the next 5 s, or prolong the recording that runs.
+        """Record the last minute and the next 5 s; prolong a recording that goes on to that end.
 
         A recording ends 300 s after its first trigger at the latest. `tick` and `finish` end it.
 
         Args:
             why: The reason, in a few words.
-            by_hand: True if the operator asked for it: such a recording is not deleted for room.
+            by_hand: True if the operator asked for it: the whole recording is not deleted for room.
             on_written: Called on any thread with the recording's name and "" when it is on the
                 disk, or with "" and the reason if it could not be written.
         """
@@ -219,9 +222,10 @@ class BlackBox:
     def tick(self) -> None:
         """End a recording whose time is over or that is full, and let the writing thread write it.
 
-        A recording is dropped, and `trouble` says so, if two others still wait for a slow disk.
-        Also hand the messages of the last second to the writing thread if everything is recorded,
-        and try a failed disk again each 10 s. Call it about each second.
+        A recording is dropped, and `trouble` and `on_written` say so, if two others still wait for
+        a slow disk. Also hand the messages of the last second to the writing thread if everything
+        is recorded, and after a failure or near the budget, try to write and to make room again
+        each 10 s. Call it about each second.
         """
         now = self._clock.monotonic()
         if self._event is not None and (now >= self._event.ends or self._event.is_full):
@@ -235,9 +239,9 @@ class BlackBox:
             self._tick_continuous(now, self._continuous_to)
 
     def _tick_continuous(self, now: float, to: Path) -> None:
-        """Hand the messages of the last second to the writing thread, or begin the next bag.
+        """Hand the messages of the last second to the writing thread; begin a bag if none is on.
 
-        A bag that failed is replaced by a new one after 10 s.
+        A bag ends after 10 minutes. A bag that failed is replaced by a new one after 10 s.
 
         Args:
             now: Monotonic time, in s.
@@ -386,9 +390,9 @@ class BlackBox:
             self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _retry_disk(self) -> None:
-        """Clear `failure` if the disk takes data again, on the writing thread; renew it otherwise.
+        """Clear `failure` and make room if the disk takes data again, else set `failure` anew.
 
-        If it does, also delete the oldest recordings beyond the budget.
+        Writing thread only.
         """
         from archo_tui.recording import store
 
@@ -410,6 +414,9 @@ class BlackBox:
 
         Args:
             written: The recording that was written last, which is not deleted; None for none.
+
+        Raises:
+            OSError: The disk refuses it.
         """
         from archo_tui.recording import store
 
@@ -446,7 +453,7 @@ class BlackBox:
 
         Returns:
             Why the last recording was not written, or that the disk was too slow; "" if all is
-            well.
+            well, or nothing was to be written.
         """
         if self._thread is None:
             return ""

@@ -60,9 +60,10 @@ class ConsoleRecorder:
             self._box.receive(JOURNAL, LazyMessage(partial(_to_log, event), _EVENT_WEIGHT))
 
     def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record the view if it changed or 10 s have passed, and begin or end recordings.
+        """Record the view if more than readings changed or 10 s have passed; tick the black box.
 
-        A STOP, an alarm of high priority or a failed goal since the last call begins a recording.
+        A STOP, an alarm of high priority or a failed goal since the last call begins a recording,
+        or prolongs the one that goes on. The first call begins none.
 
         Args:
             view: The station's view of now.
@@ -81,7 +82,8 @@ class ConsoleRecorder:
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
         """Record the last minute and the next 5 s, because the operator asked for it.
 
-        The outcome that is returned says only that the recording has begun.
+        The outcome that is returned is always DONE: the recording has begun. `kept` names it when
+        it is on the disk.
 
         Args:
             written: Called on the event loop when the recording is on the disk or could not be

@@ -18,7 +18,8 @@ _MAX_DEPTH = 4  # Of nested lists.
 def to_data(value: Any) -> Any:
     """Return a value as JSON has it: a dataclass or named tuple as an object, an Enum by name.
 
-    Sets become sorted lists. NaN, infinity and too large integers become texts.
+    Sets become sorted lists. NaN, infinity and integers beyond 64 bits become texts, which
+    `from_data` refuses where a number is due.
     """
     if isinstance(value, Enum):
         return value.name
@@ -38,7 +39,7 @@ def to_data(value: Any) -> Any:
 def from_data(kind: Any, data: Any) -> Any:
     """Build a value of a type from JSON data; missing fields get their defaults.
 
-    Unknown fields are ignored. Texts are made harmless to print.
+    Unknown fields are ignored. Texts become safe for a terminal, and are cut to 500 characters.
 
     Raises:
         TypeError: A part of the data is of another type, or a required field is missing.
@@ -96,7 +97,7 @@ def _require_type(kind: type, data: Any) -> Any:
 def _plain_value(data: Any, depth: int) -> Any:
     """Return None, a number, a text, or lists of them, for a field of type Any.
 
-    Texts are made harmless to print.
+    Texts become safe for a terminal, and are cut to 500 characters.
 
     Raises:
         TypeError: The data are anything else, or lists nested too deeply.

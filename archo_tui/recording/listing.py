@@ -45,7 +45,7 @@ def list_recordings(*, as_json: bool) -> Iterator[str]:
 
 
 def format_line(recording: store.Recording, width: int) -> str:
-    """Return a line with a recording's name, length, size and reason.
+    """Return a line with a recording's name, length in seconds, size, and what triggered it.
 
     Args:
         recording: The recording.

@@ -89,6 +89,8 @@ class Ring:
     def add(self, received: ReceivedMessage, now: float) -> None:
         """Keep a message, drop the oldest beyond the time or the bytes, and call the listeners.
 
+        The listeners get the message though it may be too large to be kept.
+
         Args:
             received: The message.
             now: Monotonic time, in s.

@@ -136,7 +136,8 @@ def console_state(view: View, *, with_events: bool) -> ConsoleState:
 
     Args:
         view: The station's view.
-        with_events: True to include the events so far, as the first state of a recording does.
+        with_events: True to include the events so far, without their audit records, as the first
+            state of a recording does.
     """
     snapshot, since = view.snapshot, view.time - view.now
     stop, goal = snapshot.open_stop, snapshot.goal

@@ -125,7 +125,7 @@ def make_folder(wanted: Path) -> Path:
 def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Path:
     """Write a recording that appears under its name only when all of it is on the disk.
 
-    If `fill` raises an exception, nothing is left of the recording.
+    If `fill` raises an exception, nothing is left of the recording, and the exception passes on.
 
     Args:
         folder: The folder of recordings; made if it is missing.
@@ -195,7 +195,10 @@ def _sync(path: Path) -> None:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise OSError if the folder cannot take a small file; make the folder if it is missing."""
+    """Raise OSError if the folder cannot take a small file, or the disk is almost full.
+
+    Make the folder if it is missing.
+    """
     made = folder / f"{_HIDDEN_PREFIX}try.{os.getpid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     check_free(folder)
@@ -212,7 +215,7 @@ def make_room(
     """Delete the oldest recordings until the rest is within the budget.
 
     Recordings kept by hand, and the newest, are not deleted, so that the rest may exceed the
-    budget. Hidden leftovers of killed processes are deleted in any case, an hour later.
+    budget. What a killed process has left, in hidden folders, is deleted once it is an hour old.
 
     Args:
         folder: The folder of recordings.

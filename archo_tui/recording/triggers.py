@@ -14,7 +14,8 @@ STOP = "STOP"
 def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
     """Return the reasons to begin or prolong a recording, in a few words each; mostly none.
 
-    They are a STOP, an alarm of high priority, and a goal that failed.
+    They are a STOP, an alarm of high priority that is active and unacknowledged, and a goal that
+    failed.
 
     Args:
         before: The view of the last call.
@@ -49,7 +50,7 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
 
 
 def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
-    """Yield the name of each alarm of high priority that has become active."""
+    """Yield the name of each alarm of high priority that is active and unacknowledged."""
     for alarm in changed:
         if alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED:
             yield alarm.name
