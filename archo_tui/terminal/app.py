@@ -97,7 +97,8 @@ class TerminalApp(App[None]):
 
     Attributes:
         station: The operator's station.
-        failure: The traceback of the error that ended the screen; "" for none.
+        failure: The traceback of the first error that ended the screen; "" for none.
+        theme_variables: What `get_css_variables` has returned last.
         stop_key: Textual's name of the key of STOP; "" until a subclass sets it.
     """
 
@@ -143,7 +144,7 @@ class TerminalApp(App[None]):
     def get_css_variables(self) -> dict[str, str]:
         """Return the theme's colours, and tones between them that the theme does not define.
 
-        They are adapted to terminals of 16 and of 256 colours, and kept as `theme_variables`.
+        They are adapted to terminals of 16 and of 256 colours, and kept in `theme_variables`.
         """
         variables = super().get_css_variables()
         if self.console.color_system == "256":
@@ -190,7 +191,7 @@ class TerminalApp(App[None]):
     def stop_typed(self, message: Message) -> None:
         """Call `stop_now` for the key of STOP, before any key that waits; an error ends the screen.
 
-        The driver calls it on the event loop.
+        A message that is no key is ignored. The driver calls it on the event loop.
         """
         if isinstance(message, events.Key):
             try:
@@ -213,7 +214,8 @@ class TerminalApp(App[None]):
     def watch_theme(self, before: str, theme: str) -> None:
         """Write a theme that the operator chose to the disk, for the next start.
 
-        Textual calls it at each change; the theme of the start is not written.
+        Textual calls it at each change; the theme of the start is not written. A thread writes, and
+        a message says why it could not.
         """
 
         async def write() -> None:
@@ -229,7 +231,10 @@ class TerminalApp(App[None]):
     def ring(self, alarms: Iterable[Alarm]) -> None:
         """Ring the bell and notify the desktop of new alarms of high priority.
 
-        An alarm rings once. A quiet station does not ring.
+        An alarm that is active and unacknowledged rings once. A quiet station rings for none.
+
+        Args:
+            alarms: All alarms on the board.
         """
         news = self.station.bell.take_new(alarms)
         if news and not self.station.quiet and self._driver is not None:
@@ -298,8 +303,8 @@ class TerminalApp(App[None]):
     def _handle_exception(self, error: Exception) -> None:
         """Keep the traceback in `failure`, and end the screen without Textual's report.
 
-        The first error counts. Errors after the end has begun are ignored; in a test the error is
-        raised.
+        The first error counts. Errors after the end has begun are ignored. Without a terminal, as
+        in a test, Textual handles the error itself.
         """
         if isinstance(error, WorkerFailed):  # The error that the worker raised is of interest.
             error = error.error if isinstance(error.error, Exception) else error

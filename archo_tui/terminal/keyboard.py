@@ -49,8 +49,8 @@ class Keyboard:
     def feed(self, data: bytes, now: float) -> list[Message]:
         """Return the messages for bytes that were read, in their order.
 
-        They include those that the silence before has decided. Replies of the terminal give no
-        message, moves of the mouse that another move follows neither.
+        They include those that the silence before has decided. Replies of the terminal, and moves
+        of the mouse that another move follows, give no message.
 
         Args:
             data: Everything that was available.
@@ -64,7 +64,7 @@ class Keyboard:
     def on_silence(self, now: float) -> list[Message]:
         """Return the messages that silence decides; call it regularly while nothing arrives.
 
-        They are keys such as escape, PasteStalled, and PasteCut.
+        They are keys such as escape, and PasteStalled or PasteCut; an empty list most times.
 
         Args:
             now: Monotonic time, in s.

@@ -27,7 +27,8 @@ _CHARACTERS = {"backspace": "\x7f", "enter": "\r", "tab": "\t"}
 def keys_of(sequence: str) -> list[events.Key] | None:
     """Return the keys of a whole escape sequence; several if the sequence types several characters.
 
-    A key that is let go gives an empty list; None means that the sequence is not a key.
+    A key that is let go, or that Textual ignores, gives an empty list; None means that the sequence
+    is not a key.
     """
     if match := _EXTENDED.fullmatch(sequence):
         keys = _extended(*(match[group] or "" for group in range(1, 5)))

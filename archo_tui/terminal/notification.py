@@ -19,7 +19,8 @@ def desktop_notification(text: str, environ: Mapping[str, str] = os.environ) -> 
     Return "" for a terminal that is not known to have one, and within tmux and screen.
 
     Args:
-        text: The notification; `;` becomes `,`, control characters are made harmless.
+        text: The notification; `;` becomes `,`, control characters become U+FFFD, and it is cut to
+            500 characters.
         environ: The environment, which tells the terminal's kind.
     """
     text = harmless(text).replace(";", ",")

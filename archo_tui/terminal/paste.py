@@ -30,7 +30,7 @@ class PasteCut(Message):
 
 
 class PasteStalled(Message):
-    """A message: nothing has arrived of a paste for 2 s, its end mark included."""
+    """A message: a paste has not ended, and nothing of it has arrived for 2 s; once a paste."""
 
 
 class PasteEnd(NamedTuple):
@@ -47,7 +47,7 @@ class PasteEnd(NamedTuple):
 
 
 class Paste:
-    """A paste from its begin mark on, which keeps at most PASTE_LIMIT characters."""
+    """A paste from its begin mark on, which keeps its first PASTE_LIMIT characters."""
 
     def __init__(self, now: float, stop_key: str) -> None:
         """Begin a paste.
@@ -73,13 +73,14 @@ class Paste:
     def feed(self, text: str, now: float, is_amid_character: bool) -> PasteEnd | None:
         """Add text that was read, and return the end of the paste, or None if it goes on.
 
-        The end is its end mark, or without it a new begin mark, or ctrl+x or the key of STOP alone
-        after a silence: then the paste is cut off, and the mark or key is the rest.
+        The end is its end mark. Without it, a new begin mark ends the paste, or ctrl+x or the key
+        of STOP alone after a silence: the paste is cut off then, and the rest begins with that mark
+        or key.
 
         Args:
             text: The text.
             now: Monotonic time of the reading, in s.
-            is_amid_character: True if the reading ended within a character.
+            is_amid_character: True if the reading ended within a character: no key ends the paste.
         """
         if now - self._last_time >= PAUSE:
             self._burst, self._silence = "", now - self._last_time
@@ -113,7 +114,7 @@ class Paste:
         return None
 
     def has_just_stalled(self, now: float) -> bool:
-        """Return True once a paste, when nothing has arrived for STALL seconds.
+        """Return True when nothing has arrived for STALL seconds; only once a paste.
 
         Args:
             now: Monotonic time, in s.

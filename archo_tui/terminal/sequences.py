@@ -51,7 +51,7 @@ class Sequences:
         return self._state != self._ground
 
     def feed(self, text: str, now: float) -> tuple[list[str], str]:
-        """Cut a text into characters and whole escape sequences, without the terminal's replies.
+        """Cut a text into characters and whole escape sequences, and drop control strings.
 
         What is incomplete is kept for the next call. Call `on_silence` before, with the same time.
 
@@ -72,7 +72,8 @@ class Sequences:
     def on_silence(self, now: float) -> list[str]:
         """Return the pieces that silence decides, such as an escape alone, which is a key.
 
-        An incomplete sequence that is no key is dropped.
+        An incomplete sequence that is no key is dropped, or handed on as single keys if its escape
+        was taken as a key before.
 
         Args:
             now: Monotonic time, in s.

@@ -24,9 +24,9 @@ def log_file() -> Path:
 def guarded_stderr(path: Path) -> Iterator[None]:
     """Redirect file descriptor 2 to a file during the block, and restore it at the end.
 
-    The old content of the file is deleted. `sys.__stderr__`, on which Textual draws, is a copy of
-    the old descriptor meanwhile. If the file cannot be written, what is printed is lost: a clean
-    screen matters more.
+    The old content of the file is deleted; its folder is made if it is missing. `sys.__stderr__`,
+    on which Textual draws, is a copy of the old descriptor meanwhile. If the file cannot be
+    written, what is printed is lost: a clean screen matters more.
     """
     try:
         make_folder(path)

@@ -78,7 +78,7 @@ def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
-    """Return the colours of backgrounds and scroll bars as greys, without any other colour.
+    """Return the colours of backgrounds and scroll bars as greys; leave all other colours out.
 
     The dark colours among 256 are blue or black.
 
@@ -126,7 +126,7 @@ def remembered_theme() -> str:
 
 
 def remember_theme(name: str) -> None:
-    """Write the name of a theme to the user's configuration folder, for the next start.
+    """Write the name of a theme, unchecked, to the user's configuration folder for the next start.
 
     Raises:
         OSError: The disk refuses it.
