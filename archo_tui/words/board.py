@@ -100,8 +100,8 @@ def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
 def fit_grid(numbers: range, width: int, rows: int) -> Grid:
     """Return the layout with as many columns as fit: a multiple of ten, else five, else fewer.
 
-    There is one page if all numbers fit in `rows` and are not more than PAGE; else a row of each
-    page is left for its number.
+    It has no more columns than numbers. There is one page if all numbers fit in `rows` and are not
+    more than PAGE; else a row of each page is left for its number.
 
     Args:
         numbers: All numbers of the board; at least one.

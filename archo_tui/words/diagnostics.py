@@ -14,7 +14,7 @@ GLYPHS = {
 
 
 def diagnostic_line(status: Diagnostic, now: float) -> str:
-    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a stale status.
+    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a status that is silent.
 
     Args:
         status: The status, with its level now.

@@ -23,7 +23,8 @@ def event_text(event: Event) -> str:
 def outcome_glyph(event: Event) -> str:
     """Return a glyph for how something ended, or for how grave a log line is.
 
-    `✓` is done, `✗` failed or an error, `▲` open or a warning, `·` none of these.
+    `✓` is done, `✗` failed or an error, `▲` open or a warning, `·` none of these, such as a goal
+    that was accepted.
     """
     if event.level in _GRAVITY:
         return _GRAVITY[event.level]
@@ -36,6 +37,8 @@ def outcome_glyph(event: Event) -> str:
 
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
     """Return True if a node of one of the user's own files, or a launch file, logged the event.
+
+    What one of these files printed during its import counts, too.
 
     Args:
         event: The event; its source is a logger's name (`lamp`, `lamp.motor`), or a node's name

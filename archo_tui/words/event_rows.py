@@ -90,7 +90,7 @@ def without_repeats(text: str) -> str:
 
     `reset encoder: Encoder reset to zero` becomes `reset encoder: zero`; what stands before the
     colon is the request. Another form of a word counts as the same. If the whole answer repeats,
-    the request alone is left.
+    the request alone is left. If `and`, `or` or `but` would begin the rest, the text stays.
     """
     title, _, answer = text.partition(": ")
     known, words = {_stem(word) for word in title.split()}, answer.split()

@@ -34,7 +34,7 @@ def goal_line(
     *,
     says_time_left: bool = True,
 ) -> Spans:
-    """Return the state of the last goal in a line, or how to give a goal if there was none.
+    """Return the state of the last goal in a line; if there was none, what `no_goal_line` returns.
 
     The line may be wider than `width`: it is not cut.
 
@@ -101,7 +101,7 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
 
     Args:
         goal: The current goal; None, or one whose way is not known, draws an empty bar.
-        width: The width of the bar, in cells.
+        width: The cells of the whole line; fewer than 12 count as 12.
     """
     length = known_length(goal)
     if goal is None or length is None:
@@ -116,10 +116,10 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
 
 
 def known_length(goal: Goal | None) -> float | None:
-    """Return the length of a goal's way in its own unit, or None if its progress is not known.
+    """Return the length of a goal's way in the goal's unit, or None if its progress is not known.
 
-    It is not known before the first feedback, of a refused goal, or if the feedback does not tell
-    it.
+    None for no goal, for a refused one, before the first feedback, if the feedback does not tell
+    it, and for a length of 0.
     """
     if goal is None or goal.remaining is None or goal.phase in (Phase.SENT, Phase.REFUSED):
         return None
@@ -147,7 +147,7 @@ def goal_history(
     """Return the goals that wait in a line; if none waits, those that ended, as many as fit.
 
     Args:
-        history: The goals that ended, newest first, as they are shown.
+        history: The goals that ended, newest first; the newest is shown in any case.
         width: The cells available.
         waiting: The goals in the queue, the next one first.
         held: Why the queue is held; "" if it is not.
@@ -184,7 +184,7 @@ def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spa
 
 
 def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
-    """Return how to give a goal while there is none, or why none can be given.
+    """Return how to give a goal while there is none, or why the first of the robot file cannot be.
 
     Args:
         snapshot: The state of the robot.
@@ -247,7 +247,7 @@ def _unit_suffix(goal: Goal) -> str:
 def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
 
-    Without a distance it gives the robot's own feedback, or says that there is none yet.
+    Without distances it gives the robot's own feedback, or says that it is unreadable or missing.
 
     Args:
         goal: The goal.

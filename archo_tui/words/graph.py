@@ -64,8 +64,8 @@ class ResourceRow(NamedTuple):
 def topic_lines(info: TopicInfo) -> Spans:
     """Return the mismatches of a topic, then its publishers and subscribers, each with its QoS.
 
-    Types are shown only if they differ. The last line says if there is no publisher, or that all
-    fit.
+    Types are shown only if they differ. A last line says that there is no publisher, or that all
+    fit if there are both and no mismatch.
     """
     parts = {"from": info.publishers, "to": info.subscriptions}
     ends = [end for side in parts.values() for end in side]

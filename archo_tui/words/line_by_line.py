@@ -41,7 +41,8 @@ def without_glyph(text: str) -> str:
 def battery_text(snapshot: Snapshot, now: float) -> str:
     """Return the battery as `GOOD, 87.5 %, 24.1 V`; unknown values are left out.
 
-    In place of values it says why there are none yet, or how old they are.
+    If none was received, the reason follows the word. Of old values the charge stays, and their age
+    stands in place of the voltage. If a value is unreadable, the word stands alone.
     """
     found = snapshot.battery
     _, word, _ = battery_word(snapshot)
@@ -60,7 +61,7 @@ def battery_text(snapshot: Snapshot, now: float) -> str:
 
 
 def motion_text(snapshot: Snapshot, now: float) -> str:
-    """Return the motion as `IDLE, 15420 ticks, 0.00 m/s`; unknown and old values are left out."""
+    """Return the motion as `IDLE, 15420 ticks, 0.00 m/s`; unknown and old numbers are left out."""
     found, parts = snapshot.motion, [spans_to_text(motion_word(snapshot, now, _WIDTH))]
     if found.is_old(now):  # Old numbers would sound like current ones.
         return parts[0]

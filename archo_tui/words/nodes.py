@@ -39,7 +39,11 @@ class NodeRow(NamedTuple):
         return crashed or (hosted is not None and hosted.life == Life.UP and bool(hosted.error))
 
     def word(self) -> tuple[str, str, str]:
-        """Return glyph, text and tone of the node's state; the text is "" if nothing is wrong."""
+        """Return glyph, text and tone of the node's state.
+
+        The text is "" for a node that is up and not silent; a managed node that is not active has
+        another glyph then.
+        """
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error}", STRONG
@@ -64,7 +68,9 @@ class NodeRow(NamedTuple):
         return f"{self.name.lstrip('/')} {self.state.lifecycle}".rstrip()
 
     def details(self, now: float, snapshot: Snapshot) -> str:
-        """Return everything that is known of the node, in lines for a dialog, its traceback last.
+        """Return the node's state, rate and count of parameters in lines for a dialog.
+
+        Its traceback comes last, if it has one.
 
         Args:
             now: Monotonic time, in s.

@@ -27,7 +27,8 @@ def elsewhere_text(snapshot: Snapshot) -> str:
 def no_data_text(snapshot: Snapshot) -> str:
     """Return that no data has come from the robot yet, and the likely cause; "" once some has.
 
-    For a robot whose file names no topic, a node on the graph counts as data.
+    Data are a reading of battery, motion or a gauge. For a robot whose file names no topic, a node
+    on the graph counts as data.
     """
     topics = snapshot.file.topics
     heard = (snapshot.battery.received, snapshot.motion.received)
@@ -62,9 +63,9 @@ def thousands(value: int | None) -> str:
 
 
 def age_text(seconds: float) -> str:
-    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`; five characters up to 99 hours.
+    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`.
 
-    A negative one is `0.0 s`.
+    It has at most five characters up to 999 hours. A negative one is `0.0 s`.
     """
     if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
@@ -150,7 +151,7 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
     """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`.
 
-    Unknown ones are `--`; old ones are dimmed.
+    Unknown ones are `--`; old ones are dimmed. Empty if the robot file names neither.
     """
     motion, parts = snapshot.motion, []
     count = motion_unit(snapshot, "count")
@@ -196,8 +197,8 @@ def motion_unit(snapshot: Snapshot, name: str) -> str | None:
 def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """Return the robot's state, such as IDLE, MOVING, STOPPED, or why it is not known.
 
-    A STOP that is not confirmed goes before all else. If the service of STOP is missing, the end of
-    the line says so.
+    A STOP that is not confirmed goes before all else. Behind a state that is known, the line says
+    if the service of STOP is missing.
 
     Args:
         snapshot: The state of the robot.
@@ -238,8 +239,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
 def gauge_line(reading: GaugeReading, now: float) -> Spans:
     """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own.
 
-    It is `--` before the first number. A value beyond a limit, an old one and one that is no number
-    are marked.
+    It is `--` before the first number. A value beyond a limit and one that is no number are marked;
+    an old one has its age.
     """
     name, unit = reading.gauge.title, reading.gauge.unit
     if reading.received is None:

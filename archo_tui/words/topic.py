@@ -21,7 +21,7 @@ _LAST_DATE = 2e11  # No later one can be written as a date.
 def summary(view: TopicView, *, is_frozen: bool) -> Spans:
     """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary.
 
-    That is a fault, a frozen view, and fields that are left out.
+    That is a fault, a frozen view, fields that are left out, or that no message has come yet.
 
     Args:
         view: The topic.
@@ -152,8 +152,9 @@ def time_text(seconds: float) -> str:
 def sparkline(curve: Curve) -> str:
     """Return a bar for each column of a curve, scaled from its least to its greatest value.
 
-    A column without values is a space; "" if none has any. Of a column's two values, the least and
-    the greatest, the one that differs more from the column before is drawn.
+    A column without values is a space; "" if none has any. If all values are equal, all bars are
+    the lowest. Of a column's two values, the least and the greatest, the one that differs more from
+    the column before is drawn.
     """
     known = [value for both in curve if both is not None for value in both]
     if not known:
