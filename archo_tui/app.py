@@ -197,7 +197,7 @@ class ArchoApp(KeyedApp):
         self._show_notice()
 
     def action_dismiss_notice(self) -> None:
-        """Remove the notice that is shown, because it was clicked."""
+        """Remove the notice that is shown, because it was clicked; show the next one that waits."""
         self._notices.dismiss()
         self._show_notice()
 
@@ -215,8 +215,10 @@ class ArchoApp(KeyedApp):
         """Run a command by its id, or show why it cannot run.
 
         It runs on the live console or, while a replay is shown, there; STOP always on the live one.
-        STOP also closes the questions. A command that waits for its answer does not run again, and
-        a held key runs it only after its `resend_after`. Nothing happens for an unknown id.
+        STOP also closes the questions. A command with `waits_for_answer` runs neither for a held
+        key nor before its answer, which a message says; a held key runs the others again before
+        their answer only after `resend_after`. A disabled one with `always_tried` or
+        `runs_disabled` runs unless the console only watches. Nothing happens for an unknown id.
 
         Args:
             name: The command's id.
@@ -290,7 +292,7 @@ class ArchoApp(KeyedApp):
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
 
-        The answer to the question runs the verb. A failure is shown.
+        The answer that agrees runs the verb. A failure is shown.
         """
 
         async def now() -> None:
@@ -306,7 +308,7 @@ class ArchoApp(KeyedApp):
         return None
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, unless a STOP that was read since the key would have closed it."""
+        """Show a dialog, or a message if a STOP read since the key would have closed the dialog."""
         closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
@@ -368,14 +370,14 @@ class ArchoApp(KeyedApp):
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Show a question at once, so that the following keys answer it.
 
-        It is not shown, but a message, while another question is, or if a STOP was read since the
-        key.
+        A message is shown in its place while another question is open, or if a STOP was read since
+        the key.
 
         Args:
             title: The title of the dialog.
             question: The question.
             safe: The answer that changes nothing.
-            answers: The work of each other answer, by its words.
+            answers: What makes the work of each other answer, by its words; it runs as a command.
         """
         from archo_tui.screens.confirm import Confirm
 
@@ -501,7 +503,7 @@ class ArchoApp(KeyedApp):
 
     @property
     def has_person(self) -> bool:
-        """Return True while the screen runs: somebody looks at it."""
+        """Return True while the screen runs: a person is taken to look at it."""
         return self.is_running
 
     def carry_out(self, work: Callable[[], Work]) -> None:

@@ -29,7 +29,7 @@ class ShortPauses:
         gc.callbacks.append(self._on_collection)
 
     def __exit__(self, *_: object) -> None:
-        """End the watch, and let collections look through what was left out of them."""
+        """End the watch, and let collections look through all again, also what was left out."""
         gc.callbacks.remove(self._on_collection)
         if self._frozen:
             gc.unfreeze()

@@ -75,7 +75,13 @@ async def _ask_process() -> Mapping[int, Sequence[str]]:
 
 
 def main() -> None:
-    """Print the nodes of each domain that has any, as a JSON object on one line; it takes 3 s."""
+    """Print the nodes of each domain that has any, as a JSON object on one line.
+
+    It takes 3 s, besides the time to join the domains. Hidden nodes are left out.
+
+    Raises:
+        ArchoError: ROS 2 cannot be used.
+    """
     from archo_tui import engine
 
     engine.activate("ros2")

@@ -48,8 +48,8 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
         own: Interface packages of the user, folders by name; for the embedded engine only.
 
     Raises:
-        ArchoError: Something is missing, or the process uses the other engine; the message says
-            what to type.
+        ArchoError: There is no such engine, something is missing, or the process uses the other
+            engine; the message says what to type.
     """
     if name not in ENGINES:
         raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
@@ -199,7 +199,7 @@ def no_node_hint(name: str, context: Context) -> str:
 def _discovery_range() -> str:
     """Return how far the environment lets ROS 2 look for other nodes: `SUBNET`, `LOCALHOST`, `OFF`.
 
-    The older variable, ROS_LOCALHOST_ONLY, has precedence.
+    The older variable, ROS_LOCALHOST_ONLY, has precedence. Without either it is `SUBNET`.
     """
     if os.environ.get(_LOCALHOST_ONLY) == "1":
         return "LOCALHOST"

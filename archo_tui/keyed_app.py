@@ -119,8 +119,9 @@ class KeyedApp(TerminalApp):
     def _bind_commands(self, commands: Iterable[Command], keys: Mapping[str, str]) -> None:
         """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
-        Over a slow line several arrive at once. check_action gives letters back to a field.
-        App.bind has no priority, and a keymap of Textual's drops commands that share a key.
+        Over a slow line several arrive at once. check_action gives letters back to a field. A key
+        loses what else it was bound to, but not the other commands that share it. App.bind has no
+        priority, and a keymap of Textual's drops commands that share a key.
 
         Args:
             commands: The commands.
@@ -308,8 +309,8 @@ class KeyedApp(TerminalApp):
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
         Returns:
-            True for a key that is held down: the same as the last one, within HELD, without a STOP
-            between them, unless it is the key of STOP.
+            True for a key that is held down: it is the same as the last one, within HELD, and no
+            STOP came between the two, if it is another key than that of STOP.
         """
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
@@ -407,7 +408,8 @@ class KeyedApp(TerminalApp):
         """Return True if an event can be handled now: what came before is done, its target there.
 
         While a dialog waits for an answer, or is being opened, only keys that work everywhere are
-        taken; escape, too, while it waits.
+        taken; escape, too, while it waits. A press of the mouse has to wait until the screen is
+        drawn, so that it is for what is seen.
         """
         if self._is_changing or (self._acting is not None and self._acting.is_running):
             return False
@@ -454,8 +456,8 @@ class KeyedApp(TerminalApp):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return True if the action of a key acts now, False if the key is left to others.
 
-        Those are a field, a dialog, or another panel than the command's. Textual asks it for each
-        binding.
+        Those are a field, a dialog, or another panel than the command's. The key of an unknown
+        command is left to them, too. Textual asks this for each binding.
         """
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
@@ -491,7 +493,7 @@ class KeyedApp(TerminalApp):
         return next((command for command in registry if command.id == name), None)
 
     def action_beside(self, step: int) -> None:
-        """Move the focus from the goal's field to the board and on (1), or back (-1)."""
+        """Move the focus from the goal's field to the board and on (1), or back (-1), if it can."""
         main = self.front.main
         beside = main.goal.next_focus(self.focused, step)
         if isinstance(beside, Field):

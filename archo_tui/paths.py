@@ -62,9 +62,9 @@ def typed_path(text: str) -> Path:
 
 
 def _folder(find: Callable[..., Path]) -> Path:
-    """Return the console's folder of a kind; for a user without a home, one without files.
+    """Return the console's folder of a kind.
 
-    Nothing can be written into the latter.
+    For a user without a home it is a path below which no file exists or can be made.
     """
     try:
         return find(_NAME, appauthor=False)

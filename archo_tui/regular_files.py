@@ -24,6 +24,7 @@ def open_regular(path: Path, flags: int) -> int:
 
     Raises:
         OSError: It cannot be opened, or is no regular file.
+        ValueError: The path holds a NUL character.
     """
     # O_NONBLOCK has no effect on regular files, and keeps a pipe from blocking.
     flags |= getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
@@ -44,6 +45,7 @@ def read(path: Path) -> bytes:
 
     Raises:
         OSError: It cannot be read, is no regular file, or larger than MAX_BYTES.
+        ValueError: The path holds a NUL character.
     """
     with open(open_regular(path, os.O_RDONLY), "rb") as file:
         data = file.read(MAX_BYTES + 1)

@@ -18,7 +18,7 @@ from archo_tui.widgets.time_line import TimeLine
 class ReplayApp(ArchoApp):
     """The console's panels on a recorded robot, with a time line above the footer.
 
-    Commands that act are left out.
+    Commands that would act on a robot are left out.
     """
 
     def __init__(
@@ -28,7 +28,7 @@ class ReplayApp(ArchoApp):
         super().__init__(station, keys, theme)
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """Return the commands of a replay: its own, and those of the console that do not act."""
+        """Return the commands of a replay: its own, and the console's that act on no robot."""
         return replay_commands(self._player, super().commands(snapshot))
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:

@@ -45,7 +45,7 @@ def safe(text: str) -> str:
 
 
 def safe_lines(text: str) -> str:
-    """Return a text of several lines with each of them as `safe` returns it; line ends stay."""
+    """Return a text of several lines with each line as `safe` returns it; line feeds stay."""
     return "\n".join(map(safe, text.split("\n")))
 
 
@@ -63,8 +63,8 @@ def _hidden_in_place(found: re.Match[str]) -> str:
 def is_deceptive(text: str) -> bool:
     """Return True if a text may look like another text to a person.
 
-    It has unseen characters, blanks that are not single spaces within it, or is longer than 500
-    characters.
+    It has unseen characters or such as `safe` replaces, blanks other than single spaces between
+    words, or more than 500 characters.
     """
     is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
     return not is_plain or _UNSEEN.search(text) is not None

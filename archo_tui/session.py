@@ -165,6 +165,9 @@ class Session:
         """Activate the engine, and return the user's own interface packages, folders by name.
 
         Mistakes in these packages are kept for `start`, which reports them.
+
+        Raises:
+            ArchoError: The engine cannot be used, or a folder has no package without a mistake.
         """
         options = self.options
         own: dict[str, Path] = {}
@@ -179,7 +182,11 @@ class Session:
         return own
 
     def _read_launch_file(self) -> LaunchFile | None:
-        """Return the user's launch file, evaluated, or None if none was given."""
+        """Return the user's launch file, evaluated, or None if none was given.
+
+        Raises:
+            ArchoError: The file is wrong, or nothing of it runs here.
+        """
         if self.options.launch is None:
             return None
         from archo_tui.hosting.launch_file import LaunchFile
@@ -340,7 +347,8 @@ class Session:
         the user's files print meanwhile becomes events.
 
         Raises:
-            ArchoError: A robot's node cannot be made.
+            ArchoError: A user's file cannot be imported or defines no node, or a robot's node
+                cannot be made.
         """
         # What nodes print before the start is an event as well.
         output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
@@ -460,7 +468,7 @@ class Session:
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
 
     def close(self) -> list[str]:
-        """Stop everything, and return the names of nodes whose callbacks did not return.
+        """Stop everything, and return the names of the nodes and programs that did not end.
 
         Recordings that still go on are written, for which the end takes 2.5 s at most; `unrecorded`
         then tells why one was not.

@@ -24,7 +24,8 @@ _LOOK = 0.02  # Seconds between two checks of a goal that is being cancelled.
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Send no more goals, and cancel the running goal and wait for its end, or leave it running.
 
-    It takes 1 s at most. Events tell what was done; a goal of another client is left alone.
+    It takes 1 s at most; an event says if that was too short. Events tell what was done with the
+    goal; one of another client is left alone.
 
     Args:
         robot: The robot.
@@ -108,6 +109,8 @@ class Shutdown:
     def begin(self, code: int) -> None:
         """Begin to handle the running goal and then end; a second call changes nothing.
 
+        Call it on the event loop.
+
         Args:
             code: The exit code; above 128 it is 128 and the number of a signal.
         """
@@ -115,7 +118,7 @@ class Shutdown:
             self._task = asyncio.create_task(self._end_in_order(code))
 
     async def _end_in_order(self, code: int) -> None:
-        """Cancel or leave the running goal, wait for the answers of commands, and end.
+        """Cancel or leave the running goal, wait for the answers of commands for 1 s, and end.
 
         Args:
             code: The exit code; above 128 it is 128 and the number of a signal.

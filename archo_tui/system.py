@@ -54,6 +54,8 @@ def lock(descriptor: int) -> bool:
 def create_exclusively(path: Path) -> int:
     """Create a file for writing, never following a link, and return its descriptor.
 
+    The caller closes it.
+
     Raises:
         OSError: The path exists, or the disk refuses it.
     """
