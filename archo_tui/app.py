@@ -56,7 +56,7 @@ class ArchoApp(KeyedApp):
 
     Attributes:
         typed: What was last typed into each form, by form and path.
-        used: The robot file, with the goals and services that were used besides.
+        used: The robot file, extended by goals and services that were used though it lacks them.
         has_sent: True unless it is known that this user has never sent a goal.
         view: What is shown now.
     """
@@ -419,7 +419,7 @@ class ArchoApp(KeyedApp):
         return self.screen_stack
 
     def write_screenshot(self) -> None:
-        """Save the screen as SVG, after the next drawing.
+        """Save the screen as SVG in the user's folder of downloads, after the next drawing.
 
         The palette that asked for it has gone by then.
         """

@@ -114,7 +114,7 @@ class Ring:
         """Return the messages kept so far, and pass all that follow to `listener`.
 
         The last messages of topics that have been silent for longer come first, with the time of
-        the oldest other message.
+        the oldest other message, if there is one.
 
         Args:
             listener: Called with a message and its weight on the thread that adds it, under the

@@ -32,8 +32,8 @@ class Window:
 
     Attributes:
         begin: Unix time, in s.
-        end: Unix time, in s; once `fill` is through, the time of the last message if they are too
-            many for a window.
+        end: Unix time, in s; of 500,000 messages or more, `fill` makes it the time of the last one
+            that it has taken.
         is_complete: True when `fill` is through, or `abort` was called after messages were read.
         unreadable: The number of messages that could not be applied; `abort` counts as one.
         marks: The events and alarms read so far, in the order of reading.

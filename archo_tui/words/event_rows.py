@@ -27,7 +27,7 @@ class EventRow(NamedTuple):
     Attributes:
         text: The line, without its time.
         events: The events that it stands for; the first one gives the row its glyph.
-        time: The Unix time of the last one that the line tells of.
+        time: The Unix time of the last event that the line tells of.
     """
 
     text: str
