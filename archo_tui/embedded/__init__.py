@@ -20,9 +20,10 @@ HERE = Path(__file__).parent
 
 
 class RclpyLoader(importlib.machinery.SourceFileLoader):
-    """The loader of rclpy's modules, which gives each the `__getattr__` of `absent.lookup_in`.
+    """The loader of those modules of rclpy that re-export names, or whose names are incomplete.
 
-    With that a module re-exports names, and names that the engine leaves out raise ImportError.
+    A module gets the `__getattr__` of `absent.lookup_in`: it finds the re-exported names, and
+    raises ImportError for those that the engine leaves out.
     """
 
     def exec_module(self, module: ModuleType) -> None:

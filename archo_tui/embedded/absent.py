@@ -61,7 +61,7 @@ def check_module(name: str) -> None:
 
 
 def answers_for(module: str) -> bool:
-    """Return True if `lookup_in` knows names of a module, which it re-exports or leaves out."""
+    """Return True if a module of rclpy re-exports names, or lacks some that are in rclpy."""
     return module in REEXPORTED or module in NAMES
 
 
@@ -98,7 +98,7 @@ class Attribute:
 
 
 def check_arguments(function: str, **given: object) -> None:
-    """Raise NotImplementedError if a given argument is not None.
+    """Raise NotImplementedError, which names the first given argument that is not None.
 
     Args:
         function: The name of the called function, for the error.

@@ -24,7 +24,10 @@ class CdrError(ValueError):
 
 
 def encode(message: Any) -> bytes:
-    """Return a message as little-endian CDR bytes, with the encapsulation header."""
+    """Return a message as little-endian CDR bytes, with the encapsulation header.
+
+    A list that was filled with wrong values is not checked again.
+    """
     data = bytearray()
     _write_message(data, message)
     return _LITTLE + bytes(data)

@@ -42,7 +42,7 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
     Args:
         name: The field, for the error.
         base: The type of one value, as FieldType has it.
-        bound: The longest string; None for no bound.
+        bound: The longest string, in characters; None for no bound.
         message_class: The class of a nested message; None for a primitive.
     """
     if message_class is not None:
@@ -64,9 +64,9 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
 def array_check(name: str, kind: FieldType, element: Check) -> Check:
     """Return a check for an array field, which returns what the message keeps.
 
-    The check returns a valid list itself, without a copy, but converts numbers: to an array.array,
-    or to a FixedArray for an array of fixed size. It raises AssertionError for any other value, and
-    ValueError for bytes in an array of fixed size.
+    The check returns a valid sequence or set itself, without a copy, but converts numbers: to an
+    array.array, or to a FixedArray for an array of fixed size. Any other value raises
+    AssertionError, and bytes for numbers of a fixed size ValueError.
 
     Args:
         name: The field, for the error.
@@ -155,7 +155,7 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
     """Return a function that copies a field's value, or None if the value needs no copy.
 
     The function rounds a float32. It checks a list again, which may have been changed after it was
-    assigned, and raises AssertionError if an element is wrong by now.
+    assigned, and raises AssertionError if an element or the length is wrong by now.
 
     Args:
         kind: The type of the field.
@@ -190,8 +190,8 @@ def from_file(kind: FieldType, value: Any) -> Any:
 def default_of(kind: FieldType, message_class: Any) -> Any:
     """Return a new value for a field whose interface file gives no default: 0, "", False and so on.
 
-    A nested message is a new message. An array of fixed size is a list of such values, any other
-    array an empty list.
+    The default of a nested message is a new message, of an array of fixed size a list of its
+    elements' defaults, and of any other array an empty list.
     """
 
     def one() -> Any:

@@ -58,7 +58,8 @@ class FixedArray(Many):
     """An array of numbers whose length never changes, as messages hold `uint8[16]`.
 
     As in numpy, `==` and `!=` compare element by element and return Truths, and a single value is
-    compared with, or assigned to, every element. A wrong number of values raises ValueError.
+    compared with every element, or assigned to every element of a slice. A wrong number of values
+    raises ValueError.
     """
 
     __slots__ = ("_values",)
@@ -137,7 +138,7 @@ class Part(FixedArray):
 def _broadcast(value: Any, size: int) -> Sequence[Any]:
     """Return `size` values: `size` values as given, or a single one repeated.
 
-    A single value may stand alone or in a sequence; a text and bytes are single values.
+    A single value may stand alone or in an iterable; a str and bytes are single values.
 
     Raises:
         ValueError: The number of values is neither 1 nor `size`.

@@ -29,7 +29,10 @@ class InterfaceError(ImportError):
 
 
 class Field(NamedTuple):
-    """A field: its type, name, default (None if the file gives none) and line number."""
+    """A field: its type, name, default (None if the file gives none) and line number.
+
+    The default is as `idl_values.read` returns it: a byte is an int.
+    """
 
     type: FieldType
     name: str
@@ -57,7 +60,7 @@ def parse(path: Path, package: str) -> list[Section]:
     """Parse an interface file.
 
     Args:
-        path: The file.
+        path: The file, which ends in .msg, .srv or .action.
         package: The package in which types without a package are looked for, as ROS does.
 
     Returns:

@@ -32,10 +32,10 @@ class FieldType(NamedTuple):
 
     Attributes:
         base: A primitive type, or `package/Name`.
-        string_bound: The longest string; None for no bound.
+        string_bound: The longest string, in characters; None for no bound.
         is_array: True for an array of any form.
         fixed_size: The length of an array of fixed size, else None.
-        upper_bound: The longest array; None for no bound.
+        upper_bound: The most elements of an array; None for no bound, or a fixed size.
     """
 
     base: str

@@ -18,12 +18,13 @@ _ELEMENT = re.compile(  # An element of a list of texts, up to the comma.
 
 
 def read(text: str, kind: FieldType) -> object:
-    """Return the value of a constant or default as its text in an interface file means it.
+    r"""Return the value of a constant or default as its text in an interface file means it.
 
-    A byte is an int, an array a list.
+    A byte is an int, an array a list. Escapes such as `\n` are decoded in a single text, but not
+    in an array of texts.
 
     Raises:
-        ValueError: The text is no value of that type, or the type takes no default.
+        ValueError: The text is no value of that type, or the type is a message.
     """
     if "/" in kind.base:
         raise ValueError(f"{kind.base} takes no default")

@@ -75,9 +75,10 @@ class InterfaceFinder:
         """Return the class of "package/kind/Name", made at the first call.
 
         Raises:
-            InterfaceError: The file, or that of a nested message, is not valid; the text names file
-                and line.
+            InterfaceError: The file is not valid, or a nested message's is not valid or missing;
+                the text names file and line.
             ImportError: There is no such interface.
+            OSError: A file cannot be read.
         """
         with self._lock:
             if type_name not in self._classes:
@@ -106,7 +107,8 @@ class InterfaceFinder:
         """Make every class of a package, so that a file that is not valid is found.
 
         Raises:
-            InterfaceError: A file is not valid, the first one found; the text names file and line.
+            InterfaceError: As `load` raises it, for the first file that is not valid.
+            OSError: A file cannot be read.
         """
         for kind in KINDS:
             for name in self.names(package, kind):
@@ -170,9 +172,9 @@ def _has_interfaces(folder: Path) -> bool:
 
 
 def packages_in(folder: Path) -> list[Path]:
-    """Return the interface packages in a folder: itself, and all with a package.xml below.
+    """Return the interface packages in a folder: the folder itself, then those below, sorted.
 
-    Folders without msg/, srv/ and action/ are left out.
+    Folders without msg/, srv/ and action/ are left out, as are those below without a package.xml.
     """
     places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
     return [place for place in dict.fromkeys(places) if _has_interfaces(place)]

@@ -37,7 +37,8 @@ class _MessageType(type):
 class Message(metaclass=_MessageType):
     """The base of every generated message, request, goal and so on.
 
-    Assigning a wrong value to a field raises AssertionError. Messages have no hash.
+    Assigning a wrong value to a field raises AssertionError (ValueError for bytes as numbers of a
+    fixed size); an unknown field raises AttributeError. Messages have no hash.
     """
 
     __slots__ = ()
@@ -57,6 +58,9 @@ class Message(metaclass=_MessageType):
 
         Raises:
             AssertionError: A field is unknown, or a value is wrong.
+            TypeError: An array of numbers is given a value with an element that is no number, or no
+                iterable at all.
+            OverflowError: An element for an array of integers is out of range.
         """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
@@ -76,7 +80,8 @@ class Message(metaclass=_MessageType):
         """Return a copy that shares nothing, as if sent and received: float32 is rounded.
 
         Raises:
-            AssertionError: A list was filled with a wrong value after it was assigned.
+            AssertionError: A list has been filled with a wrong value, or to a wrong length, since
+                it was assigned.
         """
         new = object.__new__(type(self))
         for slot, copy in self.__copiers__:
@@ -182,6 +187,9 @@ def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> t
         type_name: Its type, as `package/srv/Name`.
         sections: The request's and the response's section.
         resolve: Returns the class of a nested type.
+
+    Raises:
+        InterfaceError: As `make_message` raises it.
     """
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
@@ -203,6 +211,9 @@ def make_action(
         sections: The goal's, the result's and the feedback's section.
         resolve: Returns the class of a nested type.
         load: Returns the class of a type such as `action_msgs/srv/CancelGoal`.
+
+    Raises:
+        InterfaceError: As `make_message` raises it.
     """
     parts: dict[str, Any] = {
         part: make_message(f"{type_name}_{part}", section, resolve)

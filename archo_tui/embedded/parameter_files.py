@@ -88,7 +88,8 @@ class _Text(NamedTuple):
 def _check_types(overrides: list[Override]) -> None:
     """Raise ParameterFileError for a parameter that one pattern sets twice with different types.
 
-    Of two such values rcl takes the one or the other, depending on their types.
+    All lists count as one type. Of two such values rcl takes one or the other, depending on their
+    types.
     """
     types: dict[tuple[str, str], type] = {}
     for override in overrides:
@@ -101,7 +102,8 @@ def _check_types(overrides: list[Override]) -> None:
 def scalar(text: str) -> Any:
     """Return the bool, int, float or str as which rcl reads a scalar without quotes.
 
-    An integer that does not fit in 64 bits is a float.
+    An integer that does not fit in 64 bits is a float, and a number that is too large or too small
+    for a normal double is a str.
     """
     if text in _BOOLS:
         return _BOOLS[text]
@@ -142,7 +144,7 @@ def value_of(text: str) -> Any:
     """Return the value of the text behind `-p name:=`: a scalar, or a list such as `[1, 2]`.
 
     Raises:
-        ValueError: The text is neither of these, or empty.
+        ValueError: The text is empty, a map, a list of lists or of mixed types, or no YAML.
     """
     try:
         node = bounded_yaml.compose(text, Path("-p"))
