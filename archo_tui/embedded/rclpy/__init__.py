@@ -66,7 +66,10 @@ def init(
 
 
 class InitContextManager:
-    """The result of `init`: a context manager that shuts the context down at its end."""
+    """The result of `init`: a context manager that shuts the context down at its end.
+
+    `installed_signal_handlers` is True unless the option was NO, though none is installed here.
+    """
 
     def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
         self.context = context
@@ -81,18 +84,24 @@ class InitContextManager:
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut the context and the global executor down; raise RuntimeError if it has not begun.
+    """Shut a context down, and also the global executor.
+
+    In rclpy the global executor goes on if another context than its own is shut down.
 
     Args:
-        context: The context; None means the default one, of which `init` then begins a new one.
+        context: The context; None means the default one, which is forgotten: `init` begins a new
+            one.
         uninstall_handlers: Has no effect: there are no handlers.
+
+    Raises:
+        RuntimeError: The context has not begun, or has ended; the global executor goes on.
     """
     utilities.shutdown(context=context)
     _reset_executor()
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut the context and the global executor down, if the context has begun.
+    """Shut a context down if it has begun, and the global executor in any case.
 
     The arguments are those of `shutdown`.
     """
@@ -110,7 +119,11 @@ def create_node(node_name: str, **options: Any) -> Node:
 def get_global_executor() -> Executor:
     """Return the executor that `spin` uses if none is given.
 
-    The first call makes a single-threaded one, which lasts until `shutdown`.
+    The first call makes a single-threaded one of the default context, which lasts until `shutdown`
+    or `try_shutdown`.
+
+    Raises:
+        RuntimeError: The default context has not begun.
     """
     process = _process.current()
     if process.executor is None:
@@ -121,7 +134,9 @@ def get_global_executor() -> Executor:
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
-    """Run callbacks until the context is shut down, or one raises; then remove the node.
+    """Run callbacks until the context is shut down or a callback raises; then remove the node.
+
+    What the callback raises is raised here.
 
     Args:
         node: The node, added to the executor, whose other nodes are run as well.
@@ -143,9 +158,10 @@ def spin(node: Node, executor: Executor | None = None) -> None:
 def spin_once(
     node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
-    """Run one callback, of this node or another one of the executor.
+    """Run one callback or task of the executor, unless none comes in time.
 
-    The node is added to the executor, and removed again afterwards unless it was there before.
+    The callback may be that of another node. The node is added to the executor, and removed again
+    afterwards unless it was there before. What the callback raises is raised here.
 
     Args:
         node: The node.
@@ -153,7 +169,7 @@ def spin_once(
         timeout_sec: The longest wait in s; None or negative means no limit.
 
     Raises:
-        ExternalShutdownException: The context was shut down.
+        ExternalShutdownException: The context of a single-threaded executor was shut down.
     """
     executor = executor or get_global_executor()
     added = executor.add_node(node)
@@ -170,15 +186,20 @@ def spin_until_future_complete(
     executor: Executor | None = None,
     timeout_sec: float | None = None,
 ) -> None:
-    """Run callbacks until the future is done or cancelled, or the time is up.
+    """Run callbacks until the future ends, the time is up, or context or executor is shut down.
 
-    The node is added to the executor, and removed again afterwards unless it was there before.
+    A future ends when it is done or cancelled. The node is added to the executor, and removed again
+    afterwards unless it was there before. What a callback raises is raised here.
 
     Args:
         node: The node.
         future: The future.
         executor: The executor; None means the global one.
         timeout_sec: The longest time in s; None or negative means no limit.
+
+    Raises:
+        ExternalShutdownException: The context was shut down while a single-threaded executor
+            waited.
     """
     executor = executor or get_global_executor()
     added = executor.add_node(node)

@@ -48,8 +48,9 @@ class Arguments(NamedTuple):
 def parse(args: Sequence[str] | None) -> Arguments:
     """Parse the ROS arguments of a command line, and read the parameter files that it names.
 
-    ROS arguments stand between `--ros-args` and `--`. Options of logging that have no effect here
-    are accepted.
+    ROS arguments stand between `--ros-args` and `--` or the end. `--enable-stdout-logs` and the
+    flags of external libraries' logs have no effect; unlike in rcl, `--log-level` with a logger's
+    name counts for all loggers, and `--enclave` and `--log-file-name` are unknown.
 
     Args:
         args: The whole command line; None means an empty one.

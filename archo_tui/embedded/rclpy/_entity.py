@@ -61,7 +61,7 @@ class Handle:
 class Entity(Destroyable):
     """The base of what gives an executor work: timers, subscriptions, clients, services, events.
 
-    A new entity joins its callback group.
+    A new entity joins its callback group. Leaving a `with` destroys the entity.
     """
 
     # The order in a round: actions, timers, subscriptions, clients, services.
@@ -75,10 +75,9 @@ class Entity(Destroyable):
         callback_group.add_entity(self)
 
     def destroy(self) -> None:
-        """End all callbacks.
+        """Start no further callback; one that runs goes on.
 
-        The node goes on listing the entity; the node's own `destroy_...` removes it from there,
-        too.
+        The node still lists the entity, unlike after the node's own `destroy_...`.
         """
         self._destroyed = True
 
@@ -89,7 +88,7 @@ class Entity(Destroyable):
         self.destroy()
 
     def _take(self) -> Callable[[], Any] | None:
-        """Take off the next piece of work, and return it as a function; None without work.
+        """Take the next piece of work off, and return it as a function; return None without work.
 
         The function may return a coroutine: see `_is_awaited`.
         """

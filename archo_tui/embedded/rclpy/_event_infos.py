@@ -30,9 +30,10 @@ class QoSSubscriptionEventType(IntEnum):
 
 
 class QoSSubscriptionMatchedInfo(NamedTuple):
-    """The endpoints that have matched in all (`total`) and match now, with the changes.
+    """The numbers of endpoints that have matched in all, and that match now.
 
-    A change is counted since the last callback.
+    A `..._change` counts since the last callback; `current_count_change` is negative if fewer match
+    now. QoSPublisherMatchedInfo is this class, too.
     """
 
     total_count: int = 0
@@ -42,7 +43,11 @@ class QoSSubscriptionMatchedInfo(NamedTuple):
 
 
 class QoSRequestedIncompatibleQoSInfo(NamedTuple):
-    """The endpoints with incompatible QoS, all and since the last callback, and the last policy."""
+    """The numbers of endpoints with incompatible QoS, and the policy in which the last one differs.
+
+    `total_count_change` counts since the last callback. QoSOfferedIncompatibleQoSInfo is this
+    class, too.
+    """
 
     total_count: int = 0
     total_count_change: int = 0

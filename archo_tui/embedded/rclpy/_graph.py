@@ -29,10 +29,10 @@ class Topic:
 
 
 class Graph:
-    """The nodes, topics, services and clients of one domain, these by their names on the graph.
+    """The nodes of one domain, and its topics, services and clients by their names on the graph.
 
-    `lock` guards every list; messages are delivered without it. `changed` is notified whenever
-    anything comes or goes.
+    `lock` guards every list; messages are delivered without it. `changed` is notified whenever a
+    node, publisher, subscription, service or client comes or goes.
     """
 
     def __init__(self) -> None:
@@ -58,8 +58,8 @@ class Graph:
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Put a subscription on the graph, and connect it with the publishers that match.
 
-        These hand over at once what they keep for late joiners. Handlers on both sides count each
-        match, and each endpoint of the same type with incompatible QoS.
+        Matching publishers hand over at once what they keep for late joiners. Handlers on both
+        sides count each match, and each endpoint of the same type with incompatible QoS.
         """
         with self.changed:
             topic = self.topics[subscription._topic_name]
@@ -71,9 +71,9 @@ class Graph:
             self.changed.notify_all()
 
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
-        """Take a publisher off the graph; its subscriptions' handlers count that the match ended.
+        """Take a publisher off the graph, and disconnect it from its subscriptions.
 
-        A second call changes nothing.
+        The subscriptions' handlers count that the match ended. A second call changes nothing.
         """
         with self.changed:
             topic = self.topics[publisher._topic_name]

@@ -22,14 +22,16 @@ class Remap(NamedTuple):
 
     Attributes:
         node: The only node that the rule holds for; None for every node.
-        match: The name to replace; `__node`, `__name` or `__ns` renames the node itself.
+        match: The name to replace; `__node` and `__name` stand for the node's own name, `__ns` for
+            its namespace.
         replacement: The name to take instead.
+        kind: `rostopic` or `rosservice` if the rule holds for topics or services only, else None.
     """
 
     node: str | None
     match: str
     replacement: str
-    kind: str | None = None  # `rostopic` or `rosservice` if it holds for one of them.
+    kind: str | None = None
 
 
 Problem = tuple[str, int] | None  # What is wrong with a name, and at which character.
@@ -43,7 +45,7 @@ def validate_node_name(name: str) -> None:
 
 
 def validate_namespace(namespace: str) -> None:
-    """Raise InvalidNamespaceException unless `namespace` is `/` or an absolute name."""
+    """Raise InvalidNamespaceException unless `namespace` is `/` or a valid absolute name."""
     problem = namespace_problem(namespace)
     if problem:
         raise InvalidNamespaceException(namespace, *problem)
@@ -55,6 +57,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> None:
     Raises:
         InvalidTopicNameException: The name is not valid.
         InvalidServiceNameException: The name is not valid, and `is_service` is True.
+        TypeError: The name is not a str.
     """
     problem = topic_problem(name)
     if problem and is_service:
@@ -98,7 +101,7 @@ def topic_problem(name: str) -> Problem:
     The index is that of the wrong character.
 
     Raises:
-        TypeError: The name is not a text.
+        TypeError: The name is not a str.
     """
     if not isinstance(name, str):
         raise TypeError(f"a name is a str, not {type(name).__name__}")
@@ -177,7 +180,8 @@ def expand(name: str, node: str, namespace: str) -> str:
     namespace. The result is not checked.
 
     Raises:
-        ValueError: The name cannot be expanded, as in rcl.
+        ValueError: The name is not valid, or has another name in braces.
+        TypeError: The name is not a str.
     """
     problem = topic_problem(name)
     if problem:

@@ -74,8 +74,9 @@ class NodeParameters:
     ) -> Parameter[Any]:
         """Declare a parameter, set it, and return it.
 
-        On-set and post-set callbacks are called, and /parameter_events tells of it. Without a value
-        and a descriptor the declaration is deprecated: it warns, and the type may change.
+        On-set and post-set callbacks are called, and the change is published on /parameter_events.
+        A declaration with neither a value nor a descriptor is deprecated: it warns, and the
+        parameter's type may change.
 
         Args:
             name: The parameter.
@@ -89,7 +90,9 @@ class NodeParameters:
             InvalidParameterException: The name is empty.
             InvalidParameterTypeException: The value given at the start has another type.
             InvalidParameterValueException: A range or a callback refuses the value.
-            ValueError: The type is NOT_SET, or is given for a descriptor with dynamic typing.
+            ValueError: The value is None or NOT_SET, though the descriptor's typing is static; or
+                it is a Type, though the typing is dynamic; or it is a ParameterValue, and none was
+                given at the start.
             TypeError: A parameter cannot have such a value, or an argument has another type.
         """
         return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
@@ -109,8 +112,8 @@ class NodeParameters:
 
         Raises:
             TypeError: A tuple has another form.
-            ParameterAlreadyDeclaredException: A parameter is declared already; for other errors see
-                `declare_parameter`.
+            ParameterAlreadyDeclaredException: A parameter is declared already; a name that is twice
+                in the list is set twice. For other errors see `declare_parameter`.
         """
         prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
         whole = [_checked(place, prefix, given) for place, given in enumerate(parameters)]
@@ -218,9 +221,9 @@ class NodeParameters:
     def get_parameter_or(
         self, name: str, alternative_value: Parameter[Any] | None = None
     ) -> Parameter[Any]:
-        """Return the parameter, or the alternative if it is not declared or has no value.
+        """Return a parameter, or the alternative if it is not declared or has no value.
 
-        Without an alternative, that is a parameter without a value.
+        The alternative None means a parameter of that name without a value.
         """
         found = self._parameters.get(name)
         if found is not None and found.type_ != Parameter.Type.NOT_SET:
@@ -239,7 +242,8 @@ class NodeParameters:
     def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
         """Set parameters one after the other, and return for each if it was set, or why not.
 
-        A parameter without a value undeclares one that is dynamically typed.
+        A parameter without a value undeclares one that is dynamically typed. For callbacks and
+        undeclared parameters see `set_parameters_atomically`.
 
         Raises:
             ParameterNotDeclaredException: A parameter is not declared, and must be; those before it
@@ -253,10 +257,11 @@ class NodeParameters:
     def set_parameters_atomically(
         self, parameter_list: list[Parameter[Any]]
     ) -> SetParametersResult:
-        """Set all parameters or none; the result tells why they were refused.
+        """Set all parameters or none, and return if they were set, or why not.
 
-        The callbacks are called in this order: pre-set, on-set, post-set. Before the last ones the
-        change is published on /parameter_events.
+        Pre-set and on-set callbacks are called before, post-set ones after the change has been
+        published on /parameter_events. Where the node allows undeclared parameters, setting one
+        declares it, with dynamic typing.
 
         Raises:
             ParameterNotDeclaredException: A parameter is not declared, and must be.
@@ -276,7 +281,7 @@ class NodeParameters:
     def describe_parameter(self, name: str) -> ParameterDescriptor:
         """Return a copy of a parameter's descriptor; rclpy returns the descriptor itself.
 
-        That of an undeclared one is empty if the node allows undeclared parameters.
+        For an undeclared parameter, where the node allows these, the descriptor is empty.
 
         Raises:
             ParameterNotDeclaredException: The parameter is not declared, and must be.
@@ -297,7 +302,7 @@ class NodeParameters:
 
         If the present value does not fit, the alternative is set. Unlike in rclpy, callbacks are
         called and /parameter_events tells of it, as for a change. For an undeclared parameter,
-        where the node allows these, nothing happens.
+        where the node allows these, nothing changes, and a value that is not set is returned.
 
         Raises:
             ParameterNotDeclaredException: The parameter is not declared, and must be.
@@ -341,10 +346,12 @@ class NodeParameters:
         return [self.get_parameter_type(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
-        """Return the names of declared parameters, and the prefixes of these names.
+        """Return the names of declared parameters, and their prefixes.
+
+        A name's prefix is the part before its last dot; each prefix is returned once.
 
         Args:
-            prefixes: Names, and prefixes whose parameters are listed; none means all parameters.
+            prefixes: Names, and prefixes whose parameters are listed; [] means all parameters.
             depth: The number of levels below a prefix, or below the root; 0 means any.
 
         Raises:
@@ -387,15 +394,17 @@ class NodeParameters:
         """Add a callback that replaces the list of parameters that are to be set.
 
         The callback is not called for declarations. If there are several, each gets the original
-        list, and all that they return is set; the callback added last is called first.
+        list, and all that they return is set; if they return nothing, setting fails. The callback
+        added last is called first.
         """
         self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
         """Add a callback that may refuse parameters, also when they are declared.
 
-        The callback gets the list of parameters and returns a SetParametersResult; the first one
-        that is not successful refuses all. The callback added last is called first.
+        The callback gets the list of parameters and returns a SetParametersResult. The first result
+        that is not successful, or of another type, refuses all. The callback added last is called
+        first.
 
         Raises:
             TypeError: The callback cannot be called.
@@ -415,15 +424,15 @@ class NodeParameters:
         self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """Remove a callback of `add_pre_set_...`; raise ValueError if it was not added."""
+        """Remove a callback of `add_pre_set_...`; raise ValueError if it is not there."""
         self._pre_set_parameters_callbacks.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """Remove a callback of `add_on_set_...`; raise ValueError if it was not added."""
+        """Remove a callback of `add_on_set_...`; raise ValueError if it is not there."""
         self._on_set_parameters_callbacks.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Remove a callback of `add_post_set_...`; raise ValueError if it was not added."""
+        """Remove a callback of `add_post_set_...`; raise ValueError if it is not there."""
         self._post_set_parameters_callbacks.remove(callback)
 
     def _require(self, name: str) -> None:
@@ -437,7 +446,7 @@ class NodeParameters:
     ) -> SetParametersResult:
         """Check parameters, ask the on-set callbacks, set and publish all, call the post-set ones.
 
-        The result of the first refusal is returned, and then none is set.
+        At the first refusal its result is returned, and no parameter is set.
 
         Args:
             parameters: The parameters with their new values.

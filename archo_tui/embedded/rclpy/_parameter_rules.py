@@ -14,6 +14,8 @@ RELATIVE_TOLERANCE = 1e-6  # rclpy's PARAM_REL_TOL
 def check(parameter: Parameter[Any], descriptor: ParameterDescriptor, *, declaring: bool) -> str:
     """Return why a descriptor forbids a parameter's value, in rclpy's words, or "".
 
+    The ends of a range are always allowed, even if no step leads to them.
+
     Args:
         parameter: The parameter with its new value.
         descriptor: Its descriptor: read-only, type, range and step.

@@ -20,7 +20,7 @@ class RCLInvalidROSArgsError(RCLError):
 
 
 class RMWError(RuntimeError):
-    """The error of the middleware; here only for bytes that are not a message of a type."""
+    """The error of the middleware; here only for bytes that hold no message of the given type."""
 
 
 class UnsupportedEventTypeError(RCLError):

@@ -25,7 +25,7 @@ class CallbackGroup:
         return weakref.ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
-        """Return True if the entity's callback may start now; claim nothing."""
+        """Return True if the entity's callback may start now, without claiming the group."""
         raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:

@@ -55,6 +55,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         Raises:
             TypeError: The request is of another type.
             InvalidHandle: The client is destroyed.
+            AssertionError: A list in the request has been filled with a wrong value; found only if
+                a node offers the service.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
@@ -75,7 +77,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
         Args:
             request: The request.
-            timeout_sec: The longest wait in s; None means no limit.
+            timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
 
         Raises:
             TimeoutError: The time is up; an answer that comes later is dropped.
@@ -130,7 +132,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         None means no limit, a negative timeout no wait.
 
         Raises:
-            InvalidHandle: The client is destroyed, or is by the context's shutdown meanwhile.
+            InvalidHandle: The client is destroyed, perhaps by the context's shutdown during the
+                wait.
         """
         self._use()
         graph = self._node._graph

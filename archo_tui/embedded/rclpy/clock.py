@@ -64,11 +64,11 @@ class Clock:
             context: The context whose shutdown ends the sleep; None means the default one.
 
         Returns:
-            False if the context was shut down before, or simulated time began or ended.
+            False if during the sleep the context was shut down, or simulated time began or ended.
 
         Raises:
             ValueError: The time is of another kind of clock.
-            NotInitializedException: The context has not begun, or was shut down before.
+            NotInitializedException: The context has not begun, or has already ended.
         """
         context = get_default_context() if context is None else context
         if not context.ok():
@@ -93,7 +93,7 @@ class Clock:
         return context.ok() and self._is_simulated == simulated
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
-        """Block for that long on this clock, and return as `sleep_until` does."""
+        """Block for that long on this clock; results and errors are those of `sleep_until`."""
         return self.sleep_until(self.now() + rel_time, context)
 
 
@@ -109,7 +109,7 @@ class _ShutdownCondition:
 
 
 class ROSClock(Clock):
-    """The clock of a node: the system's, or simulated time while that is active.
+    """The clock of a node: Unix time, or simulated time while that is active.
 
     Every ROSClock has its own simulated time.
     """

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Context:
     """A context: arguments, a domain, and the nodes made in it.
 
-    Leaving a `with` shuts the context down.
+    Entering a `with` begins a context that has not begun, with a warning; leaving it shuts the
+    context down.
     """
 
     def __init__(self) -> None:
@@ -41,11 +42,12 @@ class Context:
         initialize_logging: bool = True,
         domain_id: int | None = None,
     ) -> None:
-        """Begin the context, which is possible once. Contexts of one domain can talk.
+        """Begin the context, which succeeds only once. Nodes of one domain see each other.
 
         Args:
             args: The command line; None means the program's own.
-            initialize_logging: False leaves the options for log lines without effect.
+            initialize_logging: False ignores `--log-level` and `--disable-stdout-logs`, which
+                otherwise hold for the whole process.
             domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
 
         Raises:
@@ -81,7 +83,11 @@ class Context:
         return self._arguments if self._has_begun else None
 
     def ok(self) -> bool:
-        """Return True between `init` and `shutdown`; raise InvalidHandle after `destroy()`."""
+        """Return True between `init` and `shutdown`, else False.
+
+        Raises:
+            InvalidHandle: After `destroy()`.
+        """
         if self._is_destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
         return self._ok
@@ -100,7 +106,7 @@ class Context:
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Call a function once at shutdown, or at once after one.
+        """Call a function once when the context is shut down, or at once if it has been.
 
         A bound method is not called if its object is gone by then.
 
@@ -141,12 +147,12 @@ class Context:
                 callback()
 
     def destroy(self) -> None:
-        """Shut the context down if it has begun; `ok()` raises InvalidHandle from now on."""
+        """Shut the context down if it has begun and not ended; `ok()` then raises InvalidHandle."""
         self.try_shutdown()
         self._is_destroyed = True
 
     def try_shutdown(self) -> None:
-        """End the context if it has begun; do nothing else."""
+        """Shut the context down, unless it has not begun or has ended."""
         if self._ok:
             self.shutdown()
 

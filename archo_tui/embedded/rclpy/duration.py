@@ -22,7 +22,7 @@ def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
 
 @total_ordering
 class Duration:
-    """A span of time in ns, which may be negative; beyond 64 bits it raises OverflowError."""
+    """A span of time in ns, which may be negative; more than 64 bits raise OverflowError."""
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
         self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
@@ -71,7 +71,12 @@ class Duration:
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
 
     def to_msg(self) -> builtin_interfaces.msg.Duration:
-        """Return the span as builtin_interfaces/Duration."""
+        """Return the span as builtin_interfaces/Duration.
+
+        Raises:
+            AssertionError: The seconds, as for `Infinite`, do not fit in 32 bits; rclpy does not
+                check them.
+        """
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
         return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)
 

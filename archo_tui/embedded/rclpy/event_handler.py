@@ -67,8 +67,8 @@ class SubscriptionEventCallbacks:
             message_lost: Never called: no message is lost.
             incompatible_type: Never called: publishers of other types are not reported.
             matched: Called when a matching publisher comes or goes.
-            use_default_callbacks: True logs a warning of incompatible QoS, unless there is a
-                callback.
+            use_default_callbacks: True logs a warning of incompatible QoS, unless a callback for
+                it is given.
         """
         self.deadline = deadline
         self.incompatible_qos = incompatible_qos
@@ -81,7 +81,10 @@ class SubscriptionEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, subscription: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return new handlers, one for each of these callbacks that is set.
+        """Return new handlers, one for each callback that is set or that is a default.
+
+        Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
+        is True.
 
         Raises:
             UnsupportedEventTypeError: A callback for deadline or liveliness is given.
@@ -123,8 +126,8 @@ class PublisherEventCallbacks:
             incompatible_qos: Called when a subscription's QoS does not match.
             incompatible_type: Never called: subscriptions of other types are not reported.
             matched: Called when a matching subscription comes or goes.
-            use_default_callbacks: True logs a warning of incompatible QoS, unless there is a
-                callback.
+            use_default_callbacks: True logs a warning of incompatible QoS, unless a callback for
+                it is given.
         """
         self.deadline = deadline
         self.liveliness = liveliness
@@ -136,7 +139,10 @@ class PublisherEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, publisher: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return new handlers, one for each of these callbacks that is set.
+        """Return new handlers, one for each callback that is set or that is a default.
+
+        Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
+        is True.
 
         Raises:
             UnsupportedEventTypeError: A callback for deadline or liveliness is given.
@@ -179,4 +185,4 @@ def _warns_of_qos(endpoint: Any, said: str) -> Callable[[Any], None]:
 
 
 def _is_never_called(_: IncompatibleTypeInfo) -> None:
-    """Do nothing, and never get called: no endpoint is told of other types."""
+    """Do nothing: the default callback for other types, of which no endpoint is told."""

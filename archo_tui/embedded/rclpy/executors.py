@@ -40,7 +40,7 @@ Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # What to call, its en
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
-    """Call a function and return its value; that of an `async def` is awaited."""
+    """Return the value of calling a function, or for an `async def` that of its coroutine."""
     if inspect.iscoroutinefunction(callback):
         return await callback(*args)
     return callback(*args)
@@ -70,7 +70,8 @@ class Executor:
     """The base of executors, which collects work and hands it out piece by piece.
 
     A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`. The constructor
-    raises RuntimeError for a context that has not begun, or has ended.
+    raises RuntimeError for a context that has not begun, or has ended. Leaving a `with` shuts the
+    executor down.
     """
 
     _is_concurrent = False  # True if several threads run callbacks.
@@ -143,7 +144,7 @@ class Executor:
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task[Any]:
         """Schedule a function or coroutine on this executor, from any thread, and return its task.
 
-        A spin runs it, as soon as one does.
+        The task runs when the executor is spun.
         """
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
         with self._condition:
@@ -201,12 +202,12 @@ class Executor:
 
         Raises:
             ExternalShutdownException: The context was shut down; a MultiThreadedExecutor returns
-                instead. If it was before the call, rclpy raises RCLError.
+                instead. For a shutdown before the call, rclpy raises RCLError.
         """
         raise NotImplementedError
 
     def can_execute(self, entity: Entity) -> bool:
-        """Return True if the entity's callback group lets its callback start now; claim nothing."""
+        """Return True if the entity's group lets its callback start, without claiming the group."""
         return entity.callback_group.can_execute(entity)
 
     def wait_for_ready_callbacks(
@@ -251,7 +252,9 @@ class Executor:
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
-        """Run callbacks until the future is done or cancelled, the time is up, or all is shut down.
+        """Run callbacks until the future ends, the time is up, or context or executor is shut down.
+
+        A future ends when it is done or cancelled. What a callback raises is raised here.
 
         Args:
             future: The future.
@@ -275,11 +278,17 @@ class Executor:
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
-        """Run one callback, unless the future is done or the time is up before there is one.
+        """Run one callback or task; return without one once the future is done or the time is up.
+
+        Unlike in rclpy, work that is ready is run even if the future is done already. What the
+        callback raises is raised here.
 
         Args:
-            future: The future.
+            future: The future, whose cancelling does not end the wait.
             timeout_sec: The longest wait in s; None or negative means no limit.
+
+        Raises:
+            ExternalShutdownException: The context of a single-threaded executor was shut down.
         """
         raise NotImplementedError
 
@@ -525,7 +534,8 @@ class SingleThreadedExecutor(Executor):
 class MultiThreadedExecutor(SingleThreadedExecutor):
     """An executor with a pool of threads; callback groups say what may run at the same time.
 
-    `spin_once` starts a callback and does not wait for its end; a later one raises what it raised.
+    `spin_once` starts a callback and does not wait for its end: what the callback raises, a later
+    `spin_once` raises.
     """
 
     _is_concurrent = True
@@ -578,7 +588,7 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
 
         Args:
             timeout_sec: Has no effect: the wait has no limit.
-            wait_for_threads: False does not wait.
+            wait_for_threads: False does not wait for the callbacks.
         """
         result = super().shutdown(timeout_sec)
         self._executor.shutdown(wait=wait_for_threads)

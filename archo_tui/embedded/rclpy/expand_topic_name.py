@@ -9,7 +9,9 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
     """Return the fully qualified form of a topic's name as a node uses it, without remapping.
 
     Raises:
-        ValueError: The topic's name, the node's or the namespace is not valid.
+        ValueError: The topic's name, the node's or the namespace is not valid, or the topic's has
+            another name in braces than `{node}`, `{ns}` and `{namespace}`.
+        TypeError: The topic's name is not a str.
     """
     for what, name, problem in (
         ("topic name", topic_name, topic_problem(topic_name)),

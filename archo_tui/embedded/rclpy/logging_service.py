@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LoggingService:
-    """The services `~/get_logger_levels` and `~/set_logger_levels` of one node."""
+    """The services `~/get_logger_levels` and `~/set_logger_levels`, which a new object offers."""
 
     def __init__(self, node: Node) -> None:
         node.create_service(srv.GetLoggerLevels, "~/get_logger_levels", self._get)

@@ -60,7 +60,11 @@ _DESCRIBES_TYPES = "start_type_description_service"
 
 
 class Node(NodeParameters, Destroyable):
-    """A named participant with publishers, subscriptions, services, clients, timers, parameters."""
+    """A named participant with publishers, subscriptions, services, clients, timers, parameters.
+
+    Leaving a `with` destroys the node. Once it is destroyed, also by its context's shutdown,
+    methods that ask the graph, add to it, or declare or set parameters raise InvalidHandle.
+    """
 
     PARAM_REL_TOL = RELATIVE_TOLERANCE
 
@@ -89,7 +93,8 @@ class Node(NodeParameters, Destroyable):
             node_name: The name, unless a remapping gives another.
             context: The context; None means the default one.
             cli_args: ROS arguments of this node alone, which win against the context's.
-            namespace: The namespace, unless a remapping gives another; None means `/`.
+            namespace: The namespace, unless a remapping gives another; None and "" mean `/`, which
+                is put in front if it is missing.
             use_global_arguments: False ignores the context's arguments.
             enable_rosout: False publishes no log lines.
             rosout_qos_profile: The QoS of /rosout.
@@ -208,10 +213,7 @@ class Node(NodeParameters, Destroyable):
         return self._clock
 
     def get_logger(self) -> RcutilsLogger:
-        """Return the node's logger, whose name has dots for slashes.
-
-        Return the entities of a kind, without those that an action consists of.
-        """
+        """Return the node's logger, named as the node with dots for slashes: `namespace.name`."""
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
@@ -245,7 +247,7 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidHandle: The node is destroyed.
-            ValueError: The name cannot be expanded.
+            ValueError: The name, or a remapping rule, cannot be expanded.
         """
         self._use()
         full = _names.expand(name, self._name, self._namespace)
@@ -258,6 +260,7 @@ class Node(NodeParameters, Destroyable):
         Raises:
             InvalidTopicNameException: The name is not valid.
             InvalidServiceNameException: The name is not valid, and `is_service` is True.
+            ValueError: The name has an unknown name in braces.
             InvalidHandle: The node is destroyed.
         """
         _names.validate_topic_name(name, is_service=is_service)
@@ -294,7 +297,7 @@ class Node(NodeParameters, Destroyable):
 
     @property
     def timers(self) -> Iterator[Timer]:
-        """Return this node's timers."""
+        """Return this node's timers, those of its rates included."""
         return iter(self._all(Timer))
 
     def create_publisher(
@@ -321,10 +324,11 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidTopicNameException: The name is not allowed.
+            UnsupportedEventTypeError: There is a callback for deadline or liveliness events.
             AttributeError: The class is no interface.
             RuntimeError: The class is a service or an action.
             TypeError: The QoS is neither a profile nor a depth.
-            ValueError: The depth is negative.
+            ValueError: The depth is negative, or the name has an unknown name in braces.
             NotImplementedError: An argument is given that must be None.
             InvalidHandle: The node is destroyed.
         """
@@ -368,11 +372,12 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidTopicNameException: The name is not allowed.
+            UnsupportedEventTypeError: There is a callback for deadline or liveliness events.
             AttributeError: The class is no interface.
             RuntimeError: The class is a service or an action, or the callback takes neither one nor
                 two arguments.
             TypeError: The QoS is neither a profile nor a depth.
-            ValueError: The depth is negative.
+            ValueError: The depth is negative, or the name has an unknown name in braces.
             NotImplementedError: An argument is given that must be None.
             InvalidHandle: The node is destroyed.
         """
@@ -405,6 +410,7 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidServiceNameException: The name is not allowed.
+            ValueError: The name has an unknown name in braces.
             AttributeError: The class is no interface.
             RuntimeError: The class is a message or an action.
             InvalidHandle: The node is destroyed.
@@ -439,6 +445,7 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             InvalidServiceNameException: The name is not allowed.
+            ValueError: The name has an unknown name in braces.
             AttributeError: The class is no interface.
             RuntimeError: The class is a message or an action.
             InvalidHandle: The node is destroyed.
@@ -455,6 +462,8 @@ class Node(NodeParameters, Destroyable):
     ) -> Timer:
         """Create a timer, which first calls back after a full period.
 
+        Unlike other entities, a timer can also be made on a destroyed node.
+
         Args:
             timer_period_sec: The period in s.
             callback: Called without arguments, or with a TimerInfo if an argument is annotated so.
@@ -463,7 +472,7 @@ class Node(NodeParameters, Destroyable):
             autostart: False does not tick until `reset()`.
 
         Raises:
-            RCLError: The period is negative, or the context was shut down.
+            RCLError: The period is negative, or the context is shut down.
         """
         if not self._context.ok():
             raise RCLError("failed to create timer: the given context is not valid")
@@ -482,6 +491,7 @@ class Node(NodeParameters, Destroyable):
 
         Raises:
             ValueError: The frequency is not above 0.
+            RCLError: The context is shut down.
         """
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
@@ -493,7 +503,10 @@ class Node(NodeParameters, Destroyable):
     guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
-        """Destroy a rate and wake its sleepers; return False if it is not this node's."""
+        """Destroy a rate and wake its sleepers; return False if the rate is another node's.
+
+        The timer of another node's rate goes on ticking.
+        """
         rate.destroy()
         return self._destroy(rate._timer)
 
@@ -503,6 +516,9 @@ class Node(NodeParameters, Destroyable):
         Args:
             fully_qualified_node_name: The name; a leading slash may be left out.
             timeout: The longest wait in s. Negative means no limit; rclpy returns False at once.
+
+        Raises:
+            InvalidHandle: This node is destroyed, perhaps during the wait.
         """
         name = f"/{fully_qualified_node_name.lstrip('/')}"
         with self._graph.changed:
@@ -513,7 +529,7 @@ class Node(NodeParameters, Destroyable):
             )
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
-        """Destroy a publisher, and return False if it is not this node's."""
+        """Destroy a publisher of this node; return False, and do nothing, for any other."""
         if publisher not in self._publishers:
             return False
         self._publishers.remove(publisher)
@@ -521,19 +537,19 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
-        """Destroy a subscription, and return False if it is not this node's."""
+        """Destroy a subscription of this node; return False, and do nothing, for any other."""
         return self._destroy(subscription)
 
     def destroy_client(self, client: Client[Any, Any]) -> bool:
-        """Destroy a client, and return False if it is not this node's."""
+        """Destroy a client of this node; return False, and do nothing, for any other."""
         return self._destroy(client)
 
     def destroy_service(self, service: Service[Any, Any]) -> bool:
-        """Destroy a service, and return False if it is not this node's."""
+        """Destroy a service of this node; return False, and do nothing, for any other."""
         return self._destroy(service)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer, and return False if it is not this node's."""
+        """Destroy a timer of this node; return False, and do nothing, for any other."""
         return self._destroy(timer)
 
     def _add_service(
@@ -667,7 +683,9 @@ class Node(NodeParameters, Destroyable):
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services that a node offers, sorted, with their types; those of actions, too.
+        """Return the services that a node offers, sorted, with their types.
+
+        Those of actions are included.
 
         Raises:
             NodeNameNonExistentError: No such node is on the graph.
@@ -678,7 +696,9 @@ class Node(NodeParameters, Destroyable):
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """Return the services of which a node is a client, sorted, with their types; actions', too.
+        """Return the services of which a node is a client, sorted, with their types.
+
+        Those of actions are included.
 
         Raises:
             NodeNameNonExistentError: No such node is on the graph.
@@ -691,7 +711,7 @@ class Node(NodeParameters, Destroyable):
     ) -> list[TopicEndpointInfo]:
         """Return a topic's publishers with types and QoS; an empty list for an unknown topic.
 
-        The name is expanded and remapped. As from DDS, history and depth are not told. `no_mangle`
+        The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
         has no effect.
 
         Raises:
@@ -707,7 +727,7 @@ class Node(NodeParameters, Destroyable):
     ) -> list[TopicEndpointInfo]:
         """Return a topic's subscriptions with types and QoS; an empty list for an unknown topic.
 
-        The name is expanded and remapped. As from DDS, history and depth are not told. `no_mangle`
+        The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
         has no effect.
 
         Raises:

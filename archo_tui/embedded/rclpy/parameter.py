@@ -62,7 +62,7 @@ class Parameter(Generic[AllowableParameterValueT]):
         def check(self, value: Any) -> bool:
             """Return True if a parameter of this type may have that value.
 
-            NOT_SET may have None, and no other type may.
+            NOT_SET may have None, and no other type may. True and False are integers, too.
             """
             if self == Parameter.Type.NOT_SET:
                 return value is None
@@ -85,7 +85,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 
         Raises:
             TypeError: No parameter can have the value, or the type is no Type.
-            ValueError: The value is of another type.
+            ValueError: The value is of another type, or an element of a BYTE_ARRAY is not one byte.
         """
         if type_ is None:
             type_ = Parameter.Type.from_parameter_value(value)
@@ -128,7 +128,11 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @classmethod
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
-        """Return the parameter that a message of rcl_interfaces/Parameter carries."""
+        """Return the parameter in a message of rcl_interfaces/Parameter.
+
+        Raises:
+            ValueError: The message's type is unknown.
+        """
         kind = Parameter.Type(message.value.type)
         unset = kind == Parameter.Type.NOT_SET
         return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
@@ -136,6 +140,8 @@ class Parameter(Generic[AllowableParameterValueT]):
 
 def get_parameter_value(string_value: str) -> ParameterValue:
     """Return the value that a text means on a command line: read as YAML, else a string.
+
+    A null, a list of mixed types and a text that is not YAML are taken as strings.
 
     Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does.
 
@@ -168,16 +174,18 @@ def parameter_dict_from_yaml_file(
 ) -> dict[str, ParameterMsg]:
     """Return the parameters that a file sets, as messages by name.
 
-    Those for all nodes come first; those for a node named later win.
+    If one parameter is set several times, values for single nodes win against those for all nodes,
+    and values for a later node of `target_nodes` against those for an earlier one.
 
     Args:
         parameter_file: The path of the file.
         use_wildcard: True includes what the file has for all nodes (`/**`).
-        target_nodes: The full names of the nodes; None means none.
+        target_nodes: The full names of the nodes; a leading slash may be left out. None means no
+            node.
         namespace: Put before each name, unchanged.
 
     Raises:
-        RuntimeError: The file is not valid, or has nothing for them.
+        RuntimeError: The file is not valid, or sets nothing for these nodes.
         FileNotFoundError: There is no such file.
     """
     patterns = ["/**"] if use_wildcard else []
@@ -200,7 +208,7 @@ def parameter_dict_from_yaml_file(
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
-    """Return the Python value of rcl_interfaces/ParameterValue; None if it is not set.
+    """Return the Python value of rcl_interfaces/ParameterValue; None for one that is not set.
 
     Raises:
         RuntimeError: The type is unknown.

@@ -25,9 +25,10 @@ DoneCallback = Callable[[Future[Any]], Any] | None  # Called with the future whe
 
 
 class AsyncParameterClient:
-    """A client of a remote node's parameter services; each request returns the future of its call.
+    """A client of a remote node's parameter services.
 
-    A `callback` is called with that future when it is done.
+    Each request returns a future of the service's response; a `callback` is called with the future
+    when it is done. Without the remote node the future stays pending.
     """
 
     def __init__(
@@ -84,23 +85,32 @@ class AsyncParameterClient:
         """Request the names of parameters.
 
         Args:
-            prefixes: What the names begin with; None means all parameters.
-            depth: The number of levels below a prefix; None means any.
+            prefixes: Names, and prefixes whose parameters are listed; None means all parameters.
+            depth: The number of levels below a prefix, or below the root; None means any.
             callback: Called with the future when it is done.
         """
         request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
         return self._call(self._list, request, callback)
 
     def get_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request values; the response has them in the order of the names."""
+        """Request values; the response has them in the order of the names.
+
+        If one is not declared, or has no value though its type is static, the response is empty.
+        """
         return self._call(self._get, srv.GetParameters.Request(names=names), callback)
 
     def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request types; the response has them in the order of the names."""
+        """Request types; the response has them in the order of the names.
+
+        If one is not declared, the response is empty.
+        """
         return self._call(self._types, srv.GetParameterTypes.Request(names=names), callback)
 
     def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request descriptors; the response has them in the order of the names."""
+        """Request descriptors; the response has them in the order of the names.
+
+        If one is not declared, the response is empty.
+        """
         return self._call(self._describe, srv.DescribeParameters.Request(names=names), callback)
 
     def set_parameters(
@@ -124,7 +134,10 @@ class AsyncParameterClient:
         return self._call(self._atomically, request, callback)
 
     def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
-        """Request to undeclare parameters one by one; those of a static type are refused."""
+        """Request to undeclare parameters one by one; the response has a result for each.
+
+        Parameters of a static type are refused, and undeclared ones unless the node allows these.
+        """
         return self.set_parameters([Parameter(name) for name in names], callback)
 
     def load_parameter_file(

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 class ParameterService:
-    """The six parameter services of one node, which exist from now on.
+    """The six parameter services of one node, which a new object offers.
 
-    Errors of a request are told by an empty or unsuccessful response.
+    The response to a request that fails is empty, or has results that are not successful.
     """
 
     def __init__(self, node: Node) -> None:

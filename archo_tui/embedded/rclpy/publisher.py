@@ -22,7 +22,10 @@ _FOR_EVER = Duration(seconds=-1)
 
 
 class Publisher(Endpoint, Generic[MsgT]):
-    """A publisher of messages on one topic, made by `Node.create_publisher`."""
+    """A publisher of messages on one topic, made by `Node.create_publisher`.
+
+    Leaving a `with` destroys the publisher.
+    """
 
     def __init__(
         self,
@@ -57,7 +60,10 @@ class Publisher(Endpoint, Generic[MsgT]):
 
         Raises:
             TypeError: The message is of another type.
+            RMWError: The bytes are no message of the type; rclpy does not check them.
             InvalidHandle: The publisher is destroyed, or the context was shut down.
+            AssertionError: A list in the message has been filled with a wrong value; found only if
+                a copy is made.
         """
         if isinstance(msg, bytes):
             msg = deserialize_message(msg, self.msg_type)
@@ -82,7 +88,7 @@ class Publisher(Endpoint, Generic[MsgT]):
             self._kept.popleft()
 
     def _set_latched(self, make: Callable[[], Any]) -> None:
-        """Set the function that makes the message for late joiners, instead of keeping any."""
+        """Set the function that makes the one message for late joiners; none is kept any more."""
         self._make_kept = make
         self._keeps = False
 
@@ -151,7 +157,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         self.destroy()
 
     def destroy(self) -> None:
-        """Leave the topic: messages that are kept for late joiners are no longer sent.
+        """Leave the topic; late joiners no longer get the messages kept for them.
 
         The node lists the publisher until `destroy_publisher`.
         """
@@ -160,9 +166,9 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._forget_events()
 
     def _replay(self, subscription: Subscription[Any]) -> None:
-        """Hand the kept messages to a late joiner, unless its durability is VOLATILE.
+        """Hand the kept messages to a late joiner whose durability is TRANSIENT_LOCAL.
 
-        Messages older than the lifespan are dropped.
+        Kept messages older than the lifespan are dropped instead.
         """
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             if self._make_kept is not None and self._has_published:

@@ -44,7 +44,11 @@ class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> int:
-        """Return the number of the member with a short key; raise KeyError for an unknown one."""
+        """Return the number of the member with a short key, in any case.
+
+        Raises:
+            KeyError: There is no such member.
+        """
         return cls[name.upper()].value
 
 
@@ -71,7 +75,10 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """The policy for late subscriptions: TRANSIENT_LOCAL gives them what was published before."""
+    """The policy for late subscriptions: what was published before is kept for them, or not.
+
+    A subscription gets the kept messages if TRANSIENT_LOCAL is set on both sides.
+    """
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -129,13 +136,13 @@ _TYPES: dict[
 
 
 class InvalidQoSProfileException(Exception):
-    """The error for a profile without a depth that it needs."""
+    """The error for a QoSProfile of KEEP_LAST that is created without a depth."""
 
 
 class QoSProfile:
     """The policies of one publisher or subscription; `depth` counts samples.
 
-    A `depth` of None is 10. A zero duration means that the policy is not used.
+    A zero duration means that the policy is not used.
     """
 
     history: HistoryPolicy
@@ -162,9 +169,12 @@ class QoSProfile:
     ) -> None:
         """Create a profile; without a `history` it is KEEP_LAST.
 
+        Any other history without a depth has the depth 10.
+
         Raises:
             InvalidQoSProfileException: The depth is missing for KEEP_LAST.
             AssertionError: A value is of another type.
+            ValueError: A number is no member of its policy.
         """
         if history is None and depth is None:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
@@ -178,10 +188,11 @@ class QoSProfile:
             self.depth = _DEFAULT_DEPTH
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set a policy; a depth of 0 with KEEP_LAST gives a warning.
+        """Set a policy; a depth of 0 with KEEP_LAST gives a warning, a depth of None becomes 10.
 
         Raises:
             AssertionError: The value is of another type.
+            ValueError: A number is no member of its policy.
             AttributeError: There is no such policy.
         """
         if name not in _TYPES:
@@ -270,7 +281,11 @@ class QoSPresetProfiles(Enum):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
-        """Return the profile itself, not a copy, by its name; raise KeyError for an unknown one."""
+        """Return the profile of that name, in any case: the profile itself, not a copy.
+
+        Raises:
+            KeyError: There is no such profile.
+        """
         profile: QoSProfile = cls[name.upper()].value
         return profile
 

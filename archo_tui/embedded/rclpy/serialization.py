@@ -24,6 +24,8 @@ def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> 
     Raises:
         RMWError: The bytes are no such message.
         TypeError: The first argument is not bytes.
+        AttributeError: `message_type` is no interface.
+        RuntimeError: `message_type` is a service or an action.
     """
     check_is_valid_msg_type(message_type)
     if not isinstance(serialized_message, bytes):

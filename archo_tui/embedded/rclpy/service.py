@@ -19,7 +19,7 @@ SrvResponseT = TypeVar("SrvResponseT")
 
 
 class RequestHeader(NamedTuple):
-    """The request that a response is for: its client, and its number for that client."""
+    """The client that sent a request, and the number of the request, which that client counts."""
 
     client: Client[Any, Any]
     sequence_number: int

@@ -26,9 +26,10 @@ MsgT = TypeVar("MsgT")
 
 
 class MessageInfo(TypedDict):
-    """The info of a message: times in ns since the epoch, and the publisher's count.
+    """The info of a message: when it was sent and received, by whom, and as which of its messages.
 
-    Both times are that of sending; messages received are not counted.
+    Both times are that of sending, in ns of Unix time. `publication_sequence_number` counts a
+    publisher's messages from 1; `reception_sequence_number` is None.
     """
 
     source_timestamp: int

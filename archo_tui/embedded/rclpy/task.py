@@ -32,7 +32,7 @@ _PENDING, _CANCELLED, _FINISHED = "pending", "cancelled", "finished"
 class Future(Generic[T]):
     """A value that will be there later.
 
-    Callbacks run on the executor when the future knows one, else in the thread that sets the value.
+    Callbacks run on the executor of a future that has one, else in the thread that ends the future.
     `done()` is False for a cancelled future, as in rclpy. An exception that nobody asks for is
     printed to standard error when the future is deleted.
     """
@@ -89,21 +89,27 @@ class Future(Generic[T]):
         return self._exception
 
     def set_result(self, result: T) -> None:
-        """Set the value and schedule the callbacks; a value set before is replaced."""
+        """Set the value and schedule the callbacks; a value set before is replaced.
+
+        A cancelled future becomes done by this. An exception set before stays.
+        """
         self._result = result
         self._finish(_FINISHED, force=True)
 
     def set_exception(self, exception: BaseException) -> None:
-        """Set an exception and schedule the callbacks; one set before is replaced."""
+        """Set the exception and schedule the callbacks; an exception set before is replaced.
+
+        A cancelled future becomes done by this.
+        """
         self._exception, self._is_retrieved = exception, False
         self._finish(_FINISHED, force=True)
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
         """Call `callback(self)` when the future is done or cancelled.
 
-        The callback runs on the future's executor; without one it is called in the thread that ends
-        the future, or at once if that has happened. There an exception becomes a warning, or is
-        raised at once.
+        On a future with an executor, the callback becomes a task of the executor. Without one, it
+        is called in the thread that ends the future, where its exception becomes a warning; if the
+        future has ended already, it is called at once, and its exception is raised.
         """
         with self._lock:
             if self._state == _PENDING:
@@ -116,7 +122,7 @@ class Future(Generic[T]):
             executor.create_task(callback, self)
 
     def remove_done_callback(self, callback: Callable[[Any], Any]) -> bool:
-        """Remove a callback; return False if it is not there, or has been scheduled."""
+        """Remove a callback; return False if it is not there, or the future has ended."""
         with self._lock:
             if callback not in self._callbacks:
                 return False
@@ -204,7 +210,7 @@ class Task(Future[T]):
         super()._finish(state, force=force)
 
     def executing(self) -> bool:
-        """Return True while the task runs, False while it waits at an `await`."""
+        """Return True while the task's code runs, not before, after, or at an `await`."""
         return self._is_executing
 
     def __call__(self) -> None:
@@ -264,8 +270,12 @@ class Task(Future[T]):
 def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
     """Block until the future is done or cancelled, while another thread spins.
 
+    Args:
+        future: The future.
+        timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
+
     Returns:
-        False if `timeout_sec` (s; None means no limit) passed before.
+        False if the time passed before.
     """
     answered = threading.Condition()
 

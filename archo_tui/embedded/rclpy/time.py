@@ -17,7 +17,9 @@ _TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
 class Time:
     """A point in time, in ns since its clock's epoch.
 
-    Comparing or subtracting times of two kinds of clock raises TypeError.
+    Comparing times of two kinds of clock, also by `==`, or subtracting them raises TypeError.
+    Adding or subtracting a Duration raises ValueError if the result is below 0, and OverflowError
+    if it has more than 64 bits.
     """
 
     def __init__(

@@ -56,7 +56,7 @@ class TimeSource:
         """Follow the parameter `use_sim_time` of a node, now and whenever it changes.
 
         The parameter is declared, as False, if it is not. A value that is no bool is logged as an
-        error. Another node is detached first.
+        error. The node attached before is detached first.
         """
         self.detach_node()
         self._get_node = weakref.ref(node)
@@ -72,14 +72,18 @@ class TimeSource:
         node.add_on_set_parameters_callback(self._on_parameters)
 
     def detach_node(self) -> None:
-        """Unsubscribe from /clock and forget the node; clocks keep the time that they have."""
+        """Unsubscribe from /clock; attached clocks go on telling the time that they have.
+
+        As in rclpy, setting `use_sim_time` of the node still switches the clocks.
+        """
         self._unsubscribe()
         self._get_node = lambda: None
 
     def attach_clock(self, clock: ROSClock) -> None:
         """Let a clock follow this source from now on, and give it the last time of /clock.
 
-        The clock tells simulated time only while `ros_time_is_active`.
+        That time is 0 before the first message. The clock tells simulated time only while this
+        source's `ros_time_is_active`.
 
         Raises:
             ValueError: The clock is no ROSClock.

@@ -60,7 +60,7 @@ class Timer(TimedEntity):
     """A timer, made by `Node.create_timer`; it calls back once a period, first after a full one.
 
     Late ticks are skipped, never queued. The timer counts monotonic time, or simulated time while
-    its clock has that. After `destroy()` every method raises InvalidHandle.
+    its clock tells that. After `destroy()` all other methods raise InvalidHandle.
     """
 
     def __init__(
@@ -125,7 +125,7 @@ class Timer(TimedEntity):
         self._schedule()
 
     def time_since_last_call(self) -> int:
-        """Return the ns since the callback was last called, or else since the timer was made."""
+        """Return the ns since the callback was last called; before that, since creation."""
         self._use()
         return self._now_ns() - self._last_ns
 
@@ -241,7 +241,7 @@ def _info_argument(callback: Any) -> str:
 class Rate:
     """A sleeper at a fixed rate, made by `Node.create_rate`; another thread must spin the node.
 
-    The shutdown of the context destroys it.
+    The shutdown of the context destroys the rate.
     """
 
     def __init__(self, timer: Timer, *, context: Context) -> None:
@@ -263,7 +263,7 @@ class Rate:
 
         Raises:
             RuntimeError: The rate was destroyed before.
-            ROSInterruptException: The context was shut down, before or meanwhile.
+            ROSInterruptException: The context was shut down, before or during the sleep.
         """
         if self._is_destroyed and self._context.ok():
             raise RuntimeError("Rate cannot sleep because it has been destroyed")

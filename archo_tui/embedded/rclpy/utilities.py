@@ -13,7 +13,7 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
     """Return the context that is meant if none is given, made when there is none.
 
     Args:
-        shutting_down: True forgets it: the next call makes a new one.
+        shutting_down: True forgets the context: the next call makes a new one.
     """
     process = _process.current()
     with process.lock:
@@ -23,9 +23,9 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
-    """Return the arguments (of the program, if None) that are not ROS's.
+    """Return the arguments that are not ROS's; None means those in `sys.argv`.
 
-    Those of ROS are parsed, and parameter files that they name are read, to find errors.
+    ROS arguments are parsed, and parameter files that they name are read, to find errors.
 
     Raises:
         RCLInvalidROSArgsError: An argument of ROS is not valid.
@@ -37,22 +37,22 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """Return True if the (default) context has begun and is not shut down."""
+    """Return True if the context, by default the default one, has begun and is not shut down."""
     return (context or get_default_context()).ok()
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """Shut the (default) context down; raise RuntimeError if it has not begun.
+    """Shut the context down; raise RuntimeError if it has not begun, or has ended.
 
-    The default context is forgotten: the next one asked for is new.
+    Without a `context`, the default one is shut down and forgotten: the next one asked for is new.
     """
     (context or get_default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """Shut the (default) context down, if it has begun.
+    """Shut the context down, if it has begun and not ended.
 
-    The default context is forgotten: the next one asked for is new.
+    Without a `context`, the default one is shut down and forgotten: the next one asked for is new.
     """
     (context or get_default_context(shutting_down=True)).try_shutdown()
 

@@ -11,6 +11,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
     Raises:
         InvalidTopicNameException: The name is not valid.
         InvalidServiceNameException: The name is not valid, and `is_service` is True.
+        TypeError: The name is not a str.
     """
     _names.validate_topic_name(name, is_service=is_service)
     return True

@@ -67,18 +67,25 @@ class ClientGoalHandle:
 
     @property
     def stamp(self) -> Any:
-        """Return when the server accepted the goal, as builtin_interfaces/Time."""
+        """Return when the server accepted the goal, as builtin_interfaces/Time; 0 if refused."""
         return self._response.stamp
 
     @property
     def status(self) -> int:
-        """Return the last status received, one of GoalStatus's constants, at first unknown."""
+        """Return the last status received, one of GoalStatus's constants.
+
+        The status is STATUS_UNKNOWN at first, and stays so if the goal was refused.
+        """
         return self._status
 
     def get_result_async(self) -> Future[Any]:
         """Request the result; the future gets a response with `status` and `result`.
 
-        The response comes when the goal has ended. From then on no feedback is handed on.
+        The response comes when the goal has ended; for a goal that the server does not know it
+        comes at once, with STATUS_UNKNOWN. From then on no feedback is handed on.
+
+        Raises:
+            InvalidHandle: The client is destroyed.
         """
         request = self._client._action_type.Impl.GetResultService.Request(goal_id=self.goal_id)
         future: Future[Any] = self._client._result_client.call_async(request)
@@ -88,7 +95,11 @@ class ClientGoalHandle:
         return future
 
     def cancel_goal_async(self) -> Future[CancelGoal.Response]:
-        """Request to cancel the goal; an empty `goals_canceling` in the response means refused."""
+        """Request to cancel the goal; an empty `goals_canceling` in the response means refused.
+
+        Raises:
+            InvalidHandle: The client is destroyed.
+        """
         info = GoalInfo(goal_id=self.goal_id)
         return self._client._cancel_client.call_async(CancelGoal.Request(goal_info=info))
 
@@ -129,7 +140,9 @@ class ActionClient:
 
         Raises:
             ValueError: The name is not valid.
+            InvalidServiceNameException: The expanded name is too long; rclpy raises ValueError.
             AttributeError: The class is no action.
+            InvalidHandle: The node is destroyed.
         """
         check_action(action_type)
         problem = topic_problem(action_name)
@@ -186,11 +199,15 @@ class ActionClient:
         feedback_callback: Callable[[Any], Any] | None = None,
         goal_uuid: UUID | None = None,
     ) -> Future[ClientGoalHandle]:
-        """Send a goal; the future gets its handle when the server has accepted or refused.
+        """Send a goal; the future gets the goal's handle when the server has accepted or refused.
+
+        Without a server the future stays pending. Cancelling the future does not cancel the goal:
+        only the server's answer is dropped.
 
         Args:
             goal: The goal.
-            feedback_callback: Called with each feedback message, whose `.feedback` is the action's.
+            feedback_callback: Called with each feedback message of the goal, whose `.feedback` is
+                the action's, until the result has come.
             goal_uuid: The goal's id; None means a random one.
 
         Raises:
@@ -233,7 +250,7 @@ class ActionClient:
         return _wait(self.send_goal_async(goal, **options)).get_result()
 
     def server_is_ready(self) -> bool:
-        """Return True if the action's services are offered, and its feedback and status published.
+        """Return True if the action's three services are offered and both its topics published.
 
         Raises:
             RCLError: The client is destroyed.
@@ -249,7 +266,7 @@ class ActionClient:
         None means no limit, a negative timeout no wait.
 
         Raises:
-            RCLError: The client is destroyed, or is by the context's shutdown meanwhile.
+            RCLError: The client is destroyed, perhaps by the context's shutdown during the wait.
         """
         graph = self._node._graph
         with graph.changed:
@@ -342,7 +359,7 @@ class _Together(Entity):
 
 
 def _all(taken: Sequence[Callable[[], Any]]) -> Any:
-    """Run all pieces of work; return the coroutine of an async feedback callback, or None."""
+    """Run all pieces of work; return the coroutine of an async feedback callback, or else None."""
     return next(filter(None, [work() for work in taken]), None)
 
 

@@ -80,7 +80,7 @@ class ServerGoalHandle:
     def status(self) -> int:
         """Return one of GoalStatus's constants; STATUS_UNKNOWN once the goal is forgotten.
 
-        A goal is forgotten when its result expires, or by `destroy()`.
+        A goal is forgotten when its result expires, or by `destroy()` of the goal or its server.
         """
         self._server._forget_expired()
         return GoalStatus.STATUS_UNKNOWN if self._destroyed else int(self._status)
@@ -101,13 +101,14 @@ class ServerGoalHandle:
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
         """Set the goal EXECUTING, unless a cancel was accepted, and schedule its execution.
 
-        The status is published at once; the callback runs in a later turn of the executor.
+        The status is published at once; the callback runs in a later turn of the executor. A
+        forgotten goal is executed, too, but has no status.
 
         Args:
             execute_callback: The callback; None means the server's.
 
         Raises:
-            RCLError: The goal is executing already, or has ended.
+            RCLError: The goal is executing already, or has ended; nothing is scheduled.
         """
         if not self.is_cancel_requested:
             self._update(states.EXECUTE)
@@ -192,7 +193,8 @@ def default_cancel_callback(cancel_request: Any) -> CancelResponse:
 class ActionServer:
     """A server of an action. Cancels are rejected unless `cancel_callback` accepts them.
 
-    A goal that `execute_callback` leaves active is aborted; an exception is logged.
+    A goal that `execute_callback` leaves active is aborted. An exception of the callback is logged,
+    and the goal's result is then an empty one.
     """
 
     configure_introspection = absent.Attribute()
@@ -225,7 +227,8 @@ class ActionServer:
             action_name: The action's name.
             execute_callback: Executes a goal, called with its handle; returns the result.
             callback_group: The group of the callbacks; None means the node's default one.
-            goal_callback: Called with a goal message; returns a GoalResponse.
+            goal_callback: Called with a goal message; returns a GoalResponse, anything else refuses
+                the goal. A goal with the id of a kept one is refused without a call.
             handle_accepted_callback: Called with the handle of an accepted goal; by default,
                 executes it.
             cancel_callback: Called with a goal's handle; returns a CancelResponse.
@@ -240,7 +243,9 @@ class ActionServer:
         Raises:
             TypeError: `execute_callback` cannot be called.
             ValueError: The name is invalid, or the timeout is negative.
+            InvalidServiceNameException: The expanded name is too long; rclpy raises ValueError.
             AttributeError: The class is no action.
+            InvalidHandle: The node is destroyed.
         """
         check_action(action_type)
         problem = topic_problem(action_name)

@@ -19,8 +19,8 @@ _BY_WARN = "warn", __file__, 0, 0  # In rclpy, the place of the decorator of dep
 class RcutilsLogger:
     """A named logger, whose lines go to standard error and, for a node's logger, to /rosout.
 
-    The filters `once`, `skip_first` and `throttle_duration_sec` (s) count for each place in the
-    source that logs.
+    The filters `once`, `skip_first` and `throttle_duration_sec` (s) count the calls from each place
+    in the source by itself.
     """
 
     def __init__(self, name: str = "") -> None:
@@ -31,8 +31,8 @@ class RcutilsLogger:
         """Return a new logger named `<own name>.<name>`.
 
         Raises:
-            ValueError: The name is empty.
-            TypeError: The name is not a text.
+            ValueError: The name is empty or None.
+            TypeError: The name is not a str.
         """
         if not name:
             raise ValueError("Child logger name must not be empty.")
@@ -73,9 +73,9 @@ class RcutilsLogger:
                 `throttle_time_source_type` (a Clock).
 
         Raises:
-            TypeError: A filter is unknown or lacks its duration, or the message is not a text.
+            TypeError: A filter is unknown or lacks its duration, or the message is not a str.
             ValueError: Severity, name or filters differ from the first call at this place in the
-                source.
+                source; or `severity` is no LoggingSeverity, or the throttle's clock no Clock.
         """
         if not self.is_enabled_for(severity):
             return False

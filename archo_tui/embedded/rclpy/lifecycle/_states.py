@@ -55,7 +55,7 @@ LABELS = {
 def _through(
     state: int, begins: dict[int, int], label: str, ends: int, success: int, failure: int
 ) -> list[Step]:
-    """Return the transitions into an intermediate state, and those by which its callback leaves it.
+    """Return the transitions into an intermediate state, and those that follow its callback.
 
     Args:
         state: The intermediate state, in which the callback runs.

@@ -14,9 +14,10 @@ _SUCCESS = TransitionCallbackReturn.SUCCESS
 
 
 class ManagedEntity:
-    """An entity that is told of its node's transitions; each callback returns how it went.
+    """An entity whose callbacks are called at its node's transitions.
 
-    The callbacks get the state before the transition. These do nothing and return SUCCESS.
+    A callback gets the state before the transition, and returns how the transition went. The
+    callbacks of this class do nothing and return SUCCESS.
     """
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -40,7 +41,7 @@ class ManagedEntity:
         return _SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Handle an ERROR of another callback; the state is that before its transition.
+        """Handle an ERROR of another callback, which had got the same `state`.
 
         SUCCESS leads to `unconfigured`, any other outcome to `finalized`.
         """
@@ -48,7 +49,10 @@ class ManagedEntity:
 
 
 class SimpleManagedEntity(ManagedEntity):
-    """An entity that knows if its node is active; at first it is not."""
+    """An entity that knows if it has been activated with its node; at first it is not.
+
+    An entity that is added to an active node must wait for the next activation.
+    """
 
     def __init__(self) -> None:
         self._enabled = False
@@ -63,7 +67,7 @@ class SimpleManagedEntity(ManagedEntity):
 
     @property
     def is_activated(self) -> bool:
-        """Return True between `on_activate` and `on_deactivate`."""
+        """Return True from `on_activate` until `on_deactivate`, whatever other transitions come."""
         return self._enabled
 
     @staticmethod
@@ -72,12 +76,12 @@ class SimpleManagedEntity(ManagedEntity):
         *,
         when_not_enabled: Callable[..., None] | None = None,
     ) -> Any:
-        """Decorate a method so that it runs only while the node is active, and returns None.
+        """Decorate a method so that it runs only while `is_activated`, and returns None.
 
         Args:
             wrapped: The method, for a decorator without parentheses.
-            when_not_enabled: Called instead while the node is not active, with the method's
-                arguments except the entity; None does nothing.
+            when_not_enabled: Called instead while not `is_activated`, with the method's arguments
+                except the entity; None does nothing.
         """
 
         def decorate(method: Callable[..., None]) -> Callable[..., None]:

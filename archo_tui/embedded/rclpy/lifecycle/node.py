@@ -41,7 +41,8 @@ class LifecycleNodeMixin(ManagedEntity):
     """A mixin that makes a Node a lifecycle node; it is listed before Node among the bases.
 
     A node may override the callbacks of ManagedEntity. The callbacks here pass the transition on to
-    the managed entities, so an overriding `on_activate` calls the one of this class as well.
+    the managed entities, so an overriding `on_activate` calls the one of this class as well. An
+    exception of a callback is logged and counts as ERROR, after which `on_error` is called.
     """
 
     def __init__(self, *, enable_communication_interface: bool = True) -> None:
@@ -79,28 +80,28 @@ class LifecycleNodeMixin(ManagedEntity):
     def trigger_configure(self) -> TransitionCallbackReturn:
         """Run `on_configure`, change the state by its outcome, and return the outcome.
 
-        ERROR is returned, and logged, if the node is not `unconfigured`.
+        If the node is not `unconfigured`, an error is logged and ERROR returned.
         """
         return self._run_transition("configure")
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
         """Run `on_cleanup`, change the state by its outcome, and return the outcome.
 
-        ERROR is returned, and logged, if the node is not `inactive`.
+        If the node is not `inactive`, an error is logged and ERROR returned.
         """
         return self._run_transition("cleanup")
 
     def trigger_activate(self) -> TransitionCallbackReturn:
         """Run `on_activate`, change the state by its outcome, and return the outcome.
 
-        ERROR is returned, and logged, if the node is not `inactive`.
+        If the node is not `inactive`, an error is logged and ERROR returned.
         """
         return self._run_transition("activate")
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
         """Run `on_deactivate`, change the state by its outcome, and return the outcome.
 
-        ERROR is returned, and logged, if the node is not `active`.
+        If the node is not `active`, an error is logged and ERROR returned.
         """
         return self._run_transition("deactivate")
 
@@ -127,9 +128,9 @@ class LifecycleNodeMixin(ManagedEntity):
         self._managed_entities.add(entity)
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
-        """Create a publisher that is silent unless the node is active.
+        """Create a publisher that is silent until the node is activated, and once deactivated.
 
-        The arguments are those of `create_publisher`, without `publisher_class`.
+        The arguments and errors are those of `create_publisher`, without `publisher_class`.
         """
         node: Any = self
         made = node.create_publisher(*args, publisher_class=LifecyclePublisher, **kwargs)
@@ -138,7 +139,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return publisher
 
     def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
-        """Destroy a lifecycle publisher, and return False if it is not this node's."""
+        """Destroy a lifecycle publisher of this node; return False for any other publisher."""
         self._managed_entities.discard(publisher)
         node: Any = self
         destroyed: bool = node.destroy_publisher(publisher)
@@ -176,9 +177,9 @@ class LifecycleNodeMixin(ManagedEntity):
     def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
         """Go through a transition with its callback, and return the callback's outcome.
 
-        Each step is published. If the callback fails with ERROR, or raises, `on_error` is called as
-        well. ERROR is returned, and logged, if the transition does not start from the current
-        state.
+        Each change of state is published. If the callback returns ERROR, or raises, `on_error` is
+        called as well. If the transition does not start from the current state, an error is logged
+        and ERROR returned.
 
         Args:
             transition: Its number or its label.

@@ -11,9 +11,9 @@ MsgT = TypeVar("MsgT")
 
 
 class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
-    """A publisher that is silent unless its node is active.
+    """A publisher that is silent unless it has been activated with its node.
 
-    `LifecycleNode.create_lifecycle_publisher` makes it.
+    `LifecycleNode.create_lifecycle_publisher` makes it, silent also if the node is active by then.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -22,5 +22,5 @@ class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
 
     @SimpleManagedEntity.when_enabled
     def publish(self, msg: MsgT | bytes) -> None:
-        """Send the message as `Publisher.publish` does; do nothing while the node is not active."""
+        """Send a message as `Publisher.publish` does; do nothing while not `is_activated`."""
         Publisher.publish(self, msg)
