@@ -27,13 +27,13 @@ def elsewhere_text(snapshot: Snapshot) -> str:
 def no_data_text(snapshot: Snapshot) -> str:
     """Return that no data has come from the robot yet, and the likely cause; "" once some has.
 
-    Data are a reading of battery, motion or a gauge. For a robot whose file names no topic, a node
-    on the graph counts as data.
+    Data are a reading of battery, motion, pose or a gauge, and a diagnostic. For a robot whose file
+    names no topic, a node on the graph counts as data.
     """
     topics = snapshot.file.topics
-    heard = (snapshot.battery.received, snapshot.motion.received)
+    heard = (snapshot.battery.received, snapshot.motion.received, snapshot.pose.received)
     is_heard = any(time is not None for time in (*heard, *(g.received for g in snapshot.gauges)))
-    if is_heard or (snapshot.nodes and not topics):
+    if is_heard or snapshot.diagnostics or (snapshot.nodes and not topics):
         return ""
     lacking = [topic for topic in topics if topic not in snapshot.offered]
     unpublished = f"no node publishes {', '.join(lacking)}" if lacking else ""

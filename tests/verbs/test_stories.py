@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from archo_tui.robot.outcome import WATCHING
-from archo_tui.robot.state import OpenStop, Snapshot
+from archo_tui.robot.state import OpenStop, Pose, Snapshot
 from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock
@@ -258,8 +258,9 @@ async def test_a_beginning_of_several_names_is_told_with_them() -> None:
         (Snapshot(), "no data yet"),
         (Snapshot(nodes=NORMAL.nodes), "No alarms: nothing needs attention."),
         (NORMAL, "No alarms: nothing needs attention."),
+        (Snapshot(pose=Pose(received=NOW)), "No alarms: nothing needs attention."),
     ],
-    ids=["nothing heard", "elsewhere", "no node", "a file without topics", "heard"],
+    ids=["nothing heard", "elsewhere", "no node", "a file without topics", "heard", "a pose"],
 )
 def test_no_alarms_are_a_healthy_word_only_where_something_was_heard(
     state: Snapshot, said: str
