@@ -6,7 +6,7 @@ Memory and time are bounded whatever a file contains. What cannot be read is lef
 from __future__ import annotations
 
 import os
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from archo_tui.replay.faults import Faults
 from archo_tui.replay.installed_types import InstalledTypes
 from archo_tui.replay.linear_reader import LinearReader
 from archo_tui.replay.mcap_index import MAX_CHANNELS, MAX_RANGES, Index
-from archo_tui.replay.message_reader import EncodedMessage, FileRange, Topic, read_messages
+from archo_tui.replay.message_reader import FileRange, ReadMessages, Topic, read_messages
 from archo_tui.replay.summary import read_summary
 
 
@@ -83,7 +83,13 @@ class BagFile:
         """
         return self._faults.lines()
 
-    def messages(self, begin: float, end: float, wanted: Container[str]) -> Iterator[BagMessage]:
+    def messages(
+        self,
+        begin: float,
+        end: float,
+        wanted: Container[str],
+        on_cut: Callable[[], None] = lambda: None,
+    ) -> Iterator[BagMessage]:
         """Yield decoded messages in the order of time.
 
         All of them are loaded before the first is yielded: at most 500,000 or 100 MB; the rest is
@@ -93,10 +99,13 @@ class BagFile:
             begin: Unix time of the first message, in s; itself included.
             end: Unix time of the last message, in s; itself included.
             wanted: The topics, by full names.
+            on_cut: Called before the first message if some before `end` are left out at the end.
         """
         from rclpy.serialization import deserialize_message
 
-        found = read_messages(self._ranges, begin, end, wanted, self._faults)
+        found, is_cut = read_messages(self._ranges, begin, end, wanted, self._faults)
+        if is_cut:
+            on_cut()
         found.reverse()
         while found:
             encoded = found.pop()  # Frees its bytes once it is decoded.
@@ -107,9 +116,7 @@ class BagFile:
                 continue
             yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
 
-    def encoded_messages(
-        self, begin: float, end: float, topic: str
-    ) -> tuple[list[EncodedMessage], Faults]:
+    def encoded_messages(self, begin: float, end: float, topic: str) -> tuple[ReadMessages, Faults]:
         """Return the messages of a topic as bytes, in the order of time, and what was left out.
 
         At most 500,000 messages or 100 MB are returned. `faults` does not report what this call

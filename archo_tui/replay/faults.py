@@ -15,13 +15,9 @@ class Faults:
     """A collector of fault lines, without repetitions: at most 100, then one line `and more`.
 
     Messages that cannot be read are counted apart, by topic.
-
-    Attributes:
-        is_cut: True once `add_cut` was called: a limit was reached, and the rest was left out.
     """
 
     def __init__(self) -> None:
-        self.is_cut = False
         self._lines: dict[str, None] = {}  # In order, each once.
         self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
         self._reasons: dict[str, str] = {}  # By topic, for its first message.
@@ -31,11 +27,6 @@ class Faults:
         text = harmless(text)
         if text not in self._lines:
             self._lines[text if len(self._lines) < _MAX_LINES else "and more"] = None
-
-    def add_cut(self, text: str) -> None:
-        """Set `is_cut`, and add a line: the text, which names a limit, `: the rest is left out`."""
-        self.is_cut = True
-        self.add(f"{text}: the rest is left out")
 
     def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
         """Count a message that cannot be read; it counts once, however often it is tried.

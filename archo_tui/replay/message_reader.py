@@ -62,10 +62,22 @@ class EncodedMessage(NamedTuple):
     data: bytes
 
 
+class ReadMessages(NamedTuple):
+    """The result of one reading.
+
+    Attributes:
+        messages: The messages, in the order of time.
+        is_cut: True if a limit or the budget of a pass ended the reading: later ones are missing.
+    """
+
+    messages: list[EncodedMessage]
+    is_cut: bool
+
+
 def read_messages(
     ranges: Sequence[FileRange], begin: float, end: float, wanted: Container[str], faults: Faults
-) -> list[EncodedMessage]:
-    """Return the messages of some topics within a time, in the order of time.
+) -> ReadMessages:
+    """Read the messages of some topics within a time.
 
     What cannot be read is left out. Not more than MAX_MESSAGES or MAX_BYTES are returned; the
     ranges after that are not read.
@@ -75,10 +87,10 @@ def read_messages(
         begin: Unix time of the first message, in s; itself included.
         end: Unix time of the last message, in s; itself included.
         wanted: The topics, by full names.
-        faults: Receives what could not be read; its `is_cut` is set if a limit or the budget of a
-            pass ended the reading.
+        faults: Receives what could not be read.
     """
     found: list[EncodedMessage] = []
+    is_cut = False
     budget, left = ReadBudget(), MAX_BYTES
     channels: dict[Path, dict[int, Topic]] = {}
     for number, (messages, path, topics) in enumerate(ranges):
@@ -98,7 +110,8 @@ def read_messages(
                             raise BudgetExceeded(f"more than {limit} at a time")
                         found.append(message)
         except BudgetExceeded as error:
-            faults.add_cut(str(error))
+            faults.add(f"{error}: the rest is left out")
+            is_cut = True
             break
         except Unreadable as error:
             if not messages.is_cut:  # The reader of the file has reported that already.
@@ -108,7 +121,7 @@ def read_messages(
         except OSError as error:
             faults.add(f"{path.name}: {error.strerror}")
     found.sort(key=itemgetter(0, 1))
-    return found
+    return ReadMessages(found, is_cut)
 
 
 def _split_range(

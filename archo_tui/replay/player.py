@@ -67,7 +67,7 @@ class Player:
 
         def read() -> None:
             state = self._new_state()
-            messages = self.bag.messages(window.begin, window.end, state.topics)
+            messages = self.bag.messages(window.begin, window.end, state.topics, window.cut)
             try:
                 for _ in window.fill(state, messages):
                     if window is not self._window:  # Another window has replaced this one.
@@ -160,15 +160,12 @@ class Player:
 
     @property
     def is_reading(self) -> bool:
-        """Return True until the messages up to the position are read; for ever if none could be."""
+        """Return True until the messages up to the position are read, or an error ends that."""
         return not self._window.covers(self.position)
 
     @property
     def is_complete(self) -> bool:
-        """Return True when the loaded hour is read, or an error has ended its reading halfway.
-
-        False for ever after an error before the first message.
-        """
+        """Return True when the loaded hour is read, or an error has ended its reading."""
         return self._window.is_complete
 
     @property

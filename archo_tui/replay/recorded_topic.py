@@ -115,11 +115,11 @@ class RecordedTopicFollower:
         """
         for span in _SPANS:
             self._read_until = now + span / 4
-            self._messages, faults = self._player.bag.encoded_messages(
+            read, faults = self._player.bag.encoded_messages(
                 now - span, self._read_until, self._topic
             )
-            self._fault = next(iter(faults.lines()), "")
-            if not faults.is_cut:
+            self._messages, self._fault = read.messages, next(iter(faults.lines()), "")
+            if not read.is_cut:
                 return
 
     def _decode(self, data: bytes) -> Any:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from archo_tui.recording.console_recorder import JOURNAL
 from archo_tui.replay.bag_file import BagMessage
-from archo_tui.replay.message_reader import MAX_MESSAGES
 from archo_tui.replay.replay_state import Checkpoint, ReplayState
 from archo_tui.robot.state import OWN_LEVELS, Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState
@@ -34,7 +33,7 @@ class Window:
         begin: Unix time, in s.
         end: Unix time, in s; of 500,000 messages or more, `fill` makes it the time of the last one
             that it has taken.
-        is_complete: True when `fill` is through, or `abort` was called after messages were read.
+        is_complete: True when `fill` is through, or `abort` was called.
         unreadable: The number of messages that could not be applied; `abort` counts as one.
         marks: The events and alarms read so far, in the order of reading.
         history: The samples of the trends, read so far.
@@ -51,6 +50,7 @@ class Window:
         self._messages: list[BagMessage] = []
         self._times: list[float] = []
         self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
+        self._is_cut = False  # True if there were too many messages for one window.
         self._last_time = begin  # The Unix time of the last `advance`.
 
     def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
@@ -64,9 +64,11 @@ class Window:
             messages: The messages of the window, in the order of time.
         """
         second, alarms = self.begin, frozenset[str]()
+        self._checkpoints.append(state.checkpoint())
         for number, message in enumerate(messages):
             if number % _CHECKPOINT_EVERY == 0:
-                self._checkpoints.append(state.checkpoint())
+                if number > 0:
+                    self._checkpoints.append(state.checkpoint())
                 yield
             while second <= message.time:  # As the console did, each second.
                 snapshot = state.snapshot
@@ -84,18 +86,21 @@ class Window:
             self._times.append(message.time)
         # A goal may have ended in the last part of a second.
         self.history.observe(state.snapshot, self.end)
-        if len(self._messages) >= MAX_MESSAGES:  # The next window reads the rest.
+        if self._is_cut and self._times:  # The next window reads the rest.
             self.end = self._times[-1]
-        self._checkpoints = self._checkpoints or [state.checkpoint()]
         self.is_complete = True
+
+    def cut(self) -> None:
+        """Note that messages are missing before `end`: it becomes the time of the last one."""
+        self._is_cut = True
 
     def abort(self) -> None:
         """End a reading that an error has stopped: what was read so far counts as everything.
 
-        The error counts as one unreadable message. If nothing was read, `is_complete` stays False.
+        The error counts as one unreadable message.
         """
         self.unreadable += 1
-        self.is_complete = bool(self._checkpoints)
+        self.is_complete = True
 
     def _mark_event(self, snapshot: Snapshot, time: float) -> None:
         """Mark the last event if it is a command of somebody or the end of a goal."""

@@ -18,7 +18,7 @@ from std_msgs.msg import String
 from archo_tui.recording import bag
 from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay import message_reader, window
+from archo_tui.replay import message_reader
 from archo_tui.replay.bag_file import BagFile, BagMessage
 from archo_tui.replay.player import Player
 from archo_tui.robot_file import load
@@ -223,11 +223,11 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
     assert player.snapshot().battery.percentage == 30.0
 
 
+@pytest.mark.parametrize("limit", [("MAX_MESSAGES", 50), ("MAX_BYTES", 2000)])
 def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: tuple[str, int]
 ) -> None:
-    monkeypatch.setattr(window, "MAX_MESSAGES", 50)
-    monkeypatch.setattr(message_reader, "MAX_MESSAGES", 50)
+    monkeypatch.setattr(message_reader, *limit)
     bag.write(tmp_path, drain(seconds=3600), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: not player.is_reading)
