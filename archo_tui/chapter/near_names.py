@@ -48,7 +48,8 @@ def missing_result(
 def _is_meant_as(name: str, wanted: str) -> bool:
     """Return True if a name was probably meant to be the wanted one; any namespace is ignored.
 
-    A name counts if it is spelled alike, or has all words of the wanted name, or only such words.
+    A name counts if its spelling is similar, or if it has all words of the wanted name, or only
+    such words.
     """
     last = base_name(name)
     if SequenceMatcher(None, last.lower(), wanted).ratio() >= _MIN_SIMILARITY:

@@ -100,11 +100,12 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 
 
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
-    """Call reset_encoder, and check that it succeeds and that a counter of the node is zero.
+    """Call reset_encoder, and check its type, its answer, and that a counter of the node is zero.
 
-    Attributes of the first node that look like tick counters and are small are set to a large
-    number before, and get their old value again if the service leaves that number. Without such
-    attributes, only the answer is checked, and the title says so.
+    The answer has to be a success with the chapter's message. Attributes of the first node that
+    look like tick counters and are small are set to a large number before, and get their old value
+    again if the service leaves that number. Without such attributes, only the answer is checked,
+    and the title says so.
 
     Raises:
         CrashedError: One of the nodes crashed.

@@ -122,7 +122,7 @@ def _silence_hint(
 def _level_range_hint(levels: Sequence[float]) -> str:
     """Return what is wrong with the levels of a draining battery, or "".
 
-    They must be in percent, not all 0, and never rise.
+    They must be in 0 .. 100 and never rise, and not all be 0 or below 1, as fractions are.
     """
     hint = f"heard {', '.join(f'{level:g}' for level in levels)}"
     if all(level == 0.0 for level in levels):

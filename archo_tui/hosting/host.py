@@ -417,7 +417,10 @@ class Host:
                 self._on_event("WARN", hosted.name.lstrip("/"), text)
 
     def _abandon(self, old: HostedNode) -> str:
-        """Abandon a stuck node, and return `, the one before ...` about what still runs of it."""
+        """Abandon a stuck node, and return a clause that begins with `, the one before`.
+
+        The clause says that the node was interrupted, or that its callback still runs.
+        """
         if old.abandon():
             return ", the one before did not return and was interrupted"
         return ", the one before is stuck: its callback still runs"

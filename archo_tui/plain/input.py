@@ -119,9 +119,10 @@ class Input:
 
     @property
     def is_quiet(self) -> bool:
-        """True if there is nothing to read now, and all that was read is counted or can be taken.
+        """True if there is nothing to read now, and nothing that was read is still on its way.
 
-        Always True on Windows, and after `close()` or the end of the input.
+        Each STOP that was read is counted then, and each other line is ready to be taken. Always
+        True on Windows, and after `close()` or the end of the input.
         """
         if self._descriptor is None or self.has_ended or self._is_closed:
             return True
@@ -174,7 +175,10 @@ class Input:
         self._announce()
 
     def _read_chunk(self) -> bytes:
-        """Wait for input and return up to 64 KiB of it; b"" at the end, or if it cannot be read."""
+        """Wait for input and return up to 64 KiB of it; b"" at the end, or if it cannot be read.
+
+        `_is_at_work` is set before bytes are taken; the caller clears it once they are kept.
+        """
         while self._descriptor is not None:
             try:
                 if sys.platform != "win32":

@@ -41,9 +41,10 @@ def is_stop_text(text: str) -> bool:
 
 
 def shell_words(line: bytes) -> list[str]:
-    """Return the words of a line, split as by a shell; an empty list if a quote is not closed.
+    """Return the words of a line, split as by a shell.
 
-    Bytes that are not UTF-8 become replacement characters.
+    Bytes that are not UTF-8 become replacement characters. The list is empty if a quote is not
+    closed, or if the line ends with a lone backslash.
     """
     try:
         return shlex.split(line.decode(errors="replace"))

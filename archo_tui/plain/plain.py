@@ -407,7 +407,8 @@ class Plain:
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
         """Run a verb whose outcome takes seconds, and print its outcome or why it failed.
 
-        It asks no question. Later lines do not wait for it; the end of the input does.
+        It asks no question. Later lines do not wait for it; the end of the input does. The caller
+        counts it in `_running_beside`; at its end that is undone.
         """
         try:
             outcome = await run_when_ready(

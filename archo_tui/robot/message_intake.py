@@ -102,6 +102,9 @@ class MessageIntake:
     def rates(self, now: float) -> tuple[float, float] | None:
         """Return the mean rates in messages and in bytes a second, over the last 5 s or so.
 
+        They are those between the first and the last message of that time: a silence since then
+        does not lower them.
+
         Args:
             now: The present time in seconds.
 

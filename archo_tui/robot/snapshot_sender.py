@@ -51,7 +51,7 @@ class SnapshotSender:
     def send_later(self) -> None:
         """Have a snapshot sent within STREAM_PERIOD, unless one is due already.
 
-        Use it if only readings changed, or nodes logged: STREAM_PERIOD is longer.
+        Use it if only readings changed, or nodes logged: `send_soon` sends one earlier.
         """
         if not (self._is_due_soon or self._is_due_later):
             self._is_due_later = True

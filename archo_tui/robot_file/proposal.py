@@ -107,8 +107,8 @@ def _robots(found: Iterable[Found]) -> set[str]:
     """Return the namespaces of the robots if there are several; else an empty set.
 
     The namespace is the first part of a name. There are several robots if namespaces have a
-    battery, motion or goal of the same name below them: `/a/odom` and `/b/odom` are of two robots;
-    `/odom` and `/odometry/filtered` are not.
+    battery, motion or goal of the same name and type below them: `/a/odom` and `/b/odom` are of two
+    robots; `/odom` and `/odometry/filtered` are not.
     """
     by_rest: dict[tuple[str, str], set[str]] = {}
     for entry, sighting in found:
@@ -211,7 +211,7 @@ def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) 
 
 
 def _goals(found: Iterable[Found]) -> list[Found]:
-    """Return the goals; first those of the table, then those with a form."""
+    """Return the goals: those of the table in its order, those with a form, then the others."""
     known = list(known_types.GOALS)
 
     def rank(pair: Found) -> tuple[int, bool]:

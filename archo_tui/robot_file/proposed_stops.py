@@ -65,11 +65,12 @@ def _is_release(sighting: Sighting) -> bool:
 
 
 def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopServices:
-    """Return an entry with the service that may release a stop, or one without a release.
+    """Return an entry with the service that may release a stop; its `service` is still empty.
 
-    The service is beside or below the stop, and shares the most words with the stop's name. One
-    with further words releases something else: `clear_brake_stop` no emergency stop. If there is
-    only one stop and one release there, they belong together.
+    Without such a service, `release` is empty, too. The service is beside or below the stop, and
+    shares the most words with the stop's name. One with further words releases something else:
+    `clear_brake_stop` no emergency stop. If there is only one stop and one release there, they
+    belong together.
 
     Args:
         stop: The service that may be the STOP.

@@ -117,8 +117,8 @@ class GoalDriver:
         Returns:
             A future of the robot's answer to the first goal; ACCEPTED at once if that goal waits in
             the queue. CANCELLED if a STOP or a cancel came before it was sent. CANCELLED if the
-            requester has left, and REFUSED if more than MAX_QUEUED_GOALS would wait: no goal is
-            sent or queued then.
+            requester has left, and REFUSED if the goals, the first included, and those that wait
+            are more than MAX_QUEUED_GOALS: no goal is sent or queued then.
         """
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Outcome] = loop.create_future()
