@@ -251,6 +251,8 @@ NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
             "unrecognized arguments: --namespace /r (see archo-tui keys --help)",
         ),
         ("check x.py --ros-args -p a:=1", "--ros-args is for the console, not for check"),
+        ("go 12 --ros-args -r a:=b", "--ros-args is for the console, not for go"),
+        ("--json status --ros-args -r a:=b", "--ros-args is for the console, not for status"),
     ],
 )
 def test_words_that_mean_nothing_are_refused(words: str, said: str, refused: Refused) -> None:

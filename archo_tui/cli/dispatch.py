@@ -60,6 +60,7 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         from archo_tui.remote import shell  # Runs quickly, since a prompt may call it.
 
         report_lost_output()
+        _check_unused(ros_args, words)
         return shell.run(words, SUBCOMMANDS)
     try:
         options = console_parser().parse_args(words)
@@ -82,12 +83,22 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     if name != "mcp":  # mcp uses standard output for its protocol.
         report_lost_output()
     if name not in SUBCOMMANDS:
+        _check_unused(ros_args, options.command)
         return send_verb(options, words)
     what, add_options = SUBCOMMANDS[name]
     parser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
     add_options(parser)
     # Some of the console's options are the subcommand's too.
     before = words[: -len(options.command)]
-    if ros_args:
-        raise ArchoError(f"--ros-args is for the console, not for {name}")
+    _check_unused(ros_args, options.command)
     return _RUN[name](parser.parse_intermixed_args([*before, *rest]))
+
+
+def _check_unused(ros_args: list[str], verb: list[str]) -> None:
+    """Refuse ROS arguments before a verb, which they would not change; a STOP goes on.
+
+    Raises:
+        ArchoError: There are ROS arguments, and the verb is no STOP.
+    """
+    if ros_args and not is_stop_text(" ".join(verb)):
+        raise ArchoError(f"--ros-args is for the console, not for {verb[0]}")

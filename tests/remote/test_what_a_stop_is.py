@@ -104,6 +104,8 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         ("--to PID --engine embedded status", ["status"], ""),
         ("--to PID go 12", ["go", "12"], ""),
         ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is sent anyway\n"),
+        ("stop --ros-args -r a:=b", ["stop"], ""),
+        ("--json stop --ros-args -r a:=b", ["stop"], ""),
         ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
         (
             "--watch stop",
