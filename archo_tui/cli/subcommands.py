@@ -109,7 +109,7 @@ def serve_assistant(options: Namespace) -> int:
 
 
 def look(_options: Namespace) -> int:
-    """Print the nodes in other ROS 2 domains, a line for each domain with nodes.
+    """Print the nodes in the ROS 2 domains 0 to 20, a line for each domain with nodes.
 
     If no domain has any, a line says so.
 

@@ -280,7 +280,7 @@ class Quit(Command):
         console.leave()
 
     def _leave_another(self, console: Console) -> None:
-        """Ask before quitting while another client's goal runs.
+        """Ask before quitting; called while another client's goal runs.
 
         Nodes of this process may be driving that goal, and would end.
         """

@@ -79,11 +79,15 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
 def default_keys(commands: Sequence[Command]) -> dict[str, str]:
     """Return the keys of commands, those of the robot file included, before a keymap changes them.
 
+    A key of a command that gives way may be a second command's, too: `load_keymap` takes it from
+    the former.
+
     Returns:
         The key of every command by its id, "" for none.
 
     Raises:
-        ArchoError: A key of the robot file is not valid or taken; the message names the line.
+        ArchoError: A key of the robot file is not valid, or that of a command that does not give
+            way; the message names the line.
     """
     keys = {command.id: command.key for command in commands if not command.from_file}
     core = {c.key: c.id for c in commands if c.key and not c.from_file and not c.gives_way}

@@ -86,7 +86,7 @@ def delete_named(names: Sequence[str]) -> Iterator[str]:
         names: Their names; nothing is deleted if one of them is unknown.
 
     Raises:
-        ArchoError: A name is unknown, or the disk refuses it; those before are deleted then.
+        ArchoError: A name is unknown. Or the disk refuses one; those before it are deleted then.
     """
     known = {recording.name: recording for recording in _all_recordings()}
     for name in names:

@@ -55,7 +55,7 @@ class Recording(NamedTuple):
 
 
 def list_recordings(folder: Path) -> list[Recording]:
-    """Return all recordings of a folder, the oldest first; anything else there is left out.
+    """Return the recordings of a folder, the oldest first; what cannot be read is left out.
 
     They are sorted by their number before their date: a computer whose clock was set back, or that
     has none, gives a new recording an old date.

@@ -63,10 +63,10 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         self.show_head(self._recorded_head)
 
     def show_head(self, lines: list[Content]) -> None:
-        """Show the line of the live robot and the lines of the recording at the top of dialogs.
+        """Show the line of the live robot and those of the recording at the top of open dialogs.
 
         Args:
-            lines: The lines of the recording.
+            lines: The lines of the recording; the last one is its banner.
         """
         self._recorded_head = lines
         super().show_head([self._live_text, *lines])

@@ -58,7 +58,8 @@ class WatchedTopic(NamedTuple):
     Attributes:
         name: The full name of the topic.
         follow: Returns a coroutine that follows the topic until it is cancelled. It is called with
-            a function that returns what is asked for, and with one that gets each new view.
+            a function that returns the parts of a view that the dialog needs now, and with one that
+            gets each new view.
         read_type: Returns the definition of the topic's type as text.
         copy: Copies the command that shows the topic in a shell; called with the view that is
             shown.

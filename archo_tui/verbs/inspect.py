@@ -56,7 +56,10 @@ class _TopicVerb(Verb):
     tells = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the topic was found, or from DISCOVERY_TIME seconds after the start."""
+        """Return True if the topic was found, or DISCOVERY_TIME seconds after the last start.
+
+        That is the start of the console, or of a node here.
+        """
         snapshot = station.robot.snapshot
         found = _topics(snapshot)
         return full_name(snapshot, values["topic"], found) in found or station.age >= DISCOVERY_TIME

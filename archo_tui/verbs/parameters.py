@@ -190,7 +190,8 @@ _LONGEST = 500  # Characters of a value in a line; --json has all of them.
 def parameter_line(parameter: Parameter) -> str:
     """Return a line like `motor_controller max_speed is 0.5, was 0.8 at the start, double`.
 
-    The allowed range or `read-only` follows. A value of more than 500 characters is cut.
+    The allowed range or `read-only` follows. The value at the start is said only if it is another
+    one. The present value is cut after 500 characters.
     """
     value = text_of(parameter.value)
     if len(value) > _LONGEST:

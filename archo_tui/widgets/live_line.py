@@ -19,10 +19,11 @@ _MIN_ALARM = 12  # Cells of an alarm's text; for fewer, the robot's name makes r
 def live_line(view: ScreenState, width: int) -> Content:
     """Return ` LIVE ARCHO   ● online   ✗ STOPPED: look for the cause      12:04:32   q back `.
 
-    Shown are the first alarm that is not shelved, the number of others, and whether an assistant
-    asks. If space is short, the robot's name and the remaining way are left out first, then the
-    number and the request, then the time; at last the alarm is cut. The line is reversed while an
-    alarm is unacknowledged or the robot is stopped.
+    Shown are what the live robot does and how far it has to go, unless the alarm tells of a STOP;
+    the first alarm that is not shelved, the number of others, and whether an assistant asks. If
+    space is short, the robot's name and the remaining way are left out first, then the number and
+    the request, then the time; at last the alarm is cut. The line is reversed while an alarm is
+    unacknowledged or the robot is stopped.
 
     Args:
         view: The state of the live console.

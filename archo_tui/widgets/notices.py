@@ -34,8 +34,8 @@ class _Entry:
     Attributes:
         notice: The notice.
         duration: Seconds for which it is shown.
-        until: The monotonic time, in s, at which it goes, shown or not; None before it has been
-            shown or has waited.
+        until: The monotonic time, in s, at which it goes, shown or not; None until the first
+            `Notices.update` after it was added. Its first showing sets the time anew.
         was_shown: True once it has been shown.
     """
 
@@ -56,7 +56,7 @@ class Notices:
         self._entries: list[_Entry] = []
 
     def add(self, text: str, severity: SeverityLevel, duration: float) -> None:
-        """Add a notice; it replaces one with the same text and severity.
+        """Add a notice as the newest; one with the same text and severity is removed.
 
         Args:
             text: The message; line breaks and runs of blanks become one blank.

@@ -30,10 +30,12 @@ _MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sidew
 
 def pad(text: str, width: int) -> str:
     """Return a text in exactly `width` cells: filled with blanks, or cut in its middle by `…`."""
+    if width <= 0:
+        return ""
     if cell_len(text) > width:
         head = set_cell_size(text, max(width - 1, 0) // 2)
         tail = text[len(head) :]
-        while cell_len(head) + 1 + cell_len(tail) > max(width, 1):
+        while cell_len(head) + 1 + cell_len(tail) > width:
             tail = tail[1:]
         text = f"{head}…{tail}"
     return text + " " * (width - cell_len(text))

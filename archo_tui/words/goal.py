@@ -22,7 +22,7 @@ from archo_tui.words.state import (
 
 _WORD_WIDTH = 14  # The column of the state's word, in cells.
 _MIN_QUEUE_WIDTH = 12  # The queue's cells below which its keys are left out.
-_WIDE_STRIP = 60  # A bar of so many cells names its ends.
+_WIDE_STRIP = 60  # A line of so many cells names the ends of the bar.
 _FIRST_FEEDBACK = 15.0  # Seconds after which an action is taken to send no feedback.
 
 
@@ -96,8 +96,8 @@ def goal_line(
 def goal_strip(goal: Goal | None, width: int) -> Spans:
     """Return the progress of a goal as a bar with the robot on it, and the share in percent.
 
-    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a bar of less than 60 cells
-    leaves out the distances.
+    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a line of less than 60
+    cells leaves out what stands at both ends of the bar.
 
     Args:
         goal: The current goal; None, or one whose way is not known, draws an empty bar.

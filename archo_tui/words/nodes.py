@@ -41,8 +41,8 @@ class NodeRow(NamedTuple):
     def word(self) -> tuple[str, str, str]:
         """Return glyph, text and tone of the node's state.
 
-        The text is "" for a node that is up and not silent; a managed node that is not active has
-        another glyph then.
+        The text is "" for a node that is up, in contact and not silent, unless a restart of it has
+        failed; a managed node that is not active has another glyph then.
         """
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:

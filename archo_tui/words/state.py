@@ -176,7 +176,7 @@ def speed_text(snapshot: Snapshot) -> str:
 
 
 def time_factor_text(snapshot: Snapshot) -> str:
-    """Return by which factor a simulated robot is faster than it reports, `x 7.5`; "" for none."""
+    """Return how many simulated seconds pass in a real one, `x 7.5`; "" if that is 1 or unknown."""
     return "" if snapshot.time_factor is None else f"x {snapshot.time_factor:g}"
 
 
@@ -197,8 +197,8 @@ def motion_unit(snapshot: Snapshot, name: str) -> str | None:
 def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """Return the robot's state, such as IDLE, MOVING, STOPPED, or why it is not known.
 
-    A STOP that is not confirmed goes before all else. Behind a state that is known, the line says
-    if the service of STOP is missing.
+    A STOP that is not confirmed goes before all else. Behind IDLE, MOVING, `not reported` and STOP
+    CONFIRMED, the line says if the service of STOP is missing.
 
     Args:
         snapshot: The state of the robot.
