@@ -249,7 +249,7 @@ class GoalPanel(Panel):
             self.call_after_refresh(self.scroll_visible, animate=False)
 
     def make_read_only(self) -> None:
-        """Hide the form and disable the board, for a replay; the panel itself can have the focus."""
+        """Hide the form and disable the board, for a replay; the panel can have focus itself."""
         self.can_focus, self.board.can_focus, self.board.disabled = True, False, True
         self._is_read_only = True
         self._set_height(0)

@@ -8,6 +8,7 @@ the same state, and the robot must have been asked for the same.
 from __future__ import annotations
 
 import asyncio
+import math
 import random
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
@@ -17,6 +18,7 @@ from typing import Any
 
 import pytest
 from textual import events, widgets
+from textual.geometry import Region
 from textual.message import Message
 
 from archo_tui.app import ArchoApp
@@ -148,6 +150,7 @@ class Desk:
         app.station.queue.waiting.clear()
         app.station.edits.__init__()  # type: ignore[misc]
         app.clear_notifications()
+        app._gone_notice = Region(), -math.inf  # Else a click there is dropped for some time.
         app.clear_selection()
         self.robot.put(self._snapshot)
         self.robot.asked.clear()
