@@ -130,7 +130,7 @@ class GoalFinder:
         now, time = self._clock.monotonic(), self._clock.now()
         asked = now if phase == Phase.CANCELLING else None
         lost = self._register.lost.pop(goal_id, None)
-        fields, mine = ({}, False) if lost is None else (lost.fields, lost.mine)
+        fields, mine = ({}, False) if lost is None else (lost.goal.fields, lost.goal.mine)
         goal = Goal(
             *(action.kind, fields, phase, begun, time),
             heard=now,
@@ -142,10 +142,11 @@ class GoalFinder:
         )
         tracked = self._register.prepare(goal, goal_id, action)
         if lost is not None:  # A STOP since then is meant for it, too.
-            tracked.tracked_since = lost.sent
+            tracked.tracked_since, tracked.gate = lost.goal.sent, lost.gate
         self._register.add(tracked)
         if not self._watching:
             tracked.assume_accepted()
+            self._canceller.cancel_if_unwanted(tracked)
         sent = f"another client sent a goal to {action.kind.action}"
         again = f"{goal.name} was not lost: its node is heard again"
         self._note("GOAL", sent if lost is None else again)
@@ -175,9 +176,11 @@ class GoalFinder:
         """
         lost, now = self._register.lost.get(goal_id), self._clock.monotonic()
         # Feedback from before its node left may be read a little later.
-        if lost is None or not action.is_served or now - (lost.ended or now) < NOBODY_SERVES:
+        if lost is None or not action.is_served:
             return None
-        begun = now if lost.started is None else lost.started
+        if now - (lost.goal.ended or now) < NOBODY_SERVES:
+            return None
+        begun = now if lost.goal.started is None else lost.goal.started
         tracked = self._track_found(action, goal_id, Phase.MOVING, begun, is_new=False)
         tracked.ask_result()
         return tracked

@@ -45,7 +45,7 @@ class GoalRegister:
         self._last: Goal | None = None  # The goal that ended last.
         self.running: dict[bytes, TrackedGoal] = {}
         self.ended_ids: deque[bytes] = deque(maxlen=_ENDED_IDS)
-        self.lost: dict[bytes, Goal] = {}
+        self.lost: dict[bytes, TrackedGoal] = {}
         self.history: deque[Goal] = deque(maxlen=HISTORY)
 
     @property
@@ -92,7 +92,7 @@ class GoalRegister:
             self.running.pop(tracked.id, None)
             self.ended_ids.append(tracked.id)
             if goal.phase == Phase.GONE:
-                self.lost = {**dict([*self.lost.items()][-HISTORY:]), tracked.id: goal}
+                self.lost = {**dict([*self.lost.items()][-HISTORY:]), tracked.id: tracked}
             self._last = goal
             self.history.appendleft(goal)
             # A refusal that comes in time is reported by the verb.

@@ -101,9 +101,11 @@ class StopLatch:
         self._other_console = other_console
         self.time = self._clock.now()
         # The nodes may have left by now. If none was kept, any later one would pass for them.
-        self._holders = self._graph.holders(self._service) or self.sent_to
+        before, self._holders = self._holders, self._graph.holders(self._service) or self.sent_to
         self._stopped_early.clear()
-        self._is_held_here = bool(self._holders) and self._are_run_here(self._holders)
+        # A last report of nodes that have ended meanwhile does not put them elsewhere.
+        was_here = self._is_held_here and self._holders == before
+        self._is_held_here = bool(self._holders) and (was_here or self._are_run_here(self._holders))
         self.holders_have_ended = False
 
     def release(self) -> None:

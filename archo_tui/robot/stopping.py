@@ -17,6 +17,7 @@ What a confirmed STOP means from then on is in `stop_latch.py`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection
 
 from rclpy.node import Node
@@ -85,6 +86,7 @@ class Stopping:
         self._answered_turn = 0  # The turn of the last call whose answer is shown.
         # The monotonic times at which the last STOP that was confirmed left, and was confirmed.
         self._confirmed: tuple[float, float] | None = None
+        self._seen_stopped = -math.inf  # Monotonic time at which a report of it closed a STOP.
         # The turn of the last STOP; None if a release or a goal was accepted behind it.
         self._last_turn: int | None = None
 
@@ -147,7 +149,10 @@ class Stopping:
             result = await self._call(self._stop, on_late_result)
         except Exception as error:  # Whatever failed, nothing was stopped.
             result = not_sent(Code.REFUSED, in_one_line(error))
-        return result.outcome, self._record_result(result, turn, sent)
+        is_news = self._record_result(result, turn, sent)
+        if result.outcome.code is Code.TIMEOUT and self._seen_stopped >= sent:
+            return Outcome(Code.DONE, "the robot says that it is stopped"), is_news
+        return result.outcome, is_news
 
     def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
         """Record the result of one call (rules 2 and 4).
@@ -164,27 +169,46 @@ class Stopping:
         Returns:
             True if that changes what is shown.
         """
-        if turn < self._first_turn:  # A release was accepted behind it, and STOP was sent again.
+        if result.outcome.ok:
+            # A yes to a call from before the open STOP confirms no later one.
+            is_earlier = self.open is not None and turn < self._first_turn
+            return not is_earlier and self._record_yes(sent)
+        if turn < self._first_turn:
             return False
-        if result.outcome.ok or result.answer == StopAnswer.UNCONFIRMED:
-            self._confirmed = sent, self._clock.monotonic()
-        held_before = self.latch.state is Latch.HELD
-        if result.outcome.ok:
-            self.latch.hold()
-        if self.open is None:  # Another call was confirmed meanwhile, or the STOP was given up.
-            if result.outcome.ok:
-                self._on_change()
-            return result.outcome.ok and not held_before
-        if result.outcome.ok:
-            self.latch.expect_standstill(self.open.asked)
-            self.close()
-            return True
+        if result.answer == StopAnswer.UNCONFIRMED:
+            self._expect_obeyed(sent)
+        if self.open is None:
+            return False
         if turn <= self._answered_turn and self.open.answer != StopAnswer.NONE:
             return False  # A later call was answered already.
         before, self._answered_turn = self.open, turn
         self.open = OpenStop(before.asked, result.answer, result.why)
         self._on_change()
         return self.open != before
+
+    def _record_yes(self, sent: float) -> bool:
+        """Make the latch hold, and close the open STOP; return True if that changes what is shown.
+
+        Without an open STOP, the yes is to one that was given up, or that is past: the robot may
+        have carried it out just now.
+
+        Args:
+            sent: Monotonic time at which the call began.
+        """
+        is_new = self.open is not None or self.latch.state is not Latch.HELD
+        if self.open is None and is_new:
+            sent = self._clock.monotonic()
+        self._expect_obeyed(sent)
+        self.latch.hold()
+        if is_new:
+            self.latch.expect_standstill(sent if self.open is None else self.open.asked)
+        self.close()
+        return is_new
+
+    def _expect_obeyed(self, sent: float) -> None:
+        """Expect that goals from before a STOP end, unless that is known of a later one."""
+        if self._confirmed is None or sent >= self._confirmed[0]:
+            self._confirmed = sent, self._clock.monotonic()
 
     def is_behind(self, turn: int) -> bool:
         """Return True if a STOP left after the request of that turn, or is about to leave (rule 5).
@@ -226,7 +250,7 @@ class Stopping:
         if self._stop is None:
             return
         now = self._clock.monotonic()
-        self._confirmed = now, now
+        self._expect_obeyed(now)
         self.latch.on_stopped_elsewhere(console, self._services.next_turn())
 
     def on_motion(self, motion: Motion) -> None:
@@ -239,7 +263,8 @@ class Stopping:
             motion: The message. Pass it only if a single node publishes the motion.
         """
         if self.open is not None and motion.stopped:
-            self._confirmed = self.open.asked, self._clock.monotonic()
+            self._expect_obeyed(self.open.asked)
+            self._seen_stopped = self._clock.monotonic()
             self.latch.expect_standstill(self.open.asked)
             if self.open.answer == StopAnswer.NONE:
                 text = "STOP, sent again: the robot says that it is stopped"

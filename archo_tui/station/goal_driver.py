@@ -302,8 +302,8 @@ class GoalDriver:
         if outcome.code == Code.HELD:
             self.queue.put_back(goal)
         else:
-            is_cancelled = outcome.code == Code.CANCELLED
-            self.queue.on_answer(ok=outcome.ok, reason="cancelled" if is_cancelled else "refused")
+            reasons = {Code.CANCELLED: "cancelled", Code.TIMEOUT: "no answer"}
+            self.queue.on_answer(ok=outcome.ok, reason=reasons.get(outcome.code, "refused"))
             if outcome.ok:
                 self._underway.append((goal, before))
                 self._settle_ended_goals()

@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Latch
 from archo_tui.station.alarms import MOVES_AFTER_STOP, STOP_UNCONFIRMED
 from archo_tui.words.state import motion_word, plain_text
 from tests.robot.test_several_servers import Brake, Drive, alarms
@@ -67,8 +68,43 @@ async def test_goals_end_behind_a_stop_that_only_the_motion_confirms() -> None:
         assert (await ended(go(it, 5))).ok
         await later(1.0)
         wheels[0].moving, wheels[0].stopped = False, True
-        await ended(it.emergency_stop())
+        outcome = await ended(it.emergency_stop())
+        assert outcome == (Code.DONE, "the robot says that it is stopped")
         await until(lambda: drives[0].over.done())
+
+
+async def test_a_robot_that_moves_on_behind_a_late_yes_is_an_alarm() -> None:
+    async with robot(making([], Brake, "brake", "yes", 4.0), making([], Wheels)) as it:
+        await until(lambda: it.snapshot.motion.moving)
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        await until(lambda: MOVES_AFTER_STOP in alarms(it))
+
+
+async def test_goals_from_before_a_late_yes_end() -> None:
+    drives: list[Drive] = []
+    makers = making([], Brake, "brake", "yes", 4.0), making(drives, Drive, "drive")
+    async with robot(*makers) as it:
+        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        assert (await ended(go(it, 3))).ok
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        await until(lambda: drives[0].over.done())
+
+
+async def test_a_late_yes_to_an_older_stop_holds_behind_a_release() -> None:
+    brakes: list[Brake] = []
+    async with robot(making(brakes, Brake, "brake", "yes", 6.0), making([], Wheels)) as it:
+        await until(lambda: {"emergency_stop"} <= it.snapshot.offered)
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        brakes[0].seconds = 0.0
+        assert (await ended(it.emergency_stop())).ok
+        assert (await ended(it.release_emergency_stop())).ok
+        assert it.snapshot.latch is Latch.NONE
+        await until(lambda: it.snapshot.latch is Latch.HELD)
 
 
 async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm() -> None:

@@ -44,6 +44,15 @@ def test_one_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
     assert nodes.look()
 
 
+def test_a_last_report_of_nodes_that_have_ended_does_not_put_them_elsewhere() -> None:
+    nodes = Nodes(motor=HERE)
+    nodes.latch.sent_to = {"motor": frozenset({HERE})}
+    nodes.unended = []
+    assert nodes.look()
+    nodes.latch.on_motion(Motion(stopped=True))
+    assert nodes.look()
+
+
 def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() -> None:
     nodes = Nodes()
     nodes.served = {"motor": {HERE}}
