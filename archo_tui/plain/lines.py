@@ -11,9 +11,13 @@ import shlex
 MAX_LINE = 64 * 1024  # Bytes of a line that is accepted.
 TOO_LONG = b"\n"  # Stands for a longer line; no line can be equal to it.
 
-# The escape sequences (ECMA-48: CSI, and SS3 with one character) that a terminal sends for a key
-# without a letter, or around pasted text.
-_KEY = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O[@-~])")
+# The escape sequences (ECMA-48: CSI, SS3, OSC) that a terminal sends for a key without a letter,
+# around pasted text, or as a reply; the Linux console's F1 to F5, rxvt's shifted keys, and a lone
+# escape, as alt sends it.
+_KEY = re.compile(
+    r"\x1b*(\x1b\[\[[A-E]|\x1b\[\d+\$|(\x1b\[|\x9b)[0-?]*[ -/]*[@-~]|\x1bO\d*[@-~]"
+    r"|\x1b\][^\x07\x1b]*(\x07|\x1b\\)|\x1b)"
+)
 _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 
 
@@ -29,14 +33,15 @@ def is_stop(line: bytes) -> bool:
     """
     line = line.replace(b"\0", b"")  # ASCII text that was encoded in UTF-16.
     # Most lines end here: decoding is slower. A key's sequence may stand within the word.
-    if b"stop" not in line.lower() and b"\x1b" not in line:
+    if b"stop" not in line.lower() and b"\x1b" not in line and b"\xc2\x9b" not in line:
         return False
     return is_stop_text(line.decode(errors="replace"))
 
 
 def is_stop_text(text: str) -> bool:
     """Return True if the first word of a text is `stop`, by the rule of `is_stop` but for NULs."""
-    spellings = (text, _KEY.sub("", text)) if "\x1b" in text else (text,)
+    has_keys = "\x1b" in text or "\x9b" in text
+    spellings = (text, _KEY.sub("", text)) if has_keys else (text,)
     return any("stop" in spelling.lower() and _STOP.match(spelling) for spelling in spellings)
 
 

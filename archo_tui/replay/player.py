@@ -57,6 +57,7 @@ class Player:
         self._namespace = namespace_of(bag, file)
         self._state = self._new_state()
         self._window = Window(self.start, self.start + SPAN)
+        self._read_for = self.start  # The position for which the window was made.
         self._start_reading(self._window)
 
     def _new_state(self) -> ReplayState:
@@ -94,8 +95,10 @@ class Player:
         self._base = self._last_position = min(max(time, self.start), self.end)
         self._base_time = self._clock.monotonic()
         if not self._window.begin <= self._base <= self._window.end:
-            # Of too many messages a window holds a part, in which the position has to be.
-            begin = max(self._base - (self._window.end - self._window.begin) / 2, self.start)
+            # If there were too many messages, the window ends before the position it was made for.
+            is_dense = self._window.end < self._read_for
+            span = self._window.end - self._window.begin if is_dense else SPAN
+            begin, self._read_for = max(self._base - span / 2, self.start), self._base
             self._state = self._new_state()
             self._window = Window(begin, begin + SPAN)
             self._start_reading(self._window)

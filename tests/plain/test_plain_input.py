@@ -83,7 +83,9 @@ def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
             b"\xff\xfes\0t\0o\0p\0",
             b"\tstop",
         ),
-        *(b"st\x1b[D\x1b[Cop", b"\x1bOCst\x1b[0mop now"),
+        *(b"st\x1b[D\x1b[Cop", b"\x1bOCst\x1b[0mop now", b"\x1b[[Astop", b"\x1b[7$stop"),
+        *(b"s\x1btop", b"st\x1b\x1b[Aop", b"\x1bO5Astop", b"\x1b]11;rgb:0/0/0\x07stop"),
+        *(b"\x1b]0;a\x1b\\stop", "st\x9bAop".encode()),
         *(b"\x1b[Astop", b"\x1b[200~stop\x1b[201~", b"\xa0stop\xff", b"stop " + b"x" * 100_000),
     ],
 )
