@@ -136,8 +136,9 @@ class StopKey(VerbCommand):
         self.footer = "STOP" if verb.service else "Cancel all"
 
     def run(self, console: Console) -> Work | None:
-        stops = console.station.robot.stops
-        if console.repeated and console.view.snapshot.says_stopped and not stops.superseded:
+        stops, snapshot = console.station.robot.stops, console.view.snapshot
+        is_stopped = snapshot.says_stopped and not snapshot.stop_not_obeyed
+        if console.repeated and is_stopped and not stops.superseded:
             return None  # The key is held, and the robot has stopped.
         return super().run(console)
 

@@ -114,8 +114,10 @@ async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm()
         wheels[0].stopped, wheels[0].moving = True, False
         await later(2.0)
         assert MOVES_AFTER_STOP not in alarms(it)
+        assert word(it) == "✗ STOPPED"
         wheels[0].moving = True
         await until(lambda: MOVES_AFTER_STOP in alarms(it))
+        await until(lambda: word(it) == "✗ MOVES ON")
         wheels[0].stopped = False  # released
         await until(lambda: MOVES_AFTER_STOP not in alarms(it))
 

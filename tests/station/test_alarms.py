@@ -381,6 +381,14 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     assert "press c" not in banner(nobody_charges, 120).plain
 
 
+def test_the_header_of_a_robot_that_moves_on_does_not_say_stopped() -> None:
+    stopped = STATES["motor stopped"]
+    for moves, word in ((False, "✗ STOPPED"), (True, "✗ MOVES ON")):
+        snapshot = stopped._replace(stop_not_obeyed=moves)
+        view = View(snapshot, NOW, NOW, 0.0, "embedded", "/", History())
+        assert word in header(view, 120).plain
+
+
 def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
     silent = NORMAL._replace(motion=replace(MOTOR, received=NOW - 4))
     view = View(silent, NOW, NOW, 0.0, "embedded", "/", History())
