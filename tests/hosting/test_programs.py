@@ -469,7 +469,7 @@ def test_an_error_that_has_no_text_is_a_crash_all_the_same() -> None:
 
 def test_nothing_of_an_ended_run_is_kept() -> None:
     with running(talker()) as session:
-        wait_until(lambda: "/talker" in states(session))
+        wait_until(lambda: said().count("made") == 1)
         first = weakref.ref(session.host.programs.find("/talker"))
         assert session.host.stop_node("/talker").ok
         assert session.host.start_node("/talker").ok
