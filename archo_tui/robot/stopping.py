@@ -157,9 +157,10 @@ class Stopping:
     def _record_result(self, result: StopResult, turn: int, sent: float) -> bool:
         """Record the result of one call (rules 2 and 4).
 
-        A confirmation makes the latch hold, also if the STOP was given up or released meanwhile,
-        and closes the open STOP. Another result becomes the answer of the open STOP, unless a later
-        call was answered before. Calls from before the STOP that was opened last are ignored.
+        A yes makes the latch hold, also if its STOP was given up or released meanwhile, and closes
+        the open STOP; one to a call from before the open STOP is ignored. Another result becomes
+        the answer of the open STOP, unless a later call was answered before, or the call is from
+        before the STOP that was opened last.
 
         Args:
             result: What the servers answered.
