@@ -135,7 +135,7 @@ class LaunchFile:
     def current_stamps(self) -> Stamps:
         """Return the stamps of all that the launch reads when it starts.
 
-        That are the launch file and those that it includes, the setup.py files of its workspace,
+        These are the launch file and those that it includes, the setup.py files of its workspace,
         and the installed YAML files.
         """
         launch_files = {self.path, *(Path(file).resolve() for file in self._plan.files)}

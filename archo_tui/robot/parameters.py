@@ -222,11 +222,12 @@ class Parameters:
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
-        for name, value in zip(names, got.values if got is not None else (), strict=False):
-            self._take(node, name, as_python(value))
         if got is None:
             were = ", ".join(f"{name} was {before[name]}" for name in names)
-            return Outcome(Code.DONE, f"accepted, but {node} does not tell the value now; {were}")
+            unread = f"accepted, but {node} has not reported the new value"
+            return Outcome(Code.DONE, f"{unread}; {were}")
+        for name, value in zip(names, got.values, strict=False):
+            self._take(node, name, as_python(value))
         now = self._event_texts(node, values)
         text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
         return Outcome(Code.DONE, text)

@@ -20,7 +20,7 @@ from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.goal import remaining_text, running_word
-from archo_tui.words.state import MOVES_ON, elsewhere_text, fixed_width
+from archo_tui.words.state import STILL_MOVING, elsewhere_text, fixed_width
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
@@ -332,15 +332,15 @@ def activity(view: View) -> tuple[str, str]:
     """Return what the robot does, and how far it has to go, as `("MOVING to 12", "9.0 m left")`.
 
     A robot that is stopped is `✗ STOPPED`, `✗ STOP NOT CERTAIN` or, if it moves all the same,
-    `✗ MOVES ON`, whatever its goal. Without a goal both texts are "". For a robot without a STOP
-    service, `no STOP` follows the first text or takes its place.
+    `✗ STILL MOVING`, whatever its goal. Without a goal both texts are "". For a robot without a
+    STOP service, `no STOP` follows the first text or takes its place.
     """
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"
     if snapshot.latch is Latch.UNCERTAIN:
         return "✗ STOP NOT CERTAIN", ""
     if snapshot.is_at_rest:
-        return (MOVES_ON if snapshot.stop_not_obeyed else "✗ STOPPED"), ""
+        return (STILL_MOVING if snapshot.stop_not_obeyed else "✗ STOPPED"), ""
     if goal is None:
         return stop, ""
     does = running_word(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word

@@ -16,7 +16,7 @@ ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.
 BARS = "▁▂▃▄▅▆▇█"  # Of a curve in one line, the lowest first.
 Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
-MOVES_ON = "✗ MOVES ON"  # The state of a robot that reports a stop, and moves.
+STILL_MOVING = "✗ STILL MOVING"  # The state of a robot that reports a stop, and moves.
 
 
 def elsewhere_text(snapshot: Snapshot) -> str:
@@ -225,7 +225,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     if motion.is_old(now):
         return ((f"? silent, {age_text(now - motion.received)}", OLD),)
     if snapshot.says_stopped:
-        return ((MOVES_ON, BAD),) if snapshot.stop_not_obeyed else STOPPED
+        return ((STILL_MOVING, BAD),) if snapshot.stop_not_obeyed else STOPPED
     word = ("▶ MOVING" if motion.moving else "● IDLE", PLAIN)
     if motion.moving is None:
         word = ("? not reported", OLD)

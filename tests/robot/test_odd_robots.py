@@ -70,7 +70,7 @@ async def test_a_value_that_is_not_read_back_is_not_said_to_be_as_before(
 
         monkeypatch.setattr(it._services, "call", hangs)
         outcome = await ended(it.set_parameters("/unset", {"speed": 0.7}))
-        said = "accepted, but /unset does not tell the value now; speed was 0.5"
+        said = "accepted, but /unset has not reported the new value; speed was 0.5"
         assert outcome == (Code.DONE, said)
 
 

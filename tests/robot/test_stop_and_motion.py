@@ -117,7 +117,7 @@ async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm()
         assert word(it) == "✗ STOPPED"
         wheels[0].moving = True
         await until(lambda: MOVES_AFTER_STOP in alarms(it))
-        await until(lambda: word(it) == "✗ MOVES ON")
+        await until(lambda: word(it) == "✗ STILL MOVING")
         wheels[0].stopped = False  # released
         await until(lambda: MOVES_AFTER_STOP not in alarms(it))
 

@@ -383,7 +383,7 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
 
 def test_the_header_of_a_robot_that_moves_on_does_not_say_stopped() -> None:
     stopped = STATES["motor stopped"]
-    for moves, word in ((False, "✗ STOPPED"), (True, "✗ MOVES ON")):
+    for moves, word in ((False, "✗ STOPPED"), (True, "✗ STILL MOVING")):
         snapshot = stopped._replace(stop_not_obeyed=moves)
         view = View(snapshot, NOW, NOW, 0.0, "embedded", "/", History())
         assert word in header(view, 120).plain
