@@ -62,7 +62,7 @@ class Door(Node):
         super().__init__("door", **options)
         described = ParameterDescriptor(description="of the gate")
         self.declare_parameter("api_key", "hunter2", described)
-        self.declare_parameter("pin", 4711)
+        self.declare_parameter("pin", 471135082)
         self.declare_parameter("key_bindings", "qwerty")
         self.add_on_set_parameters_callback(self.check)
 
@@ -77,7 +77,8 @@ async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) 
     make_folder(config_file("secret_names.txt"))
     config_file("secret_names.txt").write_text("pin\n")
     async with served(Door) as person:
-        person.type("set door api_key s3same\nset door pin 8432\nset door key_bindings dvorak\n")
+        person.type("set door api_key s3same\nset door pin 843237972\n")
+        person.type("set door key_bindings dvorak\n")
         await heard(person, "key_bindings is dvorak, was qwerty")
         assert "set door api_key ***: api_key is ***, was ***" in person.said
         person.type("set door api_key letmein\n")
@@ -97,7 +98,7 @@ async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) 
     with AnyReader([recording.folder]) as reader:
         recorded = b"".join(data for _, _, data in reader.messages()).decode(errors="replace")
     journal = journal_file().read_text()
-    for secret in ("s3same", "hunter2", "letmein", "8432", "4711"):
+    for secret in ("s3same", "hunter2", "letmein", "843237972", "471135082"):
         for where in (told, recorded, journal):
             assert secret not in where, secret
     for where in (told, recorded, journal):
