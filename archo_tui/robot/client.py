@@ -68,6 +68,7 @@ from archo_tui.robot.state import (
     TypedField,
 )
 from archo_tui.robot.stop_verbs import StopVerbs
+from archo_tui.robot.stop_watcher import StopWatcher
 from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.telemetry import Telemetry
@@ -156,9 +157,11 @@ class Robot:
             node,
             clock,
             self._services,
-            lambda is_new_phase: self._goal_watcher.on_change(is_new_phase),
+            self._on_goal_change,
             self._reporter.note,
             self._goal_ended,
+            lambda: self._graph.consoles,
+            frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
             watching,
         )
         self._parameters = Parameters(
@@ -182,8 +185,9 @@ class Robot:
             self._graph,
             self._interface_checks,
             lambda: self.unended_nodes(),
-            self._snapshots.send,
+            self._on_stop_change,
             self._reporter.report_stop_result,
+            self._reporter.warn,
         )
         lifecycles = self._lifecycles = Lifecycles(
             node,
@@ -237,9 +241,19 @@ class Robot:
             self._goals,
             self._graph,
             self._parameters,
+            self._telemetry,
+            self._snapshots,
+        )
+        self._stop_watcher = StopWatcher(
+            node,
+            steady,
+            clock,
+            self._goals,
             self._stopping,
             self._telemetry,
             self._snapshots,
+            lambda: self._thread,
+            self._reporter.report_cancel_of_others,
         )
         goal_guard = GoalGuard(
             file, self._graph, self._stopping, self._telemetry, lambda: self._poller.faults
@@ -611,8 +625,14 @@ class Robot:
         self._earlier_log.report_if_due()
         self._poller.poll_if_due()
         self._handlers.forget_clocks()
-        if self._stopping.must_repeat and self._telemetry.is_robot_heard():
-            self._thread.submit(self._stopping.send_again)
+
+    def _on_stop_change(self) -> None:
+        self._stop_watcher.begin()
+        self._snapshots.send()
+
+    def _on_goal_change(self, is_new_phase: bool) -> None:
+        self._stop_watcher.begin()
+        self._goal_watcher.on_change(is_new_phase)
 
     def _on_answer(self, turn: int) -> None:
         """Send STOP again if the robot may have obeyed an answered request after the STOP.
@@ -676,7 +696,7 @@ class Robot:
             released=self._stopping.latch.released,
             stop_held_by_nobody=self._stopping.is_held_by_nobody,
             stop_not_obeyed=self._stopping.latch.is_not_obeyed,
-            still_running_after_stop=self._goal_watcher.still_running,
+            still_running_after_stop=self._stop_watcher.still_running,
             namespace=self._graph.namespace,
             faults=self._poller.faults,
             publishers=self._graph.publishers,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 from action_msgs.srv import CancelGoal
@@ -36,12 +37,13 @@ class GoalCanceller:
         """
         self._node, self._clock, self._services, self._note = node, clock, pending, note
 
-    async def cancel(self, tracked: TrackedGoal) -> Outcome:
+    async def cancel(self, tracked: TrackedGoal, *, is_shown: bool = True) -> Outcome:
         """Request the cancel of a goal, and wait up to DEADLINE for the answer.
 
         The goal is CANCELLING from the request on. If the server rejects the cancel or does not
         answer in time, the goal's former phase returns; after a rejection its result is requested,
-        as the server may not know the goal. A rejection that comes later becomes an event.
+        as the server may not know the goal. A rejection that comes later becomes an event. With
+        `is_shown` False the phase stays as it is.
 
         Returns:
             ACCEPTED, REFUSED or TIMEOUT; REFUSED at once if the goal has no handle: it has ended,
@@ -50,7 +52,8 @@ class GoalCanceller:
         if tracked.handle is None:
             return Outcome(Code.REFUSED, "the goal has ended")
         before = tracked.goal.phase
-        tracked.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
+        if is_shown:
+            tracked.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         future = tracked.handle.cancel_goal_async()
         services.require_all_answers(
             future, tracked.action.servers, lambda a: len(a.goals_canceling) > 0
@@ -58,7 +61,7 @@ class GoalCanceller:
         answer = await self._in_time(future)
         if answer is not None and len(answer.goals_canceling):
             return Outcome(Code.ACCEPTED, "accepted")
-        if tracked.goal.phase == Phase.CANCELLING:
+        if is_shown and tracked.goal.phase == Phase.CANCELLING:
             tracked.update(phase=before, cancel_asked=None)
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer to the cancel in {services.DEADLINE:g} s")
@@ -71,8 +74,8 @@ class GoalCanceller:
         )
 
     def begin_cancel(self, tracked: TrackedGoal) -> None:
-        """Request the cancel of a goal without waiting for the answer, whose outcome is dropped."""
-        self._task(self.cancel, tracked)
+        """Request the cancel of a goal that nobody asked for: no phase and no outcome tells it."""
+        self._task(partial(self.cancel, tracked, is_shown=False))
 
     async def cancel_at_acceptance(self, tracked: TrackedGoal) -> Outcome:
         """Wait until a sent goal is accepted and cancelled, and return the outcome of that cancel.
@@ -128,19 +131,14 @@ class GoalCanceller:
         while True:
             for name in (*others, *(action.name for action in actions() if action.is_served)):
                 if name not in asked:
-                    asked[name] = self._task(self._cancel_every, name)
+                    asked[name] = self._task(self._cancel_goals_of, name)
             is_found = all(action.is_served for action in actions())
             if is_found or self._clock.monotonic() >= until:
                 break
             await self._services.pause(FIND_PERIOD)
         if not asked:
             return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
-        taken, silent = 0, []
-        for name, task in asked.items():
-            cancelling, is_answered = await task
-            taken += cancelling
-            if not is_answered:
-                silent.append(name)
+        taken, silent = await self._gather(asked)
         if silent:
             waited = f"{services.DEADLINE:g} s"
             return Outcome(
@@ -148,16 +146,39 @@ class GoalCanceller:
             )
         if not taken:
             return Outcome(Code.REFUSED, "none was cancelled")
-        return Outcome(Code.ACCEPTED, f"cancelling {taken} {'goal' if taken == 1 else 'goals'}")
+        return Outcome(
+            Code.ACCEPTED, f"cancelling {len(taken)} {'goal' if len(taken) == 1 else 'goals'}"
+        )
 
-    async def _cancel_every(self, action: str) -> tuple[int, bool]:
+    async def cancel_every(self, actions: Iterable[str]) -> tuple[set[bytes], list[str]]:
+        """Request actions, by full name, to cancel all their goals, whoever sent them.
+
+        Returns:
+            The ids of the goals that are cancelled, and the actions that did not all answer.
+        """
+        return await self._gather(
+            {name: self._task(self._cancel_goals_of, name) for name in actions}
+        )
+
+    @staticmethod
+    async def _gather(asked: Mapping[str, Any]) -> tuple[set[bytes], list[str]]:
+        ids: set[bytes] = set()
+        silent = []
+        for name, task in asked.items():
+            cancelling, is_answered = await task
+            ids |= cancelling
+            if not is_answered:
+                silent.append(name)
+        return ids, silent
+
+    async def _cancel_goals_of(self, action: str) -> tuple[set[bytes], bool]:
         """Request an action to cancel all its goals, and wait up to DEADLINE for its servers.
 
         Args:
             action: The full name of the action.
 
         Returns:
-            The number of goals that it cancels, and True if all its servers have answered.
+            The ids of the goals that it cancels, and True if all its servers have answered.
         """
         name = f"{action}/_action/cancel_goal"
         servers = max(self._node.count_services(name), 1)
@@ -168,7 +189,8 @@ class GoalCanceller:
             servers,
             services.DEADLINE,
         )
-        return sum(len(answer.goals_canceling) for answer in answers), len(answers) >= servers
+        ids = {bytes(g.goal_id.uuid) for answer in answers for g in answer.goals_canceling}
+        return ids, len(answers) >= servers
 
     async def _in_time(self, future: Any) -> Any:
         """Return the answer to a cancel; None after DEADLINE.

@@ -12,6 +12,7 @@ from archo_tui.clock import Clock
 from archo_tui.robot.goal_action import GoalAction
 from archo_tui.robot.goal_canceller import GoalCanceller
 from archo_tui.robot.goal_register import GoalRegister
+from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robot.tracked_goal import ENDS, NOBODY_SERVES, TrackedGoal
 
@@ -46,6 +47,7 @@ class GoalFinder:
         self,
         node: Node,
         clock: Clock,
+        pending: Services,
         register: GoalRegister,
         canceller: GoalCanceller,
         note: Callable[[str, str], None],
@@ -56,6 +58,7 @@ class GoalFinder:
         Args:
             node: The console's node.
             clock: The clock of all times.
+            pending: Numbers what happens in its order.
             register: The goals that are tracked; found ones are added.
             canceller: Cancels a goal of this console whose feedback shows that it was accepted
                 after a STOP or a cancel.
@@ -63,7 +66,8 @@ class GoalFinder:
             watching: True for a console that sends nothing.
         """
         self._node, self._clock, self._register = node, clock, register
-        self._canceller, self._note, self._watching = canceller, note, watching
+        self._services, self._canceller = pending, canceller
+        self._note, self._watching = note, watching
 
     def on_status(self, action: GoalAction, message: Any) -> None:
         """Update the goals of an action by a status message, and track those that others sent.
@@ -141,8 +145,9 @@ class GoalFinder:
             is_found=lost is not None or not is_new,
         )
         tracked = self._register.prepare(goal, goal_id, action)
+        tracked.turn = self._services.next_turn()
         if lost is not None:  # A STOP since then is meant for it, too.
-            tracked.tracked_since, tracked.gate = lost.goal.sent, lost.gate
+            tracked.turn, tracked.gate = lost.turn, lost.gate
         self._register.add(tracked)
         if not self._watching:
             tracked.assume_accepted()

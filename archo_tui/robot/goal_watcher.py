@@ -1,4 +1,4 @@
-"""The check of the goals that run: their silence, their lengths, and a STOP that they ignore."""
+"""The check of the goals that run: their silence, and the lengths of their ways."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import linked_number
-from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.tracked_goal import FARTHEST
 from archo_tui.robot_file.model import GoalKind, ParameterRef
@@ -20,12 +19,7 @@ WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.
 
 
 class GoalWatcher:
-    """The check of the goals that run, five times a second while any does. ROS thread only.
-
-    Attributes:
-        still_running: The names of the running goals that began before a confirmed STOP, and should
-            have ended by now.
-    """
+    """The check of the goals that run, five times a second while any does. ROS thread only."""
 
     def __init__(
         self,
@@ -35,7 +29,6 @@ class GoalWatcher:
         goals: Goals,
         graph: Graph,
         parameters: Parameters,
-        stopping: Stopping,
         telemetry: Telemetry,
         snapshots: SnapshotSender,
     ) -> None:
@@ -48,13 +41,11 @@ class GoalWatcher:
             goals: The goals.
             graph: Tells the robot's namespace.
             parameters: Hold lengths of ways that the robot file refers to.
-            stopping: Tells since when a STOP must be obeyed.
             telemetry: Tells the last motion.
             snapshots: Sends a snapshot when something has changed.
         """
         self._clock, self._goals, self._graph, self._parameters = clock, goals, graph, parameters
-        self._stopping, self._telemetry, self._snapshots = stopping, telemetry, snapshots
-        self.still_running: tuple[str, ...] = ()
+        self._telemetry, self._snapshots = telemetry, snapshots
         self._timer = node.create_timer(WATCH_PERIOD, self.check, clock=timer_clock)
         self._timer.cancel()
 
@@ -76,24 +67,13 @@ class GoalWatcher:
         """Check the goals that run; stop the timer if none does.
 
         Lengths of ways are set where they became known. Silent goals become LOST, and goals without
-        a server GONE. One second after a STOP was confirmed, goals from before it become
-        `still_running`, and those of this console are cancelled.
+        a server GONE.
         """
         if not self._goals.running:
             self._timer.cancel()
-            self._set_still_running(())
             return
-        now = self._clock.monotonic()
         self._goals.update_lengths(self.way_length)
-        self._goals.check(now, self._telemetry.motion)
-        stopped = self._stopping.obeyed_stop_time
-        if stopped is not None:
-            self._set_still_running(self._goals.cancel_older(stopped))
-
-    def _set_still_running(self, names: tuple[str, ...]) -> None:
-        if names != self.still_running:
-            self.still_running = names
-            self._snapshots.send_soon()
+        self._goals.check(self._clock.monotonic(), self._telemetry.motion)
 
     def way_length(self, kind: GoalKind) -> float | None:
         """Return the length of the whole way for a kind of goal, by the robot file.

@@ -5,9 +5,8 @@ Their states come from the actions alone: from status, feedback and result.
 
 from __future__ import annotations
 
-import uuid
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from rclpy.task import Future
@@ -16,6 +15,7 @@ from unique_identifier_msgs.msg import UUID
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import messages, services
+from archo_tui.robot.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goal_action import GoalAction
 from archo_tui.robot.goal_canceller import FIND_PERIOD, GoalCanceller
 from archo_tui.robot.goal_finder import GoalFinder
@@ -48,6 +48,8 @@ class Goals:
         on_change: Callable[[bool], None],
         note: Callable[[str, str], None],
         on_end: Callable[[Goal, str], None],
+        consoles: Callable[[], Collection[str]],
+        exempt: Collection[str],
         watching: bool = False,
     ) -> None:
         """Create the table, without goals and actions.
@@ -60,16 +62,20 @@ class Goals:
             note: Called with level and text of an event that no verb reports any more.
             on_end: Called with a goal that has ended, whoever sent it, and a text about its end;
                 not for a refusal that came in time.
+            consoles: Returns the names of the other consoles.
+            exempt: The actions whose goals no STOP cancels, as the robot file names them.
             watching: True for a console that sends nothing.
         """
         self._node, self._clock, self._services = node, clock, pending
         self._note, self._watching = note, watching
+        self._consoles, self._exempt = consoles, exempt
+        self._console = author(node.get_name())
         self._actions: dict[tuple[str, str], GoalAction] = {}  # By name and type.
         self._coming: list[TrackedGoal] = []  # Of this console, about to be sent.
         self._refusals: deque[str] = deque(maxlen=5)  # Reasons in the log.
         self._register = register = GoalRegister(clock, on_change, on_end)
         self._canceller = canceller = GoalCanceller(node, clock, pending, note)
-        self._finder = GoalFinder(node, clock, register, canceller, note, watching)
+        self._finder = GoalFinder(node, clock, pending, register, canceller, note, watching)
         self.sending_has_ended = False
         self._pause = Pause()
 
@@ -139,7 +145,7 @@ class Goals:
         if action.type is None:
             return Outcome(Code.REFUSED, mismatch.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
-        tracked = self._register.prepare(goal, uuid.uuid4().bytes, action)
+        tracked = self._register.prepare(goal, new_goal_id(self._console), action)
         tracked.gate = gate
         self._coming.append(tracked)  # From here on a cancel finds it.
         try:
@@ -179,7 +185,7 @@ class Goals:
         tracked.goal = tracked.goal._replace(
             sent=now, time=time, number=self._register.next_number()
         )
-        tracked.tracked_since = now
+        tracked.turn = self._services.next_turn()
         self._refusals.clear()
         self._register.add(tracked)
         answered: Future[bool] = Future(executor=self._node.executor)
@@ -274,22 +280,28 @@ class Goals:
             return await self._canceller.cancel_at_acceptance(tracked)
         return await self._canceller.cancel(tracked)
 
-    async def cancel_all(self, others: Iterable[str] = (), until: float = 0.0) -> Outcome:
+    async def cancel_all(
+        self, others: Iterable[str] = (), until: float = 0.0, *, for_stop: bool = False
+    ) -> Outcome:
         """Request every tracked action to cancel all its goals, whoever sent them.
 
         Args:
             others: The full names of further actions, whose servers are not waited for.
             until: The monotonic time in seconds until which missing servers of tracked actions are
                 waited for.
+            for_stop: True to leave actions alone that the robot file exempts.
 
         Returns:
             The outcome, as of `GoalCanceller.cancel_all`.
         """
+        left_out = self._exempt if for_stop else ()
+        full = {str(self._node.resolve_service_name(name)) for name in left_out}
 
         def known() -> list[GoalAction]:
-            return [action for action in self._actions.values() if action.type is not None]
+            actions = self._actions.values()
+            return [a for a in actions if a.type is not None and a.name not in full]
 
-        return await self._canceller.cancel_all(known, others, until)
+        return await self._canceller.cancel_all(known, {*others} - full, until)
 
     def update_lengths(self, length_of: Callable[[GoalKind], float | None]) -> None:
         """Set the lengths of ways of running goals that had none, or a guessed one.
@@ -312,27 +324,49 @@ class Goals:
         """
         self._refusals.append(reason)
 
-    def cancel_older(self, sent: float) -> tuple[str, ...]:
-        """Cancel the goals of this console that are tracked since before `sent`; return all names.
+    def cancel_from_before(self, turn: int, *, mine: bool) -> None:
+        """Cancel the running goals from before a STOP, each again after DEADLINE, until they end.
 
-        Call this repeatedly: each goal is cancelled again after DEADLINE, until it ends.
+        No phase changes by that. Actions that the robot file exempts are left alone.
 
         Args:
-            sent: When a STOP left, in monotonic seconds.
-
-        Returns:
-            The names of all running goals that are tracked since before that, also of those of
-            other clients, which are not cancelled.
+            turn: The turn of the STOP.
+            mine: True for the goals of this console, False for those of other clients.
         """
-        older = [
-            tracked for tracked in self._register.running.values() if tracked.tracked_since < sent
-        ]
         now = self._clock.monotonic()
-        for tracked in older:
-            if tracked.goal.mine and now - tracked.tried_to_cancel > services.DEADLINE:
+        for tracked in self._from_before(turn):
+            is_due = now - tracked.tried_to_cancel > services.DEADLINE
+            if tracked.goal.mine is mine and is_due and self._stop_cancels(tracked.action):
                 tracked.tried_to_cancel = now
                 self._canceller.begin_cancel(tracked)
-        return tuple(tracked.goal.name for tracked in older)
+
+    def names_from_before(self, turn: int) -> tuple[str, ...]:
+        """Return the names of all running goals that are tracked since before a STOP's turn."""
+        return tuple(tracked.goal.name for tracked in self._from_before(turn))
+
+    def _from_before(self, turn: int) -> list[TrackedGoal]:
+        return [goal for goal in self._register.running.values() if goal.turn < turn]
+
+    def _stop_cancels(self, action: GoalAction) -> bool:
+        return action.kind.action not in self._exempt
+
+    async def cancel_others(self) -> Outcome:
+        """Cancel every goal of the tracked actions, whoever sent it, but exempt ones.
+
+        The text of the outcome counts the goals of others by their ids.
+        """
+        ours = {id_ for id_, tracked in self._register.running.items() if tracked.goal.mine}
+        for tracked in self._register.running.values():
+            tracked.tried_to_cancel = self._clock.monotonic()
+        names = [a.name for a in self._actions.values() if a.is_served and self._stop_cancels(a)]
+        cancelled, silent = await self._canceller.cancel_every(names)
+        others = cancelled - ours
+        text = goals_of_others(others, self._consoles())
+        if silent:
+            text += f"; no answer to the cancel in {services.DEADLINE:g} s: {', '.join(silent)}"
+        if not others:
+            return Outcome(Code.TIMEOUT if silent else Code.REFUSED, text)
+        return Outcome(Code.ACCEPTED, text)
 
     def forget_periods(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
         """Measure the period of each running goal's feedback again: a parameter has changed.

@@ -80,7 +80,9 @@ class StopVerbs:
         """Cancel every goal of every action, for a robot without STOP, and report it."""
 
         async def cancel(_: Gate) -> Outcome:
-            outcome = await self._goals.cancel_all(self._graph.actions, self._begun + FIRST_FOUND)
+            outcome = await self._goals.cancel_all(
+                self._graph.actions, self._begun + FIRST_FOUND, for_stop=True
+            )
             reason = f"{self._file.name} {NO_STOP}"
             return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
 
@@ -142,7 +144,7 @@ class StopVerbs:
 
         async def call(gate: Gate) -> Outcome:
             gate()
-            self._stopping.close()
+            self._stopping.give_up()
             return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)

@@ -57,8 +57,8 @@ class TrackedGoal:
         action: The action and its client.
         handle: The rclpy client's handle, with which the goal can be cancelled; None before the
             server accepted the goal or is assumed to have, and after the end.
-        tracked_since: When tracking began, in monotonic seconds: for a goal of this console when it
-            was sent, also if it was lost meanwhile, for another one when it was found.
+        turn: The turn in which tracking began, see `Services.next_turn`: for a goal of this console
+            when it was sent, also if it was lost meanwhile, for another one when it was found.
         tried_to_cancel: When the console last tried to cancel the goal without being asked, in
             monotonic seconds; 0 if never.
         gate: The last check that the goal passed as it was sent from here; None if others sent it.
@@ -88,7 +88,7 @@ class TrackedGoal:
         self.goal, self.id, self.action = goal, goal_id, action
         self._clock, self._on_change = clock, on_change
         self.handle: Any = None
-        self.tracked_since = clock.monotonic()
+        self.turn = 0
         self.tried_to_cancel = 0.0
         self.gate: Gate | None = None
         self.is_cancelled = False

@@ -208,6 +208,9 @@ class GoalKind:
     refusals: Annotated[
         str, "log lines of the action's node that begin so hold the reason of a refusal"
     ] = ""
+    stop_cancels: Annotated[
+        bool, "false: a STOP does not cancel its goals, since a cancel sets the robot in motion"
+    ] = True
     where: str = _where()
 
 

@@ -85,6 +85,8 @@ def goal_line(
         longer = f"{rest} {time_factor_text(snapshot)}".rstrip()
         # A factor that is cut would be another number; in full it stands beside the speed.
         rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
+    if goal.is_running and not goal.kind.stop_cancels:
+        rest += "   STOP does not cancel it"
     if goal.is_running and snapshot.running > 1:
         rest += f"   +{snapshot.running - 1} more"
     has_room = width is None or _WORD_WIDTH + 1 + len(rest) <= width

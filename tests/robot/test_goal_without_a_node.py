@@ -98,7 +98,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         goal: Any = it.snapshot.goal
         assert (goal.phase, goal.word, goal.message) == (Phase.GONE, "LOST", LOST)
         assert goal.outcome_at(seconds()) == Outcome(Code.TIMEOUT, f"goal lost: {LOST}")
-        stop = seconds()
+        stop = it._services.next_turn()
         it.stops.register()
         back = Server(context=made[0].context)
         executor.create_task(executor.add_node, back)
@@ -106,7 +106,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         await until(lambda: it.snapshot.running_goal)
         goal = it.snapshot.running_goal
         assert (goal.name, goal.mine) == ("shelf 3", True)
-        assert it._goals._register.ours.tracked_since < stop  # A STOP since then ends it.
+        assert it._goals._register.ours.turn < stop  # A STOP since then ends it.
         assert it._goals._register.ours.cancel_began  # Also one that was never confirmed.
         again = "shelf 3 was not lost: its node is heard again"
         await until(lambda: any(event.text == again for event in it.snapshot.events))

@@ -1,0 +1,299 @@
+"""A STOP that is refused, hangs, or has gone: the goals are cancelled all the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from action_msgs.srv import CancelGoal
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Empty
+
+from archo_tui.robot.consoles import author, goals_of_others
+from archo_tui.robot.state import Phase
+from archo_tui.robot_file.load import default_path
+from archo_tui.words.goal import goal_line
+from tests.support import clock
+from tests.support.archo import go
+from tests.support.quiet import ended, until
+from tests.support.robot import making, robot
+from tests.support.ros import begin
+
+LATE = "yes, after 5 s"
+
+
+class Driver(Node):
+    """Drives until it is cancelled; serves a STOP that says yes, no, or nothing, and is heard."""
+
+    def __init__(
+        self, says: str = "", *, moves: bool | None = False, heeds: bool = True, **options: Any
+    ) -> None:
+        super().__init__("driver", **options)
+        self.says, self.moves, self.heeds = says, moves, heeds
+        self.stops: list[float] = []
+        self.cancelled: list[float] = []
+        self.never: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        if says:
+            self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, self.report, callback_group=group)
+        self.action = ActionServer(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            self.drive,
+            callback_group=group,
+            cancel_callback=self.cancel,
+        )
+
+    def report(self) -> None:
+        if self.moves is not None:
+            self.motion.publish(MotorStatus(moving=self.moves))
+
+    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        self.stops.append(clock.seconds())
+        if self.says == "nothing":
+            await self.never
+        if self.says == LATE:
+            await self.sleep(5.0)
+        response.success, response.message = self.says != "no", self.says
+        return response
+
+    async def sleep(self, seconds: float) -> None:
+        over: Future[bool] = Future(executor=self.executor)
+        timer = self.create_timer(seconds, lambda: over.set_result(True))
+        await over
+        self.destroy_timer(timer)
+
+    def cancel(self, _: Any) -> CancelResponse:
+        self.cancelled.append(clock.seconds())
+        return CancelResponse.ACCEPT if self.heeds else CancelResponse.REJECT
+
+    async def drive(self, goal: Any) -> MoveToShelf.Result:
+        while not goal.is_cancel_requested:
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
+            await self.sleep(0.1)
+        goal.canceled()
+        return MoveToShelf.Result(final_message="called back")
+
+
+class SecondStop(Node):
+    """Serves STOP, too, and says yes at once."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("second_stop", **options)
+        self.create_service(EmergencyStop, "emergency_stop", self.stop)
+
+    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        response.success = True
+        return response
+
+
+class Other(Node):
+    """Another client, which sends goals of its own."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("other", **options)
+        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
+
+    def go(self, goals: int = 1) -> None:
+        for shelf in range(goals):
+            self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf + 1))
+
+
+def texts(it: Any) -> list[str]:
+    return [event.text for event in it.snapshot.events]
+
+
+async def pass_time(seconds: float) -> None:
+    later = clock.seconds() + seconds
+    await until(lambda: clock.seconds() > later)
+
+
+@pytest.mark.parametrize("says", ["no", "nothing", LATE, ""])
+async def test_a_goal_is_cancelled_whatever_the_stop_answers(says: str) -> None:
+    made: list[Driver] = []
+    more = [SecondStop] if says == LATE else []
+    async with robot(making(made, Driver, says), *more) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        sent = clock.seconds()
+        stop = it.emergency_stop()
+        assert not (await ended(stop)).ok
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase is Phase.CANCELLED)
+        assert made[0].cancelled[0] - sent < 1.0
+        made[0].never.set_result(True)
+
+
+async def test_a_stop_does_not_cancel_a_goal_that_the_robot_ends_by_itself() -> None:
+    class Aborts(Driver):
+        async def drive(self, goal: Any) -> MoveToShelf.Result:
+            while not self.stops:
+                await self.sleep(0.05)
+            goal.abort()
+            return MoveToShelf.Result(final_message="stopped")
+
+    made: list[Aborts] = []
+    async with robot(making(made, Aborts, "yes")) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        assert (await ended(it.emergency_stop())).ok
+        await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
+        await pass_time(3.0)
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.phase is Phase.ABORTED
+        assert made[0].cancelled == []
+
+
+async def test_the_cancel_of_a_stop_changes_no_phase() -> None:
+    made: list[Driver] = []
+    seen = set()
+    maker = making(made, lambda **options: Driver("no", heeds=False, **options))
+    async with robot(maker) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        assert not (await ended(it.emergency_stop())).ok
+
+        def is_asked_again() -> bool:
+            assert it.snapshot.goal is not None
+            seen.add(it.snapshot.goal.phase)
+            return len(made[0].cancelled) >= 3
+
+        await until(is_asked_again)
+        assert seen == {Phase.MOVING}
+
+
+async def test_an_action_whose_cancel_moves_the_robot_is_exempt(tmp_path: Path) -> None:
+    made: list[Driver] = []
+    file = tmp_path / "exempt.yaml"
+    text = default_path().read_text()
+    file.write_text(
+        text.replace("action: move_to_shelf\n", "action: move_to_shelf\n    stop_cancels: false\n")
+    )
+    async with robot(making(made, Driver, "no"), robot=file) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        kind = it.file.goals[0]
+        assert not kind.stop_cancels
+        assert (await ended(it.send(kind, {"shelf_number": 3}))).ok
+        assert not (await ended(it.emergency_stop())).ok
+        await pass_time(4.0)
+        assert made[0].cancelled == []
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.is_running
+        line = "".join(text for text, _ in goal_line(it.snapshot, clock.seconds(), ""))
+        assert "STOP does not cancel it" in line
+
+
+@pytest.mark.parametrize("says", ["no", "nothing", ""])
+async def test_goals_of_other_clients_are_cancelled_a_second_after_a_stop_without_a_yes(
+    says: str,
+) -> None:
+    made: list[Driver] = []
+    others: list[Other] = []
+    async with robot(making(made, Driver, says), making(others, Other)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        begin(others[0], others[0].go, 3)
+        await until(lambda: it.snapshot.running == 3)
+        sent = clock.seconds()
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: it.snapshot.running == 0)
+        assert 0.9 < made[0].cancelled[0] - sent < 1.5
+        said = "STOP is not confirmed: cancelling 3 goals of other clients"
+        await until(lambda: said in texts(it))
+        await pass_time(3.0)
+        assert sum("goals of other clients" in text for text in texts(it)) == 1
+        made[0].never.set_result(True)
+
+
+async def test_the_goals_of_another_console_are_known_by_its_name() -> None:
+    made: list[Driver] = []
+    async with robot(making(made, Driver)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        (ours,) = it._goals._register.running
+        name = author(it._node.get_name())
+        others = [bytes(16), bytes([1] * 16)]
+        said = f"cancelling 1 goal of console {name}, 2 goals of other clients"
+        assert goals_of_others([ours, *others], [name, "anna_lab_7"]) == said
+        assert goals_of_others(others[:1], []) == "cancelling 1 goal of another client"
+        assert goals_of_others([], [name]) == "no goal of another client was cancelled"
+
+
+async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> None:
+    made: list[Driver] = []
+    others: list[Other] = []
+    async with robot(making(made, Driver, "yes"), making(others, Other)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 1)
+        assert (await ended(it.emergency_stop())).ok
+        await pass_time(3.0)
+        assert made[0].cancelled == []
+        assert it.snapshot.still_running_after_stop == ("another client's goal",)
+
+
+async def test_a_goal_that_another_client_sent_behind_the_stop_is_not_cancelled_again() -> None:
+    made: list[Driver] = []
+    others: list[Other] = []
+    maker = making(made, lambda **options: Driver("no", heeds=False, **options))
+    async with robot(maker, making(others, Other)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 1)
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: made[0].cancelled)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 2)
+        await until(lambda: len(made[0].cancelled) >= 3)
+        ids = {tracked.id for tracked in it._goals._register.running.values()}
+        assert len(ids) == 2
+
+
+@pytest.mark.parametrize("moves", [True, False])
+async def test_a_stop_that_cannot_say_yes_is_judged_by_the_motion(moves: bool) -> None:
+    class Plain(Driver):
+        def __init__(self, **options: Any) -> None:
+            super().__init__(moves=moves, **options)
+            self.create_service(Empty, "emergency_stop", self.halt)
+            self.create_service(CancelGoal, "other/_action/cancel_goal", self.cancel_other)
+
+        def halt(self, _: Any, response: Empty.Response) -> Empty.Response:
+            self.stops.append(clock.seconds())
+            return response
+
+        def cancel_other(self, _: Any, response: Any) -> Any:
+            return response
+
+    made: list[Plain] = []
+    async with robot(making(made, Plain)) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        await until(lambda: it.snapshot.motion.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        await pass_time(4.5)
+        asked = [text for text in texts(it) if text.startswith("STOP is not confirmed: ")]
+        assert len(asked) == int(moves)
+        assert (len(made[0].stops) > 2) == moves  # sent again only while it moves
+
+
+async def test_the_cancelling_for_a_stop_ends_when_it_is_given_up() -> None:
+    made: list[Driver] = []
+    others: list[Other] = []
+    maker = making(made, lambda **options: Driver("no", heeds=False, **options))
+    async with robot(maker, making(others, Other)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 1)
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: len(made[0].cancelled) >= 2)
+        assert (await ended(it.give_up_stop())).ok
+        before = len(made[0].cancelled)
+        await pass_time(5.0)
+        assert len(made[0].cancelled) <= before + 1  # one may have been on its way
