@@ -230,6 +230,8 @@ class RequestHandler:
             if not session.is_called_off:
                 result = {"id": number, "code": LOST, "text": GONE}
         finally:
+            if session.requester.waits and not session.is_assistant:
+                self._station.goals.take_out(session.requester)
             session.task, session.is_waiting = None, False
             client.reply(result)
             client.on_request_ended()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"
+# Of a list whose first goal ends so, no other goal is driven.
+_REFUSALS = (Code.REFUSED, Code.NOT_OFFERED, Code.MISUSE, Code.WATCHING)
 # Attempts to cancel the goal of a requester that has left. Each waits for its answer.
 _CANCEL_ATTEMPTS = 3
 
@@ -62,6 +65,7 @@ class GoalDriver:
         self._on_changed, self._on_ended = on_changed, on_ended
         self._snapshot = Snapshot()
         self._last_hold_reason = ""
+        self._list_numbers = itertools.count(1)
         # The goals that the robot accepted, each with the number of the newest goal before it.
         self._underway: list[tuple[QueuedGoal, int]] = []
 
@@ -130,6 +134,8 @@ class GoalDriver:
             answer.set_result(Outcome(Code.REFUSED, text))
             return answer
         stop_count, requester = self._robot.stops.count_when_typed, current_requester()
+        number = next(self._list_numbers)
+        goals = [g._replace(list_number=number, is_first=g is goals[0]) for g in goals]
         if requester is not YOU:
             goals = [goal._replace(requester=requester, end=loop.create_future()) for goal in goals]
             requester.ends += [goal.end for goal in goals if goal.end is not None]
@@ -201,9 +207,7 @@ class GoalDriver:
 
         If three attempts do not cancel the goal, an event says that it may still run.
         """
-        for goal in self.queue.remove_requested_by(requester):
-            _set_outcome(goal, Outcome(Code.CANCELLED, f"taken out of the queue: {goal.text}"))
-        self._on_changed()
+        self.take_out(requester)
         for _ in range(_CANCEL_ATTEMPTS):
             if not self._has_goal_underway(requester):
                 return
@@ -214,6 +218,26 @@ class GoalDriver:
         if self._has_goal_underway(requester):
             text = f"the goal of {requester.source}, which has left, may still run: {outcome.text}"
             self._robot.note("ERROR", "console", text)
+
+    def take_out(self, requester: Requester) -> None:
+        """Remove the goals of a requester from the queue, since nobody waits for them any more."""
+        self._leave_out(lambda goal: goal.requester is requester, "nobody waits for it any more")
+
+    def _leave_out(self, is_meant: Callable[[QueuedGoal], bool], reason: str) -> str:
+        """Remove goals from the queue, and write an event if there are any; return their texts."""
+        removed = self.queue.remove(is_meant)
+        texts = ", ".join(goal.text for goal in removed)
+        for goal in removed:
+            _set_outcome(goal, Outcome(Code.CANCELLED, f"taken out of the queue: {goal.text}"))
+        if removed:
+            self._robot.note("WARN", "console", f"left out of the queue: {texts} ({reason})")
+            self._on_changed()
+        return texts
+
+    @property
+    def staying(self) -> str:
+        """The goals that stay in the queue when the goal that runs is cancelled, in words."""
+        return ", ".join(goal.text for goal in self.queue.waiting if not goal.requester.waits)
 
     def _has_goal_underway(self, requester: Requester) -> bool:
         return any(goal.requester is requester for goal, _ in self._underway)
@@ -302,6 +326,12 @@ class GoalDriver:
         if outcome.code == Code.HELD:
             self.queue.put_back(goal)
         else:
+            if goal.is_first and outcome.code in _REFUSALS:
+                rest = self._leave_out(
+                    lambda other: other.list_number == goal.list_number, f"{goal.text} was refused"
+                )
+                if rest:
+                    outcome = outcome._replace(text=f"{outcome.text}; not driven either: {rest}")
             reasons = {Code.CANCELLED: "cancelled", Code.TIMEOUT: "no answer"}
             self.queue.on_answer(ok=outcome.ok, reason=reasons.get(outcome.code, "refused"))
             if outcome.ok:

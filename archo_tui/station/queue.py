@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asyncio import Future
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.robot.outcome import Outcome
@@ -27,6 +27,8 @@ class QueuedGoal(NamedTuple):
         requester: The person or program that requested it.
         end: A future, set to the goal's outcome when it has ended, or to HELD when the queue is
             held; None if nobody waits for that.
+        list_number: The number of the list of goals in which it was typed.
+        is_first: True if it is the first of its list, without which the others are not driven.
     """
 
     kind: GoalKind
@@ -34,6 +36,8 @@ class QueuedGoal(NamedTuple):
     stop_count: int = 0
     requester: Requester = YOU
     end: Future[Outcome] | None = None
+    list_number: int = 0
+    is_first: bool = False
 
     @property
     def text(self) -> str:
@@ -107,10 +111,10 @@ class GoalQueue:
         """Remove the next goal and return it; the queue must not be empty."""
         return self.waiting.pop(0)
 
-    def remove_requested_by(self, requester: Requester) -> list[QueuedGoal]:
-        """Remove the goals that `requester` requested and return them."""
-        removed = [goal for goal in self.waiting if goal.requester is requester]
-        self.waiting = [goal for goal in self.waiting if goal.requester is not requester]
+    def remove(self, is_meant: Callable[[QueuedGoal], bool]) -> list[QueuedGoal]:
+        """Remove the goals for which `is_meant` is true, and return them."""
+        removed = list(filter(is_meant, self.waiting))
+        self.waiting = [goal for goal in self.waiting if not is_meant(goal)]
         return removed
 
     def hold(self, reason: str) -> None:

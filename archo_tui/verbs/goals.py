@@ -195,6 +195,14 @@ class Cancel(Verb):
         return Question("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
 
     async def run(self, station: Station, values: Values) -> Outcome:
+        staying = station.goals.staying
+        outcome = await self._cancel(station, values)
+        if not (outcome.ok and staying):
+            return outcome
+        return outcome._replace(text=f"{outcome.text}; held in the queue: {staying}")
+
+    @staticmethod
+    async def _cancel(station: Station, values: Values) -> Outcome:
         if "--all" in values:
             return await station.robot.cancel_all()
         goal, now = values[RUNNING], station.running_goal

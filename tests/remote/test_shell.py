@@ -92,6 +92,18 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         assert (await typed("cancel")).code == 0
         assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
+        await until(lambda: not person._plain._station.queue.waiting)  # nobody waits for it now
+
+
+async def test_nothing_is_left_of_a_list_that_was_refused_behind_a_stop() -> None:
+    async with served(ros_args=FAST) as person:
+        assert (await typed("stop")).code == 0
+        refused = await typed("go", "3", "4", "--wait")
+        assert refused.code == 1
+        assert refused.err.endswith("not driven either: 4\n")
+        assert (await typed("release", "--yes")).code == 0
+        assert "no queue is held" in (await typed("continue")).err
+        assert not person._plain._station.queue.waiting
 
 
 async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
@@ -104,12 +116,14 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         waits = await typed("go", "3", "5", "--wait")
         assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")
         await heard(person, "Arrived at shelf 3")
+        await heard(person, "left out of the queue: 5 (nobody waits for it any more)")
+        assert [goal.text for goal in station.queue.waiting] == ["7"]
 
 
 async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
     async with served(ros_args=LONG) as person:
         assert (await typed("go", "12", "7")).code == 0
-        assert (await typed("cancel")).code == 0
+        assert (await typed("cancel")) == (0, "", "accepted; held in the queue: 7\n")
         await heard(person, "queue held: 7 (cancelled)")
         assert (await typed("go", "3")) == (0, "", "accepted\n")
         assert (await typed("go", "5")) == (0, "", "queued, held: cancelled\n")
