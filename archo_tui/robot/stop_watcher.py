@@ -1,4 +1,4 @@
-"""What follows a STOP: repeats, cancels of goals, and goals that run on. ROS thread only."""
+"""The check of what follows a STOP: repeats, cancels, goals that run on. ROS thread only."""
 
 from __future__ import annotations
 

@@ -364,6 +364,7 @@ class Stopping:
             return False
         answer = self.open.answer
         if answer == StopAnswer.NOT_SENT:
+            self._graph.recheck_service(self._stop.service)
             return self._stop.service in self._graph.offered
         if answer == StopAnswer.UNCONFIRMED and not moves:
             return False
@@ -384,12 +385,13 @@ class Stopping:
         return turn if self._clock.monotonic() - confirmed >= OBEYED else None
 
     async def _find_server(self, service: str) -> None:
-        """Wait until a server of STOP is found (rule 1): 2 s, or until 5 s after the start."""
-        now = self._clock.monotonic()
-        end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
-        while service not in self._graph.offered and self._clock.monotonic() < end:
-            await self._services.pause(_FIND_PERIOD)
+        """Look for a server of STOP (rule 1); in the first 5 s of the console, wait for one."""
+        end = self._begun + FIRST_FOUND
+        while service not in self._graph.offered:
             self._graph.recheck_service(service)
+            if service in self._graph.offered or self._clock.monotonic() >= end:
+                return
+            await self._services.pause(_FIND_PERIOD)
 
     async def _call(
         self, stop: model.StopServices, on_late_result: Callable[[StopResult], None]

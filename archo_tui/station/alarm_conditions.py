@@ -46,6 +46,9 @@ from archo_tui.station.alarms import (
 _Conditions = Iterator[tuple[str, str]]  # The name of an alarm whose condition holds, and its text.
 
 
+_ANSWER_TIME = 1.0  # Seconds that a STOP may take before it is an alarm.
+
+
 def conditions(
     snapshot: Snapshot,
     now: float,
@@ -96,8 +99,9 @@ def conditions(
 
 
 def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None) -> _Conditions:
-    if snapshot.open_stop is not None:
-        text = open_stop_texts(snapshot, snapshot.open_stop, now)[0]
+    stop = snapshot.open_stop
+    if stop is not None and (stop.answer != StopAnswer.AWAITED or now - stop.asked >= _ANSWER_TIME):
+        text = open_stop_texts(snapshot, stop, now)[0]
         yield STOP_UNCONFIRMED, f"{text}: use the hardware stop"
     if snapshot.latch is Latch.UNCERTAIN:
         remedy = f"{snapshot.latch_doubt}: stop again, or release it"
@@ -105,13 +109,13 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
             remedy = "every node that held it has ended here: release it"
         at = time_of_day(snapshot.latch_time)[:-3]
         yield STOP_UNCERTAIN, f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
-    stop = snapshot.file.stop
-    if stop is not None and stop.service in snapshot.duplicate_servers:
-        nodes = snapshot.duplicate_servers[stop.service]
+    served = snapshot.file.stop
+    if served is not None and served.service in snapshot.duplicate_servers:
+        nodes = snapshot.duplicate_servers[served.service]
         yield (
             SEVERAL_STOP_SERVERS,
-            f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
-            "by all of them; keep the hardware stop at hand",
+            f"{len(nodes)} NODES SERVE {served.service}: {', '.join(nodes)}: STOP must be "
+            "confirmed by all of them; keep the hardware stop at hand",
         )
     motion = snapshot.motion
     is_known = snapshot.released is not None or snapshot.is_stopped
@@ -143,7 +147,7 @@ def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
         return False
     if stop is None or stop.answer == StopAnswer.NOT_SENT:
         return snapshot.stop_not_obeyed
-    return bool(motion.moving) and motion.received - stop.asked >= 1.0
+    return bool(motion.moving) and motion.received - stop.asked >= _ANSWER_TIME
 
 
 def _console_conditions(journal_failure: str, recorder_trouble: str) -> _Conditions:

@@ -12,7 +12,7 @@ from textual.content import Content
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.requester import ASSISTANT
-from archo_tui.robot.state import Battery, Latch, Motion, Phase
+from archo_tui.robot.state import Battery, Latch, Motion, Phase, StopAnswer
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
 from archo_tui.station.view import View
@@ -332,11 +332,14 @@ def activity(view: View) -> tuple[str, str]:
     """Return what the robot does, and how far it has to go, as `("MOVING to 12", "9.0 m left")`.
 
     A robot that is stopped is `✗ STOPPED`, `✗ STOP NOT CERTAIN` or, if it moves all the same,
-    `✗ STILL MOVING`, whatever its goal. Without a goal both texts are "". For a robot without a
-    STOP service, `no STOP` follows the first text or takes its place.
+    `✗ STILL MOVING`, whatever its goal; before that an open STOP is told, as `✗ STOP REFUSED`.
+    Without a goal both texts are "". `no STOP` follows the first text, or takes its place, if no
+    STOP can be sent.
     """
     snapshot, goal = view.snapshot, view.snapshot.running_goal
-    stop = "" if snapshot.file.stop is not None else "no STOP"
+    stop = "" if snapshot.has_stop else "no STOP"
+    if snapshot.open_stop is not None and snapshot.open_stop.answer is not StopAnswer.AWAITED:
+        return f"✗ STOP {snapshot.open_stop.answer.value}", ""
     if snapshot.latch is Latch.UNCERTAIN:
         return "✗ STOP NOT CERTAIN", ""
     if snapshot.is_at_rest:

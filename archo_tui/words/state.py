@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from archo_tui.robot.state import GaugeReading, Latch, Snapshot
+from archo_tui.robot.state import GaugeReading, Latch, Snapshot, StopAnswer
 from archo_tui.station.alarm_conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
@@ -209,6 +209,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     motion, described = snapshot.motion, snapshot.file.motion
     if snapshot.open_stop is not None:
         texts = open_stop_texts(snapshot, snapshot.open_stop, now)
+        if snapshot.open_stop.answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
+            texts = (f"✗ STOP {snapshot.open_stop.answer.value}",)  # The banner says why.
         text = next((text for text in texts if len(text) <= width), texts[-1])
         return ((text[:width], BAD),)
     if snapshot.latch is Latch.UNCERTAIN:

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
@@ -14,6 +15,7 @@ from rclpy.task import Future
 
 from archo_tui.paths import journal_file
 from archo_tui.robot.stop_latch import OBEYED
+from archo_tui.robot.stopping import FIRST_FOUND
 from tests.support.clock import seconds
 from tests.support.console import FAST, click, console
 from tests.support.ros import begin
@@ -135,6 +137,30 @@ class DrivesOn(Node):
         await self.end
         goal.canceled()
         return MoveToShelf.Result(final_message="Cancelled at last")
+
+
+class NoStop(Node):
+    """Is heard, and serves no STOP."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("no_stop", **options)
+        motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, lambda: motion.publish(MotorStatus(moving=True)))
+
+
+async def test_a_stop_that_nobody_serves_is_said_before_it_is_pressed_and_at_once() -> None:
+    async with console(node_makers=[NoStop], wait=False) as op:
+        await op.until("● online")
+        assert "no STOP" in op.line(" ARCHO ")
+        await op.at(seconds() + FIRST_FOUND)
+        await op.press("ctrl+x")
+        await op.settle()
+        assert "✗ STOP NOT SENT" in op.line(" ARCHO ")
+        reason = "/emergency_stop is not offered by any node"
+        assert f"STOP NOT SENT ({reason}): use the hardware stop" in op.text
+        (said,) = (e for e in op.app.view.snapshot.events if e.level == "YOU")
+        assert said.text == f"STOP: {reason}: use the hardware stop"
+        assert op.text.count(reason) == 2  # in the banner and among the events
 
 
 async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told() -> None:

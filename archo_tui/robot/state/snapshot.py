@@ -112,6 +112,12 @@ class Snapshot(NamedTuple):
         return in_doubt or self.says_stopped or self.stop_holds
 
     @property
+    def has_stop(self) -> bool:
+        """True if a STOP can be sent, by the robot file and the nodes that were found so far."""
+        stop = self.file.stop
+        return stop is not None and not (self.nodes and self.unavailable(stop.service))
+
+    @property
     def stop_holds(self) -> bool:
         """True while the latch is HELD, for a robot that does not report whether it is stopped.
 
