@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from archo_tui.clock import Clock
 from archo_tui.plain.lines import MAX_LINE, TOO_LONG, LineSplitter, is_stop, shell_words
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 
 MAX_WAITING = 1024 * 1024  # Bytes of lines that wait to be carried out.
 _SHOWN = 40  # Bytes of a line that is not UTF-8 which its error quotes.

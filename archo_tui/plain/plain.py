@@ -4,7 +4,7 @@ Lines are carried out one after the other, by these rules:
 
 - STOP is no line: `Input` counts it as it is read, and `StopSender` sends it at once.
 - A line runs only after every STOP before it was answered (`_next_line`), and what it requests is
-  not sent if a STOP was read after it (`robot/stops.py`; `_carry_out` sets the line's count).
+  not sent if a STOP was read after it (`robot/stop/gate.py`; `_carry_out` sets the line's count).
 - `cancel` directly behind a line does not wait for that line's answer (`_carry_out`).
 - The end waits for each STOP, each slow line and the last goal (`_wait_for_the_end`).
 """
@@ -25,7 +25,7 @@ from archo_tui.plain.printer import Printer
 from archo_tui.plain.stop_sender import StopSender
 from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
-from archo_tui.robot.stops import NOT_SENT, Void
+from archo_tui.robot.stop.gate import NOT_SENT, Void
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.approval_requests import READING_TIME
 from archo_tui.station.queue import QueuedGoal

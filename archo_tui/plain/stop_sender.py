@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from archo_tui.plain.conditions import Conditions
 from archo_tui.plain.input import Input
-from archo_tui.robot.stops import RateLimit
+from archo_tui.robot.stop.gate import RateLimit
 from archo_tui.verbs.base import Verb
 
 if TYPE_CHECKING:

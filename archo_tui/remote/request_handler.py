@@ -19,7 +19,7 @@ from archo_tui.remote.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wai
 from archo_tui.robot import messages
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
-from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
+from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data, verbs

@@ -29,7 +29,7 @@ from typing import Any, Protocol
 from archo_tui.plain import lines
 from archo_tui.remote import socket_files
 from archo_tui.remote.protocol import NOT_MEANT, decode, encode, is_meant, is_stop, words_of
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 
 MAX_CLIENTS = 16  # Further clients may send STOP and nothing else.
 MAX_CONNECTIONS = 64  # Beyond them the oldest of those further clients is dropped.

@@ -20,7 +20,7 @@ from archo_tui.robot.state import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.station.view import View

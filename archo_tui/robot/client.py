@@ -67,10 +67,9 @@ from archo_tui.robot.state import (
     TopicView,
     TypedField,
 )
+from archo_tui.robot.stop.gate import Stops
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.stop_verbs import StopVerbs
-from archo_tui.robot.stop_watcher import StopWatcher
-from archo_tui.robot.stopping import Stopping
-from archo_tui.robot.stops import Stops
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.topic_follower import TopicFollower
@@ -177,17 +176,20 @@ class Robot:
         self._services.on_answered = self._on_answer
         if file.stop is not None:
             stops.set_service(file.stop, checks.full(file.stop.service))
-        self._stopping = Stopping(
+        self._stop = StopSender(
             node,
+            steady,
             file.stop,
             clock,
             self._services,
             self._graph,
-            self._interface_checks,
+            checks,
+            self._goals,
+            self._telemetry,
+            self._reporter,
+            self._snapshots,
+            lambda: self._thread,
             lambda: self.unended_nodes(),
-            self._on_stop_change,
-            self._reporter.report_stop_result,
-            self._reporter.warn,
         )
         lifecycles = self._lifecycles = Lifecycles(
             node,
@@ -207,7 +209,7 @@ class Robot:
             lifecycles,
             self._parameters,
             motion_publishers,
-            self._stopping.latch,
+            self._stop,
             self._unexplained_changes,
             self._reporter,
             self._snapshots,
@@ -222,7 +224,7 @@ class Robot:
             self._graph,
             self._goals,
             stops,
-            self._stopping,
+            self._stop,
             motion_publishers,
             self._unexplained_changes,
             self._reporter,
@@ -244,19 +246,8 @@ class Robot:
             self._telemetry,
             self._snapshots,
         )
-        self._stop_watcher = StopWatcher(
-            node,
-            steady,
-            clock,
-            self._goals,
-            self._stopping,
-            self._telemetry,
-            self._snapshots,
-            lambda: self._thread,
-            self._reporter.report_cancel_of_others,
-        )
         goal_guard = GoalGuard(
-            file, self._graph, self._stopping, self._telemetry, lambda: self._poller.faults
+            file, self._graph, self._stop, self._telemetry, lambda: self._poller.faults
         )
         for kind in file.goals:
             self._goals.track_action(kind)
@@ -274,7 +265,7 @@ class Robot:
             checks,
             self._goals,
             stops,
-            self._stopping,
+            self._stop,
         )
         self._goal_verbs = GoalVerbs(
             file,
@@ -285,7 +276,7 @@ class Robot:
             self._goals,
             goal_guard,
             self._goal_watcher,
-            self._stopping,
+            self._stop,
             lifecycles,
         )
         self._service_verbs = ServiceVerbs(clock, self._runner, caller, checks, self._reporter)
@@ -370,7 +361,7 @@ class Robot:
         Args:
             node: The full name of the node.
         """
-        self._thread.submit(lambda: self._stopping.latch.add_stopped_early(node))
+        self._thread.submit(lambda: self._stop.on_early_stop(node))
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
@@ -626,12 +617,8 @@ class Robot:
         self._poller.poll_if_due()
         self._handlers.forget_clocks()
 
-    def _on_stop_change(self) -> None:
-        self._stop_watcher.begin()
-        self._snapshots.send()
-
     def _on_goal_change(self, is_new_phase: bool) -> None:
-        self._stop_watcher.begin()
+        self._stop.begin_ticking()
         self._goal_watcher.on_change(is_new_phase)
 
     def _on_answer(self, turn: int) -> None:
@@ -640,8 +627,8 @@ class Robot:
         Args:
             turn: The number of the request in the order in which requests leave.
         """
-        if self._stopping.is_behind(turn):
-            self._thread.submit(self._stopping.send_after_late_answer)
+        if self._stop.stop.is_behind(turn):
+            self._thread.submit(self._stop.send_after_late_answer)
 
     def _forget_periods(self, node: str, old: object, new: object) -> None:
         """Measure the periods of topics and feedback again, because a parameter has changed.
@@ -689,14 +676,14 @@ class Robot:
             offered=self._graph.offered,
             events=self._reporter.log.all(),
             charge=self._telemetry.charge,
-            open_stop=self._stopping.open,
-            latch=self._stopping.latch.state,
-            latch_doubt=self._stopping.latch.doubt,
-            latch_time=self._stopping.latch.time,
-            released=self._stopping.latch.released,
-            stop_held_by_nobody=self._stopping.is_held_by_nobody,
-            stop_not_obeyed=self._stopping.latch.is_not_obeyed,
-            still_running_after_stop=self._stop_watcher.still_running,
+            open_stop=self._stop.stop.open,
+            latch=self._stop.stop.latch,
+            latch_doubt=self._stop.stop.doubt,
+            latch_time=self._stop.time,
+            released=self._stop.stop.released,
+            stop_held_by_nobody=self._stop.stop.is_held_by_nobody,
+            stop_not_obeyed=self._stop.stop.is_not_obeyed,
+            still_running_after_stop=self._stop.still_running,
             namespace=self._graph.namespace,
             faults=self._poller.faults,
             publishers=self._graph.publishers,

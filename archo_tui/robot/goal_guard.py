@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Latch, Snapshot
-from archo_tui.robot.stopping import Stopping
-from archo_tui.robot.stops import HELD, HOLDS, UNCERTAIN, UNCONFIRMED, Gate
+from archo_tui.robot.stop.gate import HELD, HOLDS, UNCERTAIN, UNCONFIRMED, Gate
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind, RobotFile
@@ -24,7 +24,7 @@ class GoalGuard:
         self,
         file: RobotFile,
         graph: Graph,
-        stopping: Stopping,
+        stop: StopSender,
         telemetry: Telemetry,
         faults: Callable[[], Mapping[str, str]],
     ) -> None:
@@ -33,11 +33,11 @@ class GoalGuard:
         Args:
             file: The robot file.
             graph: Tells which nodes serve an action.
-            stopping: The STOP that is open, and the last one that was confirmed.
+            stop: The STOP that is open, and the last one that was confirmed.
             telemetry: Tells whether the robot reports that it is stopped.
             faults: Returns why actions are not used, by their names in the robot file.
         """
-        self._file, self._graph, self._stopping = file, graph, stopping
+        self._file, self._graph, self._sender = file, graph, stop
         self._telemetry, self._faults = telemetry, faults
 
     def refusal(self, kind: GoalKind, gate: Gate, *, queued: bool) -> Outcome | None:
@@ -54,15 +54,15 @@ class GoalGuard:
         """
         stop_state = self._stop_state()
         if queued and (
-            self._stopping.open is not None or stop_state.says_stopped or stop_state.stop_holds
+            self._sender.stop.open is not None or stop_state.says_stopped or stop_state.stop_holds
         ):
             return Outcome(Code.HELD, HELD)
         # The STOP may not have reached the robot, and would not be sent again behind a goal.
-        if self._stopping.open is not None and not gate.is_shut:
+        if self._sender.stop.open is not None and not gate.is_shut:
             return Outcome(Code.REFUSED, UNCONFIRMED)
         # Its node may have been restarted since the last poll.
-        self._stopping.latch.check_holders()
-        if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:
+        self._sender.check_holders()
+        if self._sender.stop.latch is Latch.UNCERTAIN and not gate.is_shut:
             return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
         if stop_state.stop_holds and not gate.is_shut:
             return Outcome(Code.REFUSED, HOLDS)
@@ -77,6 +77,6 @@ class GoalGuard:
         return Snapshot(
             file=self._file,
             motion=self._telemetry.motion,
-            latch=self._stopping.latch.state,
-            released=self._stopping.latch.released,
+            latch=self._sender.stop.latch,
+            released=self._sender.stop.released,
         )

@@ -15,8 +15,8 @@ from archo_tui.robot.lifecycle import Lifecycles
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import ACTION, values_text
-from archo_tui.robot.stopping import Stopping
-from archo_tui.robot.stops import NOT_SENT, Gate, Void
+from archo_tui.robot.stop.gate import NOT_SENT, Gate, Void
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file.model import GoalKind, RobotFile
 
@@ -34,7 +34,7 @@ class GoalVerbs:
         goals: Goals,
         guard: GoalGuard,
         watcher: GoalWatcher,
-        stopping: Stopping,
+        stop: StopSender,
         lifecycles: Lifecycles,
     ) -> None:
         """Create the verbs.
@@ -48,13 +48,13 @@ class GoalVerbs:
             goals: Sends and cancels the goals.
             guard: Decides whether a goal may be sent.
             watcher: Tells the lengths of ways.
-            stopping: Ends an earlier STOP when a goal is accepted.
+            stop: Ends an earlier STOP when a goal is accepted.
             lifecycles: Tell the states of managed nodes.
         """
         self._file, self._runner, self._services = file, runner, pending
         self._graph, self._checks, self._goals = graph, checks, goals
         self._goal_guard, self._goal_watcher = guard, watcher
-        self._stopping, self._lifecycles = stopping, lifecycles
+        self._stop, self._lifecycles = stop, lifecycles
 
     async def send(
         self, kind: GoalKind, values: Mapping[str, Any], *, queued: bool = False
@@ -87,7 +87,7 @@ class GoalVerbs:
             except Void:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
-                self._stopping.on_accepted(turn)
+                self._stop.on_accepted(turn)
             return self._with_inactive_server(kind.action, outcome)
 
         ros2 = self._checks.goal_command(kind, values)

@@ -25,7 +25,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Pause
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
-from archo_tui.robot.stops import NEVER_LEFT, Gate
+from archo_tui.robot.stop.gate import NEVER_LEFT, Gate
 from archo_tui.robot.tracked_goal import TrackedGoal
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind

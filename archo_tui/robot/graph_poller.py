@@ -15,7 +15,7 @@ from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.snapshot_sender import SnapshotSender
-from archo_tui.robot.stop_latch import StopLatch
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot_file import mismatch
@@ -43,7 +43,7 @@ class GraphPoller:
         lifecycles: Lifecycles,
         parameters: Parameters,
         motion_publishers: MotionPublishers,
-        latch: StopLatch,
+        stop: StopSender,
         changes: UnexplainedChanges,
         reporter: Reporter,
         snapshots: SnapshotSender,
@@ -61,7 +61,7 @@ class GraphPoller:
             lifecycles: Ask managed nodes for their states.
             parameters: Reads the parameters of new nodes.
             motion_publishers: The publishers of the motion.
-            latch: The last confirmed STOP, which a restart of its node makes uncertain.
+            stop: The last confirmed STOP, which a restart of its node makes uncertain.
             changes: The changes that no console has explained.
             reporter: Reports what changed.
             snapshots: Sends a snapshot after a change.
@@ -70,7 +70,7 @@ class GraphPoller:
         self._file, self._clock, self._graph = file, clock, graph
         self._checks, self._parameters, self._lifecycles = checks, parameters, lifecycles
         self._telemetry, self._recorded_topics = telemetry, recorded_topics
-        self._motion_publishers, self._latch, self._changes = motion_publishers, latch, changes
+        self._motion_publishers, self._stop, self._changes = motion_publishers, stop, changes
         self._reporter, self._snapshots, self._own_nodes = reporter, snapshots, own_nodes
         self._next = float("-inf")  # When the next poll is due, in monotonic seconds.
         self._arrivals = Arrivals(clock.monotonic())
@@ -99,7 +99,7 @@ class GraphPoller:
         changed = self._graph.poll()
         self._next = begun + self._graph.rest - _EARLY
         self._motion_publishers.check()
-        self._latch.check_holders()
+        self._stop.check_holders()
         self._changes.author = CONSOLE if self._graph.silent_consoles else CLIENT
         self._report_consoles()
         for text in self._arrivals.compare(

@@ -16,7 +16,7 @@ from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import NodeState
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 
 _GET_STATE = "/get_state"

@@ -22,8 +22,8 @@ from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event, Motion, level_word, logger_node
-from archo_tui.robot.stopping import Stopping
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot_file.model import RobotFile
 
@@ -38,7 +38,7 @@ class MessageHandlers:
         graph: Graph,
         goals: Goals,
         stops: Stops,
-        stopping: Stopping,
+        stop: StopSender,
         motion_publishers: MotionPublishers,
         changes: UnexplainedChanges,
         reporter: Reporter,
@@ -55,7 +55,7 @@ class MessageHandlers:
             graph: The graph.
             goals: The goals that are tracked.
             stops: The STOPs that were read.
-            stopping: The STOP that is open, and the last one that was confirmed.
+            stop: The STOP that is open, and the last one that was confirmed.
             motion_publishers: The publishers of the motion.
             changes: The changes that no console has explained.
             reporter: Reports what other nodes and consoles report.
@@ -65,7 +65,7 @@ class MessageHandlers:
             own_nodes: Returns the nodes of this process, which share its clock.
         """
         self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
-        self._stops, self._stopping, self._motion_publishers = stops, stopping, motion_publishers
+        self._stops, self._stop, self._motion_publishers = stops, stop, motion_publishers
         self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
         self._earlier_log, self._clock_offsets = earlier_log, clock_offsets
         self._own_nodes = own_nodes
@@ -95,13 +95,10 @@ class MessageHandlers:
         self._goals.on_robot_message()
         if topic in self._graph.publishers:  # The readings of several robots come mixed.
             return
-        stop = self._file.stop
+        served = self._file.stop
         # One of several robots tells nothing about the others.
-        if stop is not None and stop.service not in self._graph.duplicates:
-            before = self._stopping.latch.is_not_obeyed
-            self._stopping.on_motion(motion)
-            if self._stopping.latch.is_not_obeyed != before:
-                self._snapshots.send_soon()
+        if served is not None and served.service not in self._graph.duplicates:
+            self._stop.on_motion(motion)
         self._changes.on_motion(
             motion, self._clock.monotonic(), self._motion_publishers.have_restarted
         )
@@ -188,7 +185,7 @@ class MessageHandlers:
         self._stops.sent_elsewhere += record.verb == "stop"
         self._stops.superseded |= record.verb != "stop"
         if record.code is Code.DONE and record.verb == "stop":
-            self._stopping.on_stopped_elsewhere(console)
+            self._stop.on_stopped_elsewhere(console)
         elif record.code is Code.DONE and record.verb == "release":
-            self._stopping.latch.on_released_elsewhere(console)
+            self._stop.on_released_elsewhere(console)
         self._reporter.add(Event(self._clock.now(), "PEER", console, text, audit_record=record))

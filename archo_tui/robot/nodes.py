@@ -20,7 +20,7 @@ from archo_tui.robot.graph import is_hidden, is_of_every_node
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import LEVELS, LogLevel, Names, NodeInfo, TopicInfo
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 
 _GET, _SET = "get_logger_levels", "set_logger_levels"
 _TOPICS = ("/rosout", "/parameter_events")  # Every node has them.

@@ -25,7 +25,7 @@ from archo_tui.robot.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import harmless
 

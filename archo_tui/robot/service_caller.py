@@ -15,7 +15,7 @@ from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import SLOW_CALL, Answer, Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import not_offered
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 
 
 class ServiceCaller:

@@ -14,7 +14,7 @@ from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.requester import current_requester
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.state import Event
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import CommandService

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.clock import Clock
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 
 LATE = 20.0  # Seconds in which a late answer to a STOP is still received.
 MOST_UNANSWERED = 1000  # Requests of an operator whose answers are received however late.

@@ -13,8 +13,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Latch
-from archo_tui.robot.stopping import FIRST_FOUND, Stopping
-from archo_tui.robot.stops import Gate, Stops
+from archo_tui.robot.stop.gate import Gate, Stops
+from archo_tui.robot.stop.sender import FIRST_FOUND, StopSender
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file.model import NO_STOP, RobotFile
 
@@ -36,7 +36,7 @@ class StopVerbs:
         checks: InterfaceChecks,
         goals: Goals,
         stops: Stops,
-        stopping: Stopping,
+        stop: StopSender,
     ) -> None:
         """Create the verbs.
 
@@ -50,11 +50,11 @@ class StopVerbs:
             checks: Tell full names, and the `ros2` command lines.
             goals: Are cancelled for a robot that has no STOP.
             stops: The STOPs that were read.
-            stopping: Sends STOP.
+            stop: Sends STOP.
         """
         self._file, self._runner, self._caller, self._services = file, runner, caller, pending
         self._graph, self._checks, self._goals = graph, checks, goals
-        self._stops, self._stopping = stops, stopping
+        self._stops, self._sender = stops, stop
         self._begun = clock.monotonic()
 
     async def emergency_stop(self) -> Outcome:
@@ -71,7 +71,7 @@ class StopVerbs:
                 return await self._cancel_instead_of_stop()
             command = self._checks.call_command(stop.service, stop.request)
             return await self._runner.run(
-                "stop", {}, "STOP", command, lambda _: self._stopping.send()
+                "stop", {}, "STOP", command, lambda _: self._sender.send()
             )
         finally:
             self._stops.answered = self._stops.count
@@ -107,17 +107,17 @@ class StopVerbs:
             turn = self._services.next_turn()
             if self._is_held_by_nobody(name):
                 gate()
-                self._stopping.on_accepted(turn)
+                self._sender.on_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
 
             def on_late_answer(outcome: Outcome) -> None:
                 if outcome.ok:
-                    self._stopping.on_accepted(turn)
+                    self._sender.on_accepted(turn)
                 report_late(outcome)
 
             outcome = await self._caller.call_named(name, request, gate, on_late_answer)
             if outcome.ok:
-                self._stopping.on_accepted(turn)
+                self._sender.on_accepted(turn)
             return outcome
 
         ros2 = self._checks.call_command(name, request)
@@ -132,8 +132,8 @@ class StopVerbs:
         Args:
             release: The service that releases a STOP, as in the robot file.
         """
-        self._stopping.latch.check_holders()
-        return self._stopping.is_held_by_nobody and release not in self._graph.offered
+        self._sender.check_holders()
+        return self._sender.stop.is_held_by_nobody and release not in self._graph.offered
 
     async def give_up_stop(self) -> Outcome:
         """Give up the open STOP, which is not sent again though not confirmed, and report it.
@@ -144,7 +144,7 @@ class StopVerbs:
 
         async def call(gate: Gate) -> Outcome:
             gate()
-            self._stopping.give_up()
+            self._sender.give_up()
             return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
@@ -156,8 +156,8 @@ class StopVerbs:
             The full name of the STOP's service and the request; "" and {} if no STOP holds, is open
             or is on its way, or the robot has none.
         """
-        stop, stopping = self._file.stop, self._stopping
-        holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
+        stop, known = self._file.stop, self._sender.stop
+        holds = known.open is not None or known.latch is not Latch.NONE
         if stop is None or (not holds and self._stops.are_answered):
             return "", {}
         return self._checks.full(stop.service), stop.request

@@ -24,7 +24,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, number, read
 from archo_tui.robot.state import Goal, Motion, Phase
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import MessageField
 from archo_tui.safe_text import harmless

@@ -13,8 +13,8 @@ from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.requester import current_requester
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event
-from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND
-from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
+from archo_tui.robot.stop.gate import NOT_SENT, Gate, Stops, Void
+from archo_tui.robot.stop.sender import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.robot.thread import RosThread
 from archo_tui.safe_text import harmless
 

@@ -13,7 +13,7 @@ from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal, Snapshot
-from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
+from archo_tui.robot.stop.gate import NEVER_LEFT, NOT_SENT
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.ledger import Ledger
 from archo_tui.station.protocols import Frontend

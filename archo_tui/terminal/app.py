@@ -25,7 +25,7 @@ from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 from archo_tui.safe_text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
 from archo_tui.station.alarms import Alarm

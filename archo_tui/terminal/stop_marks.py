@@ -1,4 +1,4 @@
-"""Marks on messages that carry the count of STOPs (robot/stops.py) through Textual.
+"""Marks on messages that carry the count of STOPs (robot/stop/gate.py) through Textual.
 
 A key becomes a message of its field, that a message of the panel, and that a call of the app, each
 in a queue and a task of its own. Textual passes on the types that `prevent` names from a message to
@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol, cast
 from textual.message import Message
 from textual.message_pump import MessagePump
 
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 
 
 class StopKeyOwner(Protocol):

@@ -10,7 +10,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, Hosted
-from archo_tui.robot.stops import NOT_SENT
+from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb

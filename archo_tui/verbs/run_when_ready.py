@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.stops import Void
+from archo_tui.robot.stop.gate import Void
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import ANSWERS, ROBOT_TIMEOUT, Question, Values, Verb
 

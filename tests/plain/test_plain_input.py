@@ -14,7 +14,7 @@ import pytest
 from archo_tui.clock import Clock
 from archo_tui.plain.input import Input, TypedLine
 from archo_tui.plain.lines import MAX_LINE, TOO_LONG, LineSplitter, is_stop
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 from tests.support import clock
 from tests.support.quiet import until
 from tests.support.waiting import DEADLINE

@@ -15,7 +15,7 @@ from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.cli import main
 from archo_tui.plain import lines
 from archo_tui.remote import protocol, server, socket_files
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
 from tests.assistant.test_its_connection import INITIALIZE
 from tests.support.shells import until

@@ -11,7 +11,7 @@ import pytest
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Goal, Phase, Snapshot
-from archo_tui.robot.stops import NEVER_LEFT
+from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.ledger import Ledger
 from archo_tui.station.protocols import Frontend

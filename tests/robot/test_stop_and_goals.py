@@ -13,7 +13,7 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.stops import NOT_SENT
+from archo_tui.robot.stop.gate import NOT_SENT
 from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot

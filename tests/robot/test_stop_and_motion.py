@@ -90,11 +90,11 @@ async def test_goals_from_before_a_late_yes_end() -> None:
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
         assert (await ended(go(it, 3))).ok
-        await until(lambda: it.snapshot.latch is Latch.HELD)
+        await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
         await until(lambda: drives[0].over.done())
 
 
-async def test_a_late_yes_to_an_older_stop_holds_behind_a_release() -> None:
+async def test_a_late_yes_to_an_older_stop_behind_a_release_is_not_certain() -> None:
     brakes: list[Brake] = []
     async with robot(making(brakes, Brake, "brake", "yes", 6.0), making([], Wheels)) as it:
         await until(lambda: {"emergency_stop"} <= it.snapshot.offered)
@@ -104,7 +104,8 @@ async def test_a_late_yes_to_an_older_stop_holds_behind_a_release() -> None:
         assert (await ended(it.emergency_stop())).ok
         assert (await ended(it.release_emergency_stop())).ok
         assert it.snapshot.latch is Latch.NONE
-        await until(lambda: it.snapshot.latch is Latch.HELD)
+        await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
+        assert it.snapshot.latch_doubt == "it was answered behind a release"
 
 
 async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm() -> None:

@@ -2,39 +2,51 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
+import itertools
+from collections.abc import Mapping
 
-from archo_tui.clock import Clock
-from archo_tui.robot.state import Motion
-from archo_tui.robot.stop_latch import StopLatch
+from archo_tui.robot.state import Motion, StopAnswer
+from archo_tui.robot.stop.machine import Result, Servers, Stop
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.
 
 
 class Nodes:
-    """A latch, and the nodes that serve the STOP.
+    """A STOP that holds, and the nodes that serve it.
 
     Attributes:
-        served: The ids of each node that serves it, by its name.
+        stop: The state of the machine.
         unended: The nodes of this process whose code may still run.
     """
 
-    def __init__(self, **served: bytes) -> None:
-        self.served = {node: {ids} for node, ids in served.items()}
+    def __init__(self, **served: bytes | set[bytes]) -> None:
         self.unended = ["motor"]
-        graph: Any = SimpleNamespace(holders=lambda _: self._holders())
-        self.latch = StopLatch("stop", Clock(), graph, lambda: self.unended, lambda: None)
-        self.latch.hold()
+        self.stop = Stop()
+        self._turns = itertools.count(1)
+        self.confirm(**served)
 
-    def _holders(self) -> dict[str, frozenset[bytes]]:
-        return {node: frozenset(ids) for node, ids in self.served.items()}
+    def confirm(self, **served: bytes | set[bytes]) -> None:
+        """All nodes that serve STOP say yes to a call."""
+        turn, servers = next(self._turns), _servers(served)
+        called = self.stop.calling(turn, 0.0).leaving(next(self._turns), servers)
+        yes = Result(StopAnswer.AWAITED)
+        self.stop = called.answered_by(
+            yes, turn, 0.0, next(self._turns), servers, servers, self.unended
+        )
 
-    def look(self, **served: bytes) -> bool:
+    def move(self, motion: Motion, **served: bytes | set[bytes]) -> None:
+        self.stop = self.stop.moved(motion, 9.0, _servers(served), self.unended)
+
+    def look(self, **served: bytes | set[bytes]) -> bool:
         """Return whether nobody holds the STOP once these nodes serve it."""
-        self.served = {node: {ids} for node, ids in served.items()}
-        self.latch.check_holders()
-        return self.latch.holders_have_ended
+        self.stop = self.stop.served_by(_servers(served), self.unended, 9.0)
+        return self.stop.is_held_by_nobody
+
+
+def _servers(served: Mapping[str, bytes | set[bytes]]) -> Servers:
+    return frozenset(
+        (node, frozenset(ids if isinstance(ids, set) else {ids})) for node, ids in served.items()
+    )
 
 
 def test_one_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
@@ -46,31 +58,27 @@ def test_one_whose_node_ran_here_and_has_ended_is_held_by_nobody() -> None:
 
 def test_a_last_report_of_nodes_that_have_ended_does_not_put_them_elsewhere() -> None:
     nodes = Nodes(motor=HERE)
-    nodes.latch.sent_to = {"motor": frozenset({HERE})}
     nodes.unended = []
     assert nodes.look()
-    nodes.latch.on_motion(Motion(stopped=True))
+    nodes.move(Motion(stopped=True))
     assert nodes.look()
 
 
 def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() -> None:
-    nodes = Nodes()
-    nodes.served = {"motor": {HERE}}
-    nodes.latch.on_motion(Motion(stopped=False))  # A robot that reports its stops.
-    nodes.latch.hold()
+    nodes = Nodes(motor=HERE)
+    nodes.move(Motion(stopped=True))  # A robot that reports its stops.
     nodes.unended = []
     assert nodes.look()
-    nodes.latch.on_released_elsewhere("other")
+    nodes.stop = nodes.stop.released_elsewhere("other", 9)
     assert not nodes.look()
 
 
 def test_what_moves_behind_a_release_is_not_said_to_disobey() -> None:
-    nodes = Nodes()
-    nodes.latch.expect_standstill(0.0)
-    nodes.latch.on_motion(Motion(moving=True, received=5.0))
-    assert nodes.latch.is_not_obeyed
-    nodes.latch.release()
-    assert not nodes.latch.is_not_obeyed
+    nodes = Nodes(motor=HERE)
+    nodes.move(Motion(moving=True, received=5.0))
+    assert nodes.stop.is_not_obeyed
+    nodes.stop = nodes.stop.accepted(9, 9.0)
+    assert not nodes.stop.is_not_obeyed
 
 
 def test_one_whose_node_has_left_but_is_not_ended_is_held() -> None:
@@ -82,17 +90,14 @@ def test_one_whose_node_has_left_but_is_not_ended_is_held() -> None:
 
 
 def test_one_of_an_ended_nodes_namesake_elsewhere_is_held() -> None:
-    nodes = Nodes()
+    nodes = Nodes(motor=HERE)
     nodes.unended = []
-    nodes.served = {"motor": {ELSEWHERE}}
-    nodes.latch.hold()
+    nodes.confirm(motor=ELSEWHERE)
     assert not nodes.look()
 
 
 def test_one_of_two_nodes_of_one_name_is_held() -> None:
-    nodes = Nodes()
-    nodes.served = {"motor": {HERE, NAMESAKE}}
-    nodes.latch.hold()
+    nodes = Nodes(motor={HERE, NAMESAKE})
     nodes.unended = []
     assert not nodes.look()
 
@@ -108,6 +113,7 @@ def test_one_that_a_node_elsewhere_may_have_got_since_is_held() -> None:
 def test_one_of_a_node_started_anew_here_is_held_by_nobody_at_its_end() -> None:
     nodes = Nodes(motor=HERE)
     assert not nodes.look(motor=NAMESAKE)
-    nodes.latch.add_stopped_early("motor")
+    nodes.stop = nodes.stop.carried_out_early("motor")
+    assert not nodes.look(motor=NAMESAKE)
     nodes.unended = []
     assert nodes.look()

@@ -19,7 +19,7 @@ from archo_tui.remote.waits import RequestTimedOut, wait_for
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Latch, Phase
-from archo_tui.robot.stops import HOLDS, UNCERTAIN
+from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import STOP_UNCERTAIN
 from archo_tui.verbs import verbs

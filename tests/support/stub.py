@@ -13,7 +13,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot, TopicRequest, TopicView
-from archo_tui.robot.stops import Stops
+from archo_tui.robot.stop.gate import Stops
 from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME
 from tests.support.topics import topic_view

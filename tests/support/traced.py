@@ -40,7 +40,7 @@ def install(path: str, engine: str) -> None:
 
     from archo_tui.plain.input import Input
     from archo_tui.remote.server import Client
-    from archo_tui.robot.stops import Stops
+    from archo_tui.robot.stop.gate import Stops
 
     file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
     reading = threading.RLock()  # what is read has one order, whatever thread reads it

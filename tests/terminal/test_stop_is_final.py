@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.paths import journal_file
-from archo_tui.robot.stops import NOT_SENT
+from archo_tui.robot.stop.gate import NOT_SENT
 from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until

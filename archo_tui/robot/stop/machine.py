@@ -1,0 +1,445 @@
+"""STOP as a machine: every rule about it, without I/O.
+
+`Stop` is a state; each method is an event, takes the time with it, and returns the next state.
+`tick` also returns what is to be done now. LATCH is the table of what is known of the last
+confirmed STOP; the methods decide which event of it has happened.
+
+An open STOP needs no table: it is open from its first call until YES, SAYS_STOPPED, ACCEPTED or
+`given_up`, and shows the last answer that was no yes.
+
+Times are monotonic seconds. Turns are the order in which requests leave and goals are tracked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from enum import Enum, auto
+from typing import NamedTuple
+
+from archo_tui.robot.state import Latch, Motion, OpenStop, StopAnswer
+
+# All in seconds.
+OBEYED = 1.0  # From a confirmed STOP until the robot must stand and its goals must have ended.
+CANCEL_AFTER = 0.3  # In which the robot may end its goals by itself.
+CANCEL_OTHERS_AFTER = 1.0  # In which all servers must say yes.
+REPEAT_AFTER = 1.0  # From an answer that is no yes to the next call.
+SETTLED = 1.0  # From a change of nodes, in which reports of the old ones still come.
+
+# The nodes that serve STOP, each with the ids of its endpoints, which a restart changes.
+Servers = frozenset[tuple[str, frozenset[bytes]]]
+NOBODY: Servers = frozenset()
+
+
+class Event(Enum):
+    """What may happen to the last confirmed STOP."""
+
+    YES = auto()  # All servers said yes, however late, but not to a call from before the open one.
+    YES_TO_PAST = auto()  # The same to a call behind which something was accepted before.
+    SAYS_STOPPED = auto()  # The robot reports that it is stopped.
+    SAYS_RELEASED = auto()  # The robot reports for the first time that it is no longer stopped.
+    MOVES = auto()  # It moves for OBEYED, and never reports whether it is stopped.
+    ACCEPTED = auto()  # A release or a goal that left behind every STOP.
+    PEER_STOPPED = auto()  # Another console's STOP, of a robot that does not report its stops.
+    PEER_UNDID = auto()  # Another console released its own STOP, or a robot that reports it.
+    PEER_RELEASED = auto()  # Another console released a STOP that is not its own.
+    SERVERS_SAME = auto()  # The nodes that confirmed it serve it, and none was restarted.
+    SERVERS_DIFFER = auto()  # One of them has left or was restarted, or another one serves it.
+
+
+class State(Enum):
+    """What is known of the last confirmed STOP. The last two are both shown as uncertain."""
+
+    NONE = auto()
+    HELD = auto()
+    UNCERTAIN = auto()  # Until its nodes are back.
+    DOUBTED = auto()  # Until it is released or confirmed again.
+
+
+_N, _H, _U, _D = State
+LATCH: Mapping[Event, tuple[State, State, State, State]] = {
+    # From:                NONE HELD UNCERTAIN DOUBTED
+    Event.YES:            (_H, _H, _H, _H),
+    Event.YES_TO_PAST:    (_D, _H, _D, _D),
+    Event.SAYS_STOPPED:   (_H, _H, _H, _H),
+    Event.SAYS_RELEASED:  (_N, _N, _U, _D),
+    Event.MOVES:          (_N, _D, _D, _D),
+    Event.ACCEPTED:       (_N, _N, _N, _N),
+    Event.PEER_STOPPED:   (_H, _H, _H, _H),
+    Event.PEER_UNDID:     (_N, _N, _N, _N),
+    Event.PEER_RELEASED:  (_N, _D, _D, _D),
+    Event.SERVERS_SAME:   (_N, _H, _H, _D),
+    Event.SERVERS_DIFFER: (_N, _U, _U, _D),
+}  # fmt: skip
+
+
+class Result(NamedTuple):
+    """The result of one call: `answer` AWAITED stands for a yes of all servers."""
+
+    answer: StopAnswer
+    why: str = ""
+
+    @property
+    def is_yes(self) -> bool:
+        """True if all servers said yes."""
+        return self.answer is StopAnswer.AWAITED
+
+
+class Facts(NamedTuple):
+    """What `tick` has to know of the robot."""
+
+    moves: bool  # A goal runs, or a motion is reported.
+    is_heard: bool
+    is_offered: bool  # A node serves STOP.
+
+
+class Do(Enum):
+    """What is to be done now, with the turn of a STOP."""
+
+    SEND = auto()  # Call the servers, again or for the first time.
+    CANCEL_OWN = auto()  # Cancel the goals of this console from before the turn.
+    CANCEL_ALL = auto()  # Cancel every goal of the tracked actions, once for an open STOP.
+    CANCEL_OTHERS = auto()  # Cancel the goals of other clients from before the turn.
+
+
+class Stop(NamedTuple):
+    """The open STOP and the last confirmed one.
+
+    Attributes:
+        open: The STOP that is not confirmed yet; None if there is none.
+        state: What is known of the last confirmed STOP.
+        doubt: Why that is uncertain; "" if it is not.
+        held: When it was last confirmed or reported.
+        released: When a release or a goal was last accepted; None before.
+        is_not_obeyed: True if the robot moves, and has not stood since a STOP OBEYED ago.
+        holders_have_ended: True if every node that may hold it was run here, and has ended.
+        awaited: The calls whose servers still have time to answer.
+        seen_stopped: When a report of the robot closed an open STOP.
+    """
+
+    open: OpenStop | None = None
+    state: State = State.NONE
+    doubt: str = ""
+    held: float = -math.inf
+    released: float | None = None
+    is_not_obeyed: bool = False
+    holders_have_ended: bool = False
+    awaited: int = 0
+    seen_stopped: float = -math.inf
+    first_turn: int = 0  # Of the open STOP's first call; answers to earlier calls do not count.
+    answered_turn: int = 0  # Of the last call whose answer is shown.
+    last_turn: int = 0  # Of the last call; 0 if a release or a goal was accepted behind it.
+    past_turn: int = 0  # A call from before it may have been undone by the time of its yes.
+    peer_turn: int = 0  # When another console reported its last STOP.
+    answered: float = -math.inf  # When the last answer came, or was over.
+    obeyed: tuple[int, float] | None = None  # The turn of the last STOP to be obeyed, since when.
+    cancels: tuple[int, float] | None = None  # Goals from before the turn, from when on.
+    all_cancelled: int = 0  # The turn of the last open STOP for which CANCEL_ALL was done.
+    others_before: int = 0  # Goals of others from before it are cancelled; 0: none are.
+    asked_servers: Servers = NOBODY  # They may be gone by the time of the yes.
+    holders: Servers = NOBODY  # The nodes that confirmed it.
+    is_held_here: bool = False  # Only nodes of this process have served it since.
+    stopped_early: frozenset[str] = frozenset()  # Nodes that carried it out before they spun.
+    servers_changed: float = -math.inf
+    peer: str = ""  # The console that sent it; "" for this one.
+    reports: bool = False  # The robot reports whether it is stopped.
+    says_stopped: bool = False
+    due: float | None = None  # Since when the robot should stand, until it has.
+    moves_since: float | None = None
+
+    @property
+    def latch(self) -> Latch:
+        """`state` as it is shown."""
+        return Latch.UNCERTAIN if self.state is State.DOUBTED else Latch[self.state.name]
+
+    @property
+    def is_held_by_nobody(self) -> bool:
+        """True if all nodes that held the STOP ran here and have ended, and no STOP is open."""
+        return self.open is None and self.holders_have_ended
+
+    @property
+    def shown(self) -> tuple[object, ...]:
+        """What the operator is shown of it."""
+        return self.open, self.latch, self.doubt, self.holders_have_ended, self.is_not_obeyed
+
+    def _fire(self, event: Event, doubt: str = "") -> Stop:
+        """Make the step that LATCH tells. The first lasting doubt stays."""
+        state = LATCH[event][list(State).index(self.state)]
+        if state in (State.NONE, State.HELD):
+            doubt = ""
+        elif self.state is State.DOUBTED or not doubt:
+            doubt = self.doubt
+        after = self._replace(state=state, doubt=doubt)
+        if state is not State.NONE:
+            return after
+        return after._replace(due=None, is_not_obeyed=False, holders_have_ended=False)
+
+    # The open STOP.
+
+    def calling(self, turn: int, now: float) -> Stop:
+        """Begin a call: without an open STOP, open one."""
+        after = self._replace(awaited=self.awaited + 1)
+        if self.open is not None:
+            return after
+        return after._replace(open=OpenStop(now), first_turn=turn)._cancel_before(turn, now)
+
+    def leaving(self, turn: int, servers: Servers) -> Stop:
+        """Take down that a call leaves now, and to which nodes."""
+        return self._replace(last_turn=turn, asked_servers=servers)
+
+    def answered_by(
+        self,
+        result: Result,
+        turn: int,
+        now: float,
+        turn_now: int,
+        asked: Servers,
+        servers: Servers,
+        here: Collection[str],
+        *,
+        is_late: bool = False,
+    ) -> Stop:
+        """Take the result of a call.
+
+        Args:
+            result: What its servers answered.
+            turn: The turn of the call.
+            now: The time.
+            turn_now: A new turn.
+            asked: The nodes to which it was sent.
+            servers: The nodes that serve STOP now; one that came since then has not got it.
+            here: The full names of the nodes of this process whose code may still run.
+            is_late: True if the call was over already, without an answer.
+        """
+        before = self._replace(answered=now, awaited=self.awaited - (not is_late))
+        is_earlier = self.open is not None and turn < self.first_turn
+        if result.is_yes:
+            if is_earlier:
+                return before
+            held = before._confirmed(turn, now, turn_now, asked, here)
+            return held.served_by(servers, here, now)
+        if turn < self.first_turn:
+            return before
+        if result.answer is StopAnswer.UNCONFIRMED:
+            before = before._expect_obeyed(turn, now)
+        shown = before.open
+        if shown is None:
+            return before
+        if turn <= self.answered_turn and shown.answer is not StopAnswer.NONE:
+            return before  # A later call was answered already.
+        if (result.answer, shown.answer) == (StopAnswer.NONE, StopAnswer.REFUSED):
+            return before  # A server that refuses late would be told as silent each time.
+        answer = OpenStop(shown.asked, result.answer, result.why)
+        return before._replace(answered_turn=turn, open=answer)
+
+    def _confirmed(
+        self, turn: int, now: float, turn_now: int, asked: Servers, here: Collection[str]
+    ) -> Stop:
+        """Hold, and close the open STOP.
+
+        Without an open one, the yes is to a STOP that was given up or is past: the robot may have
+        carried it out just now.
+        """
+        event, due = Event.YES, self.due if self.open is None else self.open.asked
+        if self.open is None and self.state is not State.HELD:
+            event = Event.YES_TO_PAST if turn < self.past_turn else Event.YES
+            turn, due = turn_now, now
+        held = self._expect_obeyed(turn, now)._hold(event, now, asked, here)
+        return held._replace(open=None, due=due)
+
+    def given_up(self) -> Stop:
+        """Close the open STOP though it is not confirmed, and leave goals of others alone."""
+        return self._replace(open=None, others_before=0)
+
+    def is_behind(self, turn: int) -> bool:
+        """Return True if a STOP left after a request: the robot may obey that request last."""
+        return (self.open is not None and turn < self.first_turn) or turn <= self.last_turn
+
+    def accepted(self, turn: int, now: float) -> Stop:
+        """Take the yes to a release or a goal; one from before a STOP changes nothing."""
+        if self.is_behind(turn) or turn <= self.peer_turn:
+            return self
+        after = self._fire(Event.ACCEPTED)
+        return after._replace(last_turn=0, past_turn=turn, others_before=0, released=now, open=None)
+
+    # The confirmed STOP.
+
+    def _hold(
+        self, event: Event, now: float, servers: Servers, here: Collection[str], peer: str = ""
+    ) -> Stop:
+        # If no node was kept, any later one would pass for those that confirmed it.
+        holders = servers or self.asked_servers
+        # A last report of nodes that have ended meanwhile does not put them elsewhere.
+        was_here = self.is_held_here and self.holders == holders
+        return self._fire(event, "it was answered behind a release")._replace(
+            held=now,
+            peer=peer,
+            holders=holders,
+            is_held_here=bool(holders) and (was_here or _are_here(holders, here)),
+            stopped_early=frozenset(),
+            holders_have_ended=False,
+        )
+
+    def carried_out_early(self, node: str) -> Stop:
+        """Count a node that carried the STOP out before it spins as one of its holders."""
+        return self._replace(stopped_early=self.stopped_early | {node})
+
+    def served_by(self, servers: Servers, here: Collection[str], now: float) -> Stop:
+        """Compare the nodes that serve STOP now with those that hold it."""
+        if self.state is State.NONE:
+            return self
+        before = dict(self.holders)
+        new = frozenset(pair for pair in servers if pair not in self.holders)
+        is_held_here = self.is_held_here and _are_here(new, here)
+        may_return = before.keys() & {*here}
+        after = self._replace(
+            is_held_here=is_held_here,
+            holders_have_ended=is_held_here and not servers and not may_return,
+        )
+        if self.state is State.DOUBTED:
+            return after
+        now_served = dict(servers)
+        early = {node: now_served[node] for node in self.stopped_early if node in now_served}
+        expected = {**before, **early}
+        if not before or now_served == expected:
+            left = self.stopped_early.difference(now_served)
+            return after._replace(holders=servers, stopped_early=left)._fire(Event.SERVERS_SAME)
+        others = sorted(node for node, ids in now_served.items() if ids != expected.get(node))
+        if others:
+            after = after._replace(servers_changed=now)
+            return after._fire(Event.SERVERS_DIFFER, f"{others[0]} was started since")
+        gone = min(expected.keys() - now_served.keys())
+        return after._fire(Event.SERVERS_DIFFER, f"{gone} has left")
+
+    def stopped_elsewhere(
+        self, console: str, turn: int, now: float, servers: Servers, here: Collection[str]
+    ) -> Stop:
+        """Take another console's report that the robot confirmed its STOP."""
+        after = self._expect_obeyed(turn, now)
+        if self.reports:
+            return after  # The robot's own reports tell.
+        after = after._replace(peer_turn=turn, due=now)
+        if self.state is State.HELD:
+            return after
+        return after._hold(Event.PEER_STOPPED, now, servers, here, console)
+
+    def released_elsewhere(self, console: str, turn: int) -> Stop:
+        """Take another console's report that the robot released a STOP.
+
+        The robot may have done that last: earlier calls of the open STOP confirm it no more.
+        """
+        after = self._replace(past_turn=turn)
+        if self.open is not None:
+            after = after._replace(first_turn=turn)
+        is_its_own = self.peer == console and self.state is State.HELD
+        if self.reports or is_its_own:
+            return after._fire(Event.PEER_UNDID)
+        return after._fire(Event.PEER_RELEASED, f"console {console} released it")
+
+    def needs_servers(self, motion: Motion) -> bool:
+        """Return True if `moved` needs to know who serves STOP now, which takes time to ask."""
+        if self.state is State.HELD:
+            return self.says_stopped and motion.stopped is False
+        return bool(motion.stopped)
+
+    def moved(self, motion: Motion, now: float, servers: Servers, here: Collection[str]) -> Stop:
+        """Take a report of the only node that publishes the motion.
+
+        Args:
+            motion: The report.
+            now: The time.
+            servers: The nodes that serve STOP now; ignored unless `needs_servers`.
+            here: The full names of the nodes of this process whose code may still run.
+        """
+        after = self
+        # The report may be a last one of nodes that were replaced.
+        is_settled = self.state is State.NONE or now - self.servers_changed >= SETTLED
+        if self.open is not None and motion.stopped and is_settled:
+            after = after._expect_obeyed(self.first_turn, now)
+            after = after._replace(seen_stopped=now, due=self.open.asked, open=None)
+        is_released = self.says_stopped and motion.stopped is False
+        after = after._replace(
+            reports=motion.stopped is not None, says_stopped=bool(motion.stopped)
+        )
+        if motion.stopped and self.state is not State.HELD and is_settled:
+            after = after._hold(Event.SAYS_STOPPED, now, servers, here)
+        elif is_released and self.state is State.HELD:
+            # A node that was started anew may report it.
+            after = after.served_by(servers, here, now)._fire(Event.SAYS_RELEASED)
+        return after._judged_by(motion, is_released=is_released)
+
+    def _judged_by(self, motion: Motion, *, is_released: bool) -> Stop:
+        """Check whether a motion disobeys the STOP, or makes it uncertain."""
+        now, due, since = motion.received, self.due, self.moves_since
+        if is_released or not motion.moving:
+            due = None
+        elif self.says_stopped and due is None:  # Something else than a console stopped it.
+            due = now
+        is_not_obeyed = due is not None and now is not None and now - due >= OBEYED
+        after = self._replace(due=due, is_not_obeyed=is_not_obeyed)
+        if not motion.moving or now is None:
+            return after._replace(moves_since=None)
+        if since is None:
+            return after._replace(moves_since=now)
+        if now - since >= OBEYED and due is None and not self.reports:
+            return after._fire(Event.MOVES, "the robot moves")
+        return after
+
+    # What follows.
+
+    def _expect_obeyed(self, turn: int, now: float) -> Stop:
+        """Expect that goals from before a STOP end, unless that is known of a later one."""
+        after = self
+        if self.obeyed is None or turn >= self.obeyed[0]:
+            after = self._replace(obeyed=(turn, now))
+        return after._cancel_before(turn, now)
+
+    def _cancel_before(self, turn: int, now: float) -> Stop:
+        """Have goals from before a STOP cancelled CANCEL_AFTER, or when others are due before."""
+        if self.cancels is None:
+            return self._replace(cancels=(turn, now + CANCEL_AFTER))
+        known, due = self.cancels
+        if turn <= known:
+            return self
+        return self._replace(cancels=(turn, due if due > now else now + CANCEL_AFTER))
+
+    def must_be_obeyed(self, now: float) -> int:
+        """Return the turn of the last STOP that must be obeyed by now; 0 if there is none."""
+        if self.obeyed is None or now - self.obeyed[1] < OBEYED:
+            return 0
+        return self.obeyed[0]
+
+    def tick(self, now: float, facts: Facts) -> tuple[Stop, list[tuple[Do, int]]]:
+        """Return what is to be done at this moment. Call it several times a second."""
+        after, todo = self, []
+        if self.cancels is not None and now >= self.cancels[1]:
+            todo.append((Do.CANCEL_OWN, self.cancels[0]))
+        if self._must_cancel_others(now, facts):
+            after = self._replace(all_cancelled=self.first_turn, others_before=self.first_turn)
+            todo.append((Do.CANCEL_ALL, self.first_turn))
+        elif self.others_before:
+            todo.append((Do.CANCEL_OTHERS, self.others_before))
+        if self._must_send(now, facts):
+            todo.append((Do.SEND, self.first_turn))
+        return after, todo
+
+    def _must_cancel_others(self, now: float, facts: Facts) -> bool:
+        stop = self.open
+        if stop is None or not facts.moves or self.all_cancelled == self.first_turn:
+            return False
+        return now - stop.asked >= CANCEL_OTHERS_AFTER
+
+    def _must_send(self, now: float, facts: Facts) -> bool:
+        """Return True if the open STOP is due again; never while a call is awaited."""
+        if self.open is None or self.awaited or not facts.is_heard:
+            return False
+        if self.open.answer is StopAnswer.NOT_SENT:
+            return facts.is_offered
+        if self.open.answer is StopAnswer.UNCONFIRMED and not facts.moves:
+            return False  # It can never be a yes; the motion tells.
+        return now - self.answered >= REPEAT_AFTER
+
+
+def _are_here(nodes: Servers, here: Collection[str]) -> bool:
+    """Return True if this process runs all these nodes, and no other node has their names."""
+    return all(node in here and len(ids) == 1 for node, ids in nodes)

@@ -1,0 +1,560 @@
+"""Every state of STOP in a small world, breadth first: `python -m tests.robot.explore`.
+
+The world has one or two servers of STOP, a peer console, an operator with two STOPs, a release and
+two goals, and another client's goal. Whatever can happen next happens, in every order. Time and
+turns are made finite: ages saturate beyond the thresholds of the rules, turns count by rank. Each
+state is checked against the promises of docs/stop.md; of a broken one, the shortest way to it is
+printed as a call of `follow`.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from functools import partial
+from types import ModuleType
+from typing import Any, NamedTuple
+
+from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.stop import machine as the_machine
+
+STEP = 0.5  # Seconds between two ticks of this world.
+_OLDEST = -2.0  # Ages beyond it are the same to every rule.
+
+
+class Server(NamedTuple):
+    """A node that serves STOP and its release."""
+
+    alive: bool = True
+    lives: int = 0  # How often it was restarted.
+    stopped: bool = False
+    waiting: tuple[int, ...] = ()  # The requests that it has not handled, by their numbers.
+
+
+class Request(NamedTuple):
+    """A call of STOP, or the release."""
+
+    number: int
+    turn: int
+    is_stop: bool
+    asked: int  # The number of servers that it was sent to.
+    to: Any = frozenset()  # The nodes that it was sent to, as the console knows them.
+    answers: str = ""  # `y` or `n` of each server that handled it.
+    is_over: bool = False  # Its time is over, or it was delivered.
+
+
+class Goal(NamedTuple):
+    """A goal of this console."""
+
+    stops: int  # STOPs that had been read when it was typed.
+    turn: int = 0  # 0: not sent yet.
+    phase: str = "typed"  # typed, sent, runs (unknown here), moving (known here), over
+    is_asked: bool = False  # A cancel was requested.
+
+
+class World(NamedTuple):
+    """All there is, with the console's machine in it."""
+
+    servers: tuple[Server, ...]
+    stop: Any  # machine.Stop
+    reports: bool  # The robot reports its motion, and whether it is stopped.
+    stops_left: int = 2
+    releases_left: int = 1
+    restarts_left: int = 1
+    peer_left: tuple[str, ...] = ("stop", "release")
+    goals_left: int = 2
+    sends_left: int = 1  # Calls that the machine may make by itself; later ones are left out.
+    peer_says: tuple[str, ...] = ()  # Reports of the peer on their way.
+    requests: tuple[Request, ...] = ()
+    goals: tuple[Goal, ...] = ()
+    stops_read: int = 0
+    other_runs: bool = True  # Another client's goal, tracked since turn 1.
+    other_is_asked: bool = False
+    is_polled: bool = True  # The console knows which nodes there are.
+    passed: int = 0  # Ticks since the last STOP was read.
+
+
+class Broken(AssertionError):
+    """A promise that does not hold."""
+
+
+def begin(
+    servers: int = 2, *, reports: bool = False, module: ModuleType = the_machine, **limits: Any
+) -> World:
+    """Return a world in which nothing has happened."""
+    return World(tuple(Server() for _ in range(servers)), module.Stop(), reports, **limits)
+
+
+# What can be seen of a world.
+
+
+def served(world: World) -> Any:
+    return frozenset(
+        (f"/{'ab'[place]}", frozenset((bytes([server.lives]),)))
+        for place, server in enumerate(world.servers)
+        if server.alive
+    )
+
+
+def known(world: World) -> Any:
+    """The servers that the console would find if it asked."""
+    return served(world)
+
+
+def next_turn(world: World) -> int:
+    stop = world.stop
+    turns = [2, stop.first_turn, stop.answered_turn, stop.last_turn, stop.peer_turn]
+    turns.append(stop.past_turn)
+    turns += [pair[0] for pair in (stop.obeyed, stop.cancels) if pair]
+    turns += [request.turn for request in world.requests] + [goal.turn for goal in world.goals]
+    return int(max(turns)) + 1
+
+
+def may_move(world: World) -> bool:
+    """True unless every server that is there is stopped."""
+    here = [server for server in world.servers if server.alive]
+    return not here or not all(server.stopped for server in here)
+
+
+def runs(world: World) -> bool:
+    return world.other_runs or any(goal.phase in ("runs", "moving") for goal in world.goals)
+
+
+def may_start(world: World) -> bool:
+    """True if the console may send a goal: no STOP is open, holds or is in doubt."""
+    return world.stop.open is None and world.stop.latch is Latch.NONE
+
+
+# What happens.
+
+
+def _request(world: World, *, is_stop: bool) -> World:
+    number = max((request.number for request in world.requests), default=0) + 1
+    alive = [server.alive for server in world.servers]
+    request = Request(number, next_turn(world), is_stop, sum(alive), served(world))
+    servers = tuple(
+        server._replace(waiting=(*server.waiting, number)) if server.alive else server
+        for server in world.servers
+    )
+    return world._replace(servers=servers, requests=(*world.requests, request))
+
+
+def _call(world: World) -> World:
+    """Call STOP as `StopSender` does."""
+    turn = next_turn(world)
+    world = world._replace(stop=world.stop.calling(turn, 0.0))
+    if not served(world):
+        result = _result(world, StopAnswer.NOT_SENT)
+        return _answer(world, result, turn, served(world))
+    # `calling` and `leaving` are two turns; the answer belongs to the first.
+    stop = world.stop.leaving(turn + 1, served(world))
+    world = _request(world._replace(stop=stop), is_stop=True)
+    *earlier, last = world.requests
+    return world._replace(requests=(*earlier, last._replace(turn=turn)))
+
+
+def _result(world: World, answer: StopAnswer) -> Any:
+    return sys.modules[type(world.stop).__module__].Result(answer)
+
+
+def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool = False) -> World:
+    before = world.stop
+    stop = before.answered_by(
+        result, turn, 0.0, next_turn(world), asked, served(world), (), is_late=is_late
+    )
+    if result.is_yes and before.open is not None and turn < before.first_turn:
+        _promise(stop.open is not None, "a yes to an earlier STOP confirms no later one")
+    return world._replace(stop=stop)
+
+
+def read_stop(world: World) -> World:
+    world = world._replace(
+        stops_left=world.stops_left - 1, stops_read=world.stops_read + 1, passed=0
+    )
+    return _call(world)
+
+
+def handle(place: int, number: int, answer: str, world: World) -> World:
+    """A server handles a waiting request; of several any one."""
+    server = world.servers[place]
+    (request,) = (request for request in world.requests if request.number == number)
+    stopped = request.is_stop if answer == "y" else server.stopped
+    waiting = tuple(n for n in server.waiting if n != number)
+    server = server._replace(stopped=stopped, waiting=waiting)
+    servers = (*world.servers[:place], server, *world.servers[place + 1 :])
+    request = request._replace(answers="".join(sorted(request.answers + answer)))
+    return _with_request(world._replace(servers=servers), request)
+
+
+def _with_request(world: World, request: Request) -> World:
+    requests = tuple(request if r.number == request.number else r for r in world.requests)
+    return world._replace(requests=requests)
+
+
+def deliver(number: int, world: World) -> World:
+    """The answers of all servers to a request reach the console."""
+    (request,) = (request for request in world.requests if request.number == number)
+    requests = tuple(r for r in world.requests if r.number != number)
+    world = world._replace(requests=requests)
+    if request.is_stop:
+        answer = StopAnswer.REFUSED if "n" in request.answers else StopAnswer.AWAITED
+        result = _result(world, answer)
+        return _answer(world, result, request.turn, request.to, is_late=request.is_over)
+    stop = world.stop
+    if "n" not in request.answers:
+        stop = stop.accepted(request.turn, 0.0)
+    world = world._replace(stop=stop)
+    return _call(world) if stop.is_behind(request.turn) else world
+
+
+def time_out(number: int, world: World) -> World:
+    (request,) = (request for request in world.requests if request.number == number)
+    world = _with_request(world, request._replace(is_over=True))
+    if not request.is_stop:
+        return world
+    return _answer(world, _result(world, StopAnswer.NONE), request.turn, request.to)
+
+
+def release(world: World) -> World:
+    return _request(world._replace(releases_left=world.releases_left - 1), is_stop=False)
+
+
+def give_up(world: World) -> World:
+    return world._replace(stop=world.stop.given_up())
+
+
+def leave(place: int, world: World) -> World:
+    """A server ends; what it had not handled is lost."""
+    server = world.servers[place]._replace(alive=False, stopped=False, waiting=())
+    servers = (*world.servers[:place], server, *world.servers[place + 1 :])
+    return world._replace(servers=servers, restarts_left=world.restarts_left - 1, is_polled=False)
+
+
+def come_back(place: int, world: World) -> World:
+    server = world.servers[place]
+    server = server._replace(alive=True, lives=server.lives + 1)
+    servers = (*world.servers[:place], server, *world.servers[place + 1 :])
+    return world._replace(servers=servers, is_polled=False)
+
+
+def poll(world: World) -> World:
+    return world._replace(stop=world.stop.served_by(served(world), (), 0.0), is_polled=True)
+
+
+def peer_does(what: str, world: World) -> World:
+    """The peer console stops or releases the robot; its report comes later."""
+    servers = tuple(
+        server._replace(stopped=what == "stop") if server.alive else server
+        for server in world.servers
+    )
+    left = tuple(other for other in world.peer_left if other != what)
+    return world._replace(servers=servers, peer_left=left, peer_says=(*world.peer_says, what))
+
+
+def hear_peer(world: World) -> World:
+    what, *rest = world.peer_says
+    stop, stops_read = world.stop, world.stops_read
+    if what == "stop":
+        stop = stop.stopped_elsewhere("peer", next_turn(world), 0.0, served(world), ())
+        stops_read += 1
+    else:
+        stop = stop.released_elsewhere("peer", next_turn(world))
+    passed = 0 if what == "stop" else world.passed
+    return world._replace(stop=stop, peer_says=tuple(rest), stops_read=stops_read, passed=passed)
+
+
+def report(world: World) -> World:
+    """The robot reports its motion."""
+    moves = runs(world) and may_move(world)
+    motion = Motion(moving=moves, stopped=not may_move(world), received=0.0)
+    return world._replace(stop=world.stop.moved(motion, 0.0, served(world), ()))
+
+
+def type_goal(world: World) -> World:
+    goal = Goal(world.stops_read)
+    return world._replace(goals=(*world.goals, goal), goals_left=world.goals_left - 1)
+
+
+def _with_goal(world: World, place: int, **changes: Any) -> World:
+    goals = list(world.goals)
+    goals[place] = goals[place]._replace(**changes)
+    return world._replace(goals=tuple(goals))
+
+
+def send_goal(place: int, world: World) -> World:
+    goal = world.goals[place]
+    if goal.stops < world.stops_read or not may_start(world):
+        return _with_goal(world, place, phase="over")
+    return _with_goal(world, place, phase="sent", turn=next_turn(world))
+
+
+def take_goal(place: int, world: World) -> World:
+    """The robot accepts a goal; a stopped one refuses it."""
+    is_stopped = any(server.alive and server.stopped for server in world.servers)
+    return _with_goal(world, place, phase="over" if is_stopped else "runs")
+
+
+def hear_goal(place: int, world: World) -> World:
+    """The console hears that its goal was accepted."""
+    goal = world.goals[place]
+    is_void = goal.stops < world.stops_read
+    world = _with_goal(world, place, phase="moving", is_asked=goal.is_asked or is_void)
+    return world._replace(stop=world.stop.accepted(goal.turn, 0.0))
+
+
+def end_goal(place: int, world: World) -> World:
+    return _with_goal(world, place, phase="over")
+
+
+def pass_time(world: World) -> World:
+    """Half a second passes; then the machine ticks, and what it asks for is done."""
+    world = world._replace(stop=_older(world.stop), passed=min(world.passed + 1, 3))
+    module = sys.modules[type(world.stop).__module__]
+    facts = module.Facts(runs(world), True, bool(served(world)))
+    stop, todo = world.stop.tick(0.0, facts)
+    world = world._replace(stop=stop)
+    for what, turn in todo:
+        if what is module.Do.SEND:
+            _promise(stop.open is not None, "only an open STOP is sent again")
+            _promise(not stop.awaited, "never two calls at once")
+            if world.sends_left:
+                world = _call(world._replace(sends_left=world.sends_left - 1))
+        elif what is module.Do.CANCEL_OWN:
+            for place, goal in enumerate(world.goals):
+                if goal.phase == "moving" and goal.turn < turn:
+                    world = _with_goal(world, place, is_asked=True)
+        else:
+            _promise(bool(stop.others_before), "goals of others are cancelled for a STOP only")
+            world = world._replace(other_is_asked=True)
+    return world
+
+
+# Finite time and turns.
+
+
+def _older(stop: Any) -> Any:
+    def age(then: float) -> float:
+        return then if then == float("-inf") else max(round(then - STEP, 1), _OLDEST)
+
+    opened = stop.open and stop.open._replace(asked=age(stop.open.asked))
+    return stop._replace(
+        open=opened,
+        answered=age(stop.answered),
+        servers_changed=age(stop.servers_changed),
+        obeyed=stop.obeyed and (stop.obeyed[0], age(stop.obeyed[1])),
+        cancels=stop.cancels and (stop.cancels[0], age(stop.cancels[1])),
+        due=None if stop.due is None else age(stop.due),
+        moves_since=None if stop.moves_since is None else age(stop.moves_since),
+    )
+
+
+def normal(world: World) -> World:
+    """The world with turns by rank, and without what decides nothing."""
+    stop = world.stop._replace(held=0.0, released=None, seen_stopped=float("-inf"))
+    turns = {0, 1, stop.first_turn, stop.answered_turn, stop.last_turn, stop.peer_turn}
+    turns |= {stop.all_cancelled, stop.others_before, stop.past_turn}
+    turns |= {pair[0] for pair in (stop.obeyed, stop.cancels) if pair}
+    turns |= {request.turn for request in world.requests} | {goal.turn for goal in world.goals}
+    rank = {turn: place for place, turn in enumerate(sorted(turns))}
+    numbers = sorted(request.number for request in world.requests)
+    renamed = {number: place for place, number in enumerate(numbers, 1)}
+    stop = stop._replace(
+        first_turn=rank[stop.first_turn],
+        answered_turn=rank[stop.answered_turn],
+        last_turn=rank[stop.last_turn],
+        peer_turn=rank[stop.peer_turn],
+        past_turn=rank[stop.past_turn],
+        all_cancelled=rank[stop.all_cancelled],
+        others_before=rank[stop.others_before],
+        obeyed=stop.obeyed and (rank[stop.obeyed[0]], stop.obeyed[1]),
+        cancels=stop.cancels and (rank[stop.cancels[0]], stop.cancels[1]),
+    )
+    requests = tuple(
+        request._replace(number=renamed[request.number], turn=rank[request.turn])
+        for request in sorted(world.requests, key=lambda request: request.number)
+    )
+    servers = tuple(
+        server._replace(waiting=tuple(sorted(renamed[n] for n in server.waiting if n in renamed)))
+        for server in world.servers
+    )
+    goals = tuple(
+        goal._replace(turn=rank[goal.turn], stops=min(goal.stops, world.stops_read))
+        for goal in world.goals
+    )
+    return world._replace(stop=stop, requests=requests, servers=servers, goals=goals)
+
+
+# What can happen next.
+
+
+def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
+    """Yield all that can happen next, by its name."""
+    yield "time", pass_time
+    if world.stops_left:
+        yield "stop", read_stop
+    if world.stop.open is not None:
+        yield "give up", give_up
+    if world.releases_left and world.stops_read:
+        yield "release", release
+    for place, server in enumerate(world.servers):
+        name = "ab"[place]
+        for number in server.waiting:
+            yield f"{name} yes {number}", partial(handle, place, number, "y")
+            if next(r for r in world.requests if r.number == number).is_stop:
+                yield f"{name} no {number}", partial(handle, place, number, "n")
+        if server.alive and world.restarts_left:
+            yield f"{name} leaves", partial(leave, place)
+        if not server.alive:
+            yield f"{name} returns", partial(come_back, place)
+    for request in world.requests:
+        if len(request.answers) == request.asked:
+            yield f"deliver {request.number}", partial(deliver, request.number)
+        elif not request.is_over:
+            yield f"time out {request.number}", partial(time_out, request.number)
+    if not world.is_polled:
+        yield "poll", poll
+    if world.peer_left:
+        yield f"peer {world.peer_left[0]}", partial(peer_does, world.peer_left[0])
+    if world.peer_says:
+        yield "hear peer", hear_peer
+    if world.reports and world.is_polled and len(served(world)) == 1:
+        yield "report", report
+    if world.goals_left:
+        yield "type goal", type_goal
+    for place, goal in enumerate(world.goals):
+        then = {
+            "typed": ("send", send_goal),
+            "sent": ("take", take_goal),
+            "runs": ("hear", hear_goal),
+            "moving": ("end", end_goal),
+        }.get(goal.phase)
+        if then is not None:
+            yield f"{then[0]} goal {place}", partial(then[1], place)
+
+
+# What must hold.
+
+
+def _promise(holds: bool, what: str) -> None:
+    if not holds:
+        raise Broken(what)
+
+
+def check(world: World) -> None:
+    """Check the promises of docs/stop.md."""
+    stop = world.stop
+    is_quiet = not (world.requests or world.peer_says) and world.is_polled
+    if stop.latch is Latch.HELD and stop.open is None and is_quiet:
+        _promise(not may_move(world), "a robot that may move is not shown as STOPPED")
+    awaited = [r for r in world.requests if r.is_stop and not r.is_over]
+    _promise(stop.awaited == len(awaited), "each call is awaited until it is answered or over")
+    for goal in world.goals:
+        is_old = goal.stops < world.stops_read and world.passed >= 1
+        if goal.phase == "moving" and is_old:
+            _promise(goal.is_asked, "a goal from before a STOP that runs behind it is cancelled")
+    if stop.open is not None:
+        open_for = -stop.open.asked
+        if open_for >= 1.5 and world.other_runs:
+            _promise(world.other_is_asked, "goals of others are cancelled behind an open STOP")
+        _promise(_is_sent_again(world), "an open STOP is sent again")
+    _promise((stop.state.name in ("NONE", "HELD")) == (not stop.doubt), "a doubt has its reason")
+
+
+def _is_sent_again(world: World) -> bool:
+    """Return True if within some ticks the open STOP is sent, if it can be."""
+    module = sys.modules[type(world.stop).__module__]
+    stop = world.stop
+    if stop.awaited or not served(world):
+        return True
+    facts = module.Facts(True, True, True)
+    for _ in range(4):
+        stop = _older(stop)
+        stop, todo = stop.tick(0.0, facts)
+        if any(what is module.Do.SEND for what, _ in todo):
+            return True
+    return False
+
+
+class Found(NamedTuple):
+    """What an exploration found."""
+
+    states: int
+    broken: str  # The promise that does not hold, or "".
+    way: tuple[str, ...]  # The shortest way to it.
+    cells: frozenset[tuple[str, str]]  # Of the table, each by event and state before.
+
+
+def explore(world: World, most: int = 10_000_000) -> Found:
+    """Visit every state that can be reached, or until a promise is broken."""
+    first = normal(world)
+    came: dict[World, tuple[World, str] | None] = {first: None}
+    frontier = deque([first])
+    module = sys.modules[type(world.stop).__module__]
+    cells: set[tuple[str, str]] = set()
+    fire = module.Stop._fire
+
+    def fire_and_note(stop: Any, event: Any, doubt: str = "") -> Any:
+        cells.add((event.name, stop.state.name))
+        return fire(stop, event, doubt)
+
+    module.Stop._fire = fire_and_note
+    try:
+        while frontier and len(came) < most:
+            here = frontier.popleft()
+            for name, happen in moves(here):
+                try:
+                    there = normal(happen(here))
+                    if there not in came:
+                        check(there)
+                except Broken as error:
+                    return Found(len(came), str(error), (*_way(came, here), name), frozenset(cells))
+                if there not in came:
+                    came[there] = here, name
+                    frontier.append(there)
+    finally:
+        module.Stop._fire = fire
+    return Found(len(came), "" if not frontier else "not all was visited", (), frozenset(cells))
+
+
+def _way(came: dict[World, tuple[World, str] | None], world: World) -> tuple[str, ...]:
+    way: list[str] = []
+    while (step := came[world]) is not None:
+        world, name = step
+        way.append(name)
+    return tuple(reversed(way))
+
+
+def follow(world: World, *way: str) -> World:
+    """Let these things happen, one after the other, and check each state."""
+    for name in way:
+        world = normal(dict(moves(normal(world)))[name](normal(world)))
+        check(world)
+    return world
+
+
+WORLDS: dict[str, Callable[[], World]] = {
+    "two servers, which report no motion": lambda: begin(
+        2, peer_left=(), goals_left=0, releases_left=1
+    ),
+}
+
+
+def main() -> int:
+    """Explore each world, and print what was found."""
+    worst = 0
+    for name, make in WORLDS.items():
+        began = time.process_time()
+        found = explore(make())
+        took = time.process_time() - began
+        said = found.broken or "all promises hold"
+        print(f"{name}: {found.states:,} states in {took:.0f} s; {said}")
+        if found.broken:
+            worst = 1
+            print(f"    follow(begin(...), {', '.join(map(repr, found.way))})")
+    return worst
+
+
+if __name__ == "__main__":
+    sys.exit(main())
