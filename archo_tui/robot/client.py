@@ -665,6 +665,7 @@ class Robot:
             running=self._goals.running,
             history=tuple(self._goals.history),
             parameters=self._parameters.all(),
+            unreported=self._parameters.unreported,
             nodes=self._lifecycles.with_states(self._graph.node_states()),
             offered=self._graph.offered,
             events=self._reporter.log.all(),
