@@ -128,7 +128,6 @@ FAULTS = [
     Fault("robot/stop_verbs.py", "                if outcome.ok:\n                    self._stopping", "                if False:\n                    self._stopping", ROBOT + "/test_stop_and_releases.py"),
     Fault("robot/stop_latch.py", "            self._end()\n            self._on_change()", "            self.state = Latch.NONE\n            self._on_change()", ROBOT + "/test_stop_held_here.py"),
     Fault("station/alarm_board.py", "return [] if known is None else self._change(known,", "return self._change(known or alarm,", "tests/station/test_alarms.py"),
-    Fault("hosting/host.py", "                new.operator_values = operator_values\n                self._wait", "                self._wait", "tests/hosting/test_reloading.py"),
     Fault("robot/goal_finder.py", "            tracked.tracked_since, tracked.gate = lost.goal.sent, lost.gate\n", "            pass\n", ROBOT + "/test_goal_without_a_node.py"),
     Fault("robot/goal_finder.py", "if tracked.is_cancelled or was_unknown:", "if tracked.is_cancelled:", ROBOT + "/test_stop_and_goals.py"),
     Fault("robot/parameters.py", "        if got is None:\n            were", "        if False:\n            were", ROBOT + "/test_odd_robots.py"),

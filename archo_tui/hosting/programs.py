@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Program
 from archo_tui.hosting.program_file import ProgramFile
@@ -29,6 +30,7 @@ class Programs:
         on_gone: Callable[[Sequence[str]], None],
         on_node: Callable[[str, Callable[[], bool]], None],
         has_stop: Callable[[], bool],
+        operator_values: Callable[[str], Mapping[str, Any]],
     ) -> None:
         """Create the collection without programs.
 
@@ -40,9 +42,12 @@ class Programs:
             on_node: Called with the full name of each node that a program makes, and with a
                 function that returns True if the program is to end; on any thread.
             has_stop: Returns True while a STOP is not released.
+            operator_values: Returns the parameters that the operator has set on a node, by its full
+                name.
         """
         self._make, self._on_event, self._on_gone = make, on_event, on_gone
         self._on_node, self._has_stop = on_node, has_stop
+        self._operator_values = operator_values
         self._changing = threading.Lock()
         self._hosted: list[HostedProgram] = []
         self._is_over = False  # Set when the console ends: nothing is begun any more.
@@ -112,7 +117,7 @@ class Programs:
                 return Outcome(Code.REFUSED, f"{hosted.name} is running")
             if self._has_stop():
                 return Outcome(Code.REFUSED, f"{hosted.name} {_BEHIND_STOP}")
-            text = f"{hosted.name} started"
+            text = f"{hosted.name} started{self._lost_parameters(hosted)}"
             if not hosted.stop():
                 text += ", the one before is stuck: its code still runs"
             try:
@@ -163,6 +168,7 @@ class Programs:
                 self._restart(olds, name)
 
     def _restart(self, olds: list[HostedProgram], file: str) -> None:
+        lost = "".join(map(self._lost_parameters, olds))
         for old in olds:
             if not old.stop():
                 text = "the one before is stuck: its code still runs"
@@ -170,7 +176,12 @@ class Programs:
             self._on_gone(old.served)
             self._run_again(old)
         names = ", ".join(sorted(old.name for old in olds))
-        self._on_event("YOU", "console", f"{file} was saved: {names} restarted")
+        self._on_event("YOU", "console", f"{file} was saved: {names} restarted{lost}")
+
+    def _lost_parameters(self, old: HostedProgram) -> str:
+        """Return a clause that names the parameters that a restart loses; "" if it loses none."""
+        names = [f"{n.lstrip('/')} {name}" for n in old.names for name in self._operator_values(n)]
+        return f"; not set again: {', '.join(names)}" if names else ""
 
     def _run_again(self, old: HostedProgram) -> None:
         """Compile a program's file anew and run it, as a new object in the place of the old one.

@@ -208,6 +208,18 @@ def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
         assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
 
 
+def test_a_restarted_program_loses_the_parameters_that_were_set_and_an_event_names_them() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said() == ["made"])
+        session.host.operator_values = lambda node: {"/talker": {"gain": 2.0}}.get(node, {})
+        talker("anew")
+        saved = "talker.py was saved: /talker restarted; not set again: talker gain"
+        wait_until(lambda: saved in texts(session))
+        session.host.stop_node("/talker")
+        started = "/talker started; not set again: talker gain"
+        assert session.host.start_node("/talker") == (Code.DONE, started)
+
+
 BESIDE = """
 from __future__ import annotations
 from dataclasses import dataclass, fields
