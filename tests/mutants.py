@@ -385,7 +385,7 @@ FAULTS = [
     # held keys, the queue, alarms, the goal field, the end
     Fault("commands/robot.py", "if console.repeated and not is_ours:", "if False:", CONSOLE + "/test_goals.py"),
     Fault("robot/goal_guard.py", "            self._stopping.open is not None or stop_state.says_stopped or", "            stop_state.says_stopped or", ROBOT + "/test_robot.py"),
-    Fault("station/queue.py", "if alarm.name in (LOW_BATTERY, BATTERY_EMPTY) and", "if alarm.name == LOW_BATTERY and", "tests/widgets/test_queue.py"),
+    Fault("station/queue.py", "if alarm.name in BATTERY_ALARMS and", "if alarm.name == BATTERY_ALARMS[0] and", "tests/widgets/test_queue.py"),
     Fault("station/goal_driver.py", "if reason and not before:", "if reason:", "tests/widgets/test_queue.py"),
     Fault("verbs/nodes.py", "grave = (base_name(goal.kind.action), _stop_service(station))", "grave = (base_name(goal.kind.action),)", "tests/widgets/test_nodes.py"),
     Fault("station/alarms.py", "return shelved, self.acknowledged, self.is_over, _ORDER", "return shelved, self.acknowledged, False, _ORDER", "tests/station/test_alarms.py"),
