@@ -468,9 +468,19 @@ class ArchoApp(KeyedApp):
 
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
         self._remember_typed(typed)
-        answer = self.verbs["go"].run(self.station, {GOALS: goals})
-        start_worker(self, partial(self._show_refusal, answer), COMMANDS)
-        self._show()
+        go, values = self.verbs["go"], {GOALS: goals}
+
+        def send() -> Callable[[], Work]:
+            answer = go.run(self.station, values)
+            self._show()
+            return partial(self._show_refusal, answer)
+
+        question = go.question(self.station, values)
+        if question is None:
+            start_worker(self, send(), COMMANDS)
+        else:
+            answers: Answers = {question.go: lambda: send()()}
+            self.confirm(question.title, question.text, question.safe, answers)
 
     async def _show_refusal(self, answer: Awaitable[Outcome]) -> None:
         """Wait for the answer to a goal, and show a refusal in the goal's form.

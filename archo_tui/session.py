@@ -122,6 +122,7 @@ class Session:
             unseen=engine.no_node_hint(options.engine, self._context),
             file_is_default=options.robot is None,
         )
+        self.host.operator_values = self.station.edits.values_set
         self._watch = FileWatcher(self._watched_files(interfaces))
         self._server = self._make_server() if options.remote else None
 
@@ -235,6 +236,7 @@ class Session:
                 *(self._context, robot.note, robot.end_goals_of_node),
                 early_stop_request=robot.early_stop_request,
                 on_early_stop=robot.on_early_stop,
+                on_restored=robot.on_parameters_restored,
                 make_program=self._make_program,
             )
             robot.own_nodes = self.host.names
@@ -276,9 +278,9 @@ class Session:
         Args:
             interfaces: The user's own interface packages, folders by name.
         """
-        kept, note, host = self.station.edits.values_set, self.robot.note, self.host
+        note, host = self.robot.note, self.host
         watched: list[Watched] = [
-            WatchedFile(file, partial(host.reload, file, kept)) for file in self._node_files
+            WatchedFile(file, partial(host.reload, file)) for file in self._node_files
         ]
         programs = [program.file for program in self._programs]
         watched += [WatchedFile(file, partial(host.programs.reload, file)) for file in programs]

@@ -128,7 +128,6 @@ FAULTS = [
     Fault("robot/stop_verbs.py", "                if outcome.ok:\n                    self._stopping", "                if False:\n                    self._stopping", ROBOT + "/test_stop_and_releases.py"),
     Fault("robot/stop_latch.py", "            self._end()\n            self._on_change()", "            self.state = Latch.NONE\n            self._on_change()", ROBOT + "/test_stop_held_here.py"),
     Fault("station/alarm_board.py", "return [] if known is None else self._change(known,", "return self._change(known or alarm,", "tests/station/test_alarms.py"),
-    Fault("hosting/host.py", "                new.operator_values = operator_values\n                self._wait", "                self._wait", "tests/hosting/test_reloading.py"),
     Fault("robot/goal_finder.py", "            tracked.turn, tracked.gate = lost.turn, lost.gate\n", "            pass\n", ROBOT + "/test_goal_without_a_node.py"),
     Fault("robot/goal_finder.py", "if tracked.is_cancelled or was_unknown:", "if tracked.is_cancelled:", ROBOT + "/test_stop_and_goals.py"),
     Fault("robot/parameters.py", "        if got is None:\n            were", "        if False:\n            were", ROBOT + "/test_odd_robots.py"),
@@ -386,7 +385,7 @@ FAULTS = [
     # held keys, the queue, alarms, the goal field, the end
     Fault("commands/robot.py", "if console.repeated and not is_ours:", "if False:", CONSOLE + "/test_goals.py"),
     Fault("robot/goal_guard.py", "            self._stopping.open is not None or stop_state.says_stopped or", "            stop_state.says_stopped or", ROBOT + "/test_robot.py"),
-    Fault("station/queue.py", "if alarm.name in (LOW_BATTERY, BATTERY_EMPTY) and", "if alarm.name == LOW_BATTERY and", "tests/widgets/test_queue.py"),
+    Fault("station/queue.py", "if alarm.name in BATTERY_ALARMS and", "if alarm.name == BATTERY_ALARMS[0] and", "tests/widgets/test_queue.py"),
     Fault("station/goal_driver.py", "if reason and not before:", "if reason:", "tests/widgets/test_queue.py"),
     Fault("verbs/nodes.py", "grave = (base_name(goal.kind.action), _stop_service(station))", "grave = (base_name(goal.kind.action),)", "tests/widgets/test_nodes.py"),
     Fault("station/alarms.py", "return shelved, self.acknowledged, self.is_over, _ORDER", "return shelved, self.acknowledged, False, _ORDER", "tests/station/test_alarms.py"),

@@ -176,6 +176,9 @@ class ParametersTool(_VerbTool):
             "source": "commanded",
             "parameters": found,
         }
+        if "name" not in given:  # Behind a line for each parameter.
+            lines = str(result.get("text", "")).splitlines()
+            data["not_reported"] = lines[len(_objects(result)) :]
         return f"{len(found)} parameters, as their nodes reported them.", data
 
 

@@ -15,7 +15,7 @@ from textual.theme import Theme
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
+_AGREE_AFTER = 0.7  # Seconds: a key that is held down agrees to nothing.
 PARAMETERS, NODES, EVENTS, GRAPH, TIME = 4, 5, 6, 8, 9
 _PANELS = {  # The panels with commands of their own.
     PARAMETERS: "Parameters",
@@ -281,6 +282,26 @@ class Command:
         A subclass must define it. The app awaits the coroutine as work of this command.
         """
         raise NotImplementedError
+
+
+def asking_first(
+    console: Console, verb: Verb, send: Callable[[Mapping[str, Any]], Awaitable[Outcome]]
+) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
+    """Return the `send` of a form, which at first returns the verb's question if there is one.
+
+    Called again, it sends; not before _AGREE_AFTER seconds: a key may be held down.
+    """
+    asked: float | None = None
+
+    async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
+        nonlocal asked
+        question, now = verb.question(console.station, values), console.station.clock.monotonic()
+        if question is not None and (asked is None or now - asked < _AGREE_AFTER):
+            asked = now if asked is None else asked
+            return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
+        return await send(values)
+
+    return ask_or_send
 
 
 class VerbCommand(Command):

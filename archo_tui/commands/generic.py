@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.commands.base import Command, Console, VerbCommand, Work, file_writer
+from archo_tui.commands.base import Command, Console, VerbCommand, Work, asking_first, file_writer
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
@@ -72,7 +72,7 @@ class _GenericCommand(VerbCommand):
             console.show_message(not_installed(name, kind))
             return
         typed = console.typed.setdefault(name, {})
-        send = partial(self.send, console, name, kind)
+        send = asking_first(console, self.verb, partial(self.send, console, name, kind))
         console.open(MessageForm(f"{name}  {kind}", message_fields, send, typed))
 
     async def send(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work
+from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work, asking_first
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase
 from archo_tui.screens.dismissable import Dismissable
@@ -78,7 +78,8 @@ class FormGoalKey(VerbCommand):
             return outcome
 
         form = console.view.snapshot.form(kind)
-        console.open(MessageForm(kind.title, message_fields, send, typed, form))
+        sends = asking_first(console, self._go, send)
+        console.open(MessageForm(kind.title, message_fields, sends, typed, form))
         return None
 
 

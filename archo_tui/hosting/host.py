@@ -35,6 +35,8 @@ class Host:
 
     Attributes:
         nodes: The nodes, with those that were stopped or have crashed; not those of programs.
+        operator_values: Returns the parameters that the operator has set on a node, by its full
+            name. The session sets it.
         programs: The user's programs.
     """
 
@@ -45,6 +47,7 @@ class Host:
         on_end: Callable[[Sequence[str]], None],
         early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
         on_early_stop: Callable[[str], None] = lambda _: None,
+        on_restored: Callable[[str, Mapping[str, Any]], None] = lambda *_: None,
         make_program: Callable[..., HostedProgram] = HostedProgram,
     ) -> None:
         """Create a host without nodes.
@@ -57,11 +60,15 @@ class Host:
             early_stop_request: Returns the full name of the service of a STOP that is not released,
                 and the values of its request; "" for the name if there is no such STOP.
             on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
+            on_restored: Called with the name of a node, and the parameters that were set on it
+                again after it was constructed anew; on any thread.
             make_program: Makes a program, which is not begun yet.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
         self._early_stop_request, self._on_early_stop = early_stop_request, on_early_stop
+        self._on_restored = on_restored
+        self.operator_values: Callable[[str], Mapping[str, Any]] = lambda _: {}
         self._changing = threading.Lock()
         self._has_started = False
         self.nodes: list[HostedNode] = []
@@ -71,6 +78,7 @@ class Host:
             self._report_gone,
             self._make_way_for_program_node,
             lambda: bool(early_stop_request()[0]),
+            lambda name: self.operator_values(name),
         )
 
     def add(self, make: Callable[..., Any]) -> None:
@@ -154,8 +162,8 @@ class Host:
 
         If a STOP is not released, a node that serves it carries it out before it spins, and a
         program is refused. What still runs of a stuck node is interrupted and taken off the graph.
-        The node gets the parameter values of the start, and the text of its file that was last
-        loaded.
+        The node gets the parameters that the operator has set, and the text of its file that was
+        last loaded.
 
         Args:
             name: The fully qualified name of one of the nodes.
@@ -225,7 +233,7 @@ class Host:
             short = f"{first.name.rpartition('/')[2]}_{number}"
             return self._make_and_spin(lambda: self._hosted(kind, short), f"{short} started")
 
-    def reload(self, file: NodeFile, operator_values: Callable[[str], Mapping[str, Any]]) -> None:
+    def reload(self, file: NodeFile) -> None:
         """Load a file as it is now, and run its nodes in place of all those it has here.
 
         Stopped and crashed nodes of the file are replaced, too, and copies end. If the file cannot
@@ -234,10 +242,7 @@ class Host:
         serves it carries it out before it spins. A node of the robot's own with the name of a new
         one is stopped and removed.
 
-        Args:
-            file: The file.
-            operator_values: Returns the parameters that the operator has set on a node, by its
-                name. The new nodes get them, and the old ones if they are constructed again.
+        The nodes get the parameters that the operator has set.
         """
         with self._changing:
             olds = [hosted for hosted in self.nodes if hosted.file is file]
@@ -255,14 +260,13 @@ class Host:
             try:
                 for make in makers:
                     news.append(self._hosted(make))
-                    news[-1].operator_values = operator_values
                     self._wait(news[-1])
             except Exception as error:  # NodeFileError, or an error of rclpy about a name.
                 failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
                 for new in news:
                     new.stop()
                 file.restore()
-                news = self._make_all_again(olds, operator_values)
+                news = self._make_all_again(olds)
             names = {new.name for new in news}
             for other in [h for h in self.nodes if h not in olds and h.name in names]:
                 other.stop()  # A node of the robot's own, whose place the new one takes.
@@ -379,15 +383,12 @@ class Host:
             self.nodes.remove(own)
             self._report_ended(own)
 
-    def _make_all_again(
-        self, olds: list[HostedNode], operator_values: Callable[[str], Mapping[str, Any]]
-    ) -> list[HostedNode]:
+    def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Construct nodes again, and return them, not spinning; an event names each that fails."""
         made = []
         for old in olds:
             try:
                 new = old.make_again()
-                new.operator_values = operator_values
                 self._wait(new)
                 made.append(new)
             except Exception as error:
@@ -408,13 +409,19 @@ class Host:
     def _restore_parameters(self, hosted: HostedNode) -> None:
         """Set the operator's parameter values on a new node, which does not spin yet.
 
-        An event names each parameter that the node refuses.
+        An event names each parameter that the node refuses; `on_restored` is called with the
+        others, if any.
         """
-        for name, value in hosted.operator_values(hosted.name).items():
+        restored = {}
+        for name, value in self.operator_values(hosted.name).items():
             reason = hosted.set_parameter(name, value)
             if reason:
                 text = f"{name} was not set again: {reason}"  # The value may be a secret.
                 self._on_event("WARN", hosted.name.lstrip("/"), text)
+            else:
+                restored[name] = value
+        if restored:
+            self._on_restored(hosted.name, restored)
 
     def _abandon(self, old: HostedNode) -> str:
         """Abandon a stuck node, and return a clause that begins with `, the one before`.
@@ -448,6 +455,7 @@ class Host:
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
         if new.is_late:
             return Outcome(Code.DONE, f"{text}; {new.lateness_text()}")
+        self._restore_parameters(new)
         outcome = self._start(new)
         return outcome._replace(text=text + outcome.text)
 

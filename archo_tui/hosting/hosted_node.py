@@ -50,8 +50,6 @@ class HostedNode:
         node: The node; not set until its constructor has returned.
         make: The function or FileNode that makes the node.
         file: The node file; None for a node of the robot's own.
-        operator_values: A function that returns the parameter values that the operator has set on a
-            node, given the node's full name; it returns none until `Host.reload` sets another one.
         state: The state of the node; `current_state` is more precise while it is constructed.
         was_stopped_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
@@ -84,7 +82,6 @@ class HostedNode:
         self._on_crash, self._on_event = on_crash, on_event
         self._on_late, self._on_early = on_late, on_early
         self.file = make.file if isinstance(make, FileNode) else None
-        self.operator_values: Callable[[str], Mapping[str, Any]] = lambda _: {}
         self._global = GlobalExecutor(context, self._on_added)
         self._executor: Executor = self._global
         self._workers: Workers | None = None
@@ -363,10 +360,7 @@ class HostedNode:
         return "" if result.successful else result.reason or "refused"
 
     def make_again(self) -> HostedNode:
-        """Start to construct another node of the same maker and name; this node stays as it is.
-
-        `operator_values` is not taken over.
-        """
+        """Start to construct another node of the same maker and name; this node stays as it is."""
         callbacks = self._on_crash, self._on_event, self._on_late, self._on_early
         return HostedNode(self.make, self._context, *callbacks, self._rename)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Program
 from archo_tui.hosting.program_file import ProgramFile
@@ -29,6 +30,7 @@ class Programs:
         on_gone: Callable[[Sequence[str]], None],
         on_node: Callable[[str, Callable[[], bool]], None],
         has_stop: Callable[[], bool],
+        operator_values: Callable[[str], Mapping[str, Any]],
     ) -> None:
         """Create the collection without programs.
 
@@ -40,9 +42,12 @@ class Programs:
             on_node: Called with the full name of each node that a program makes, and with a
                 function that returns True if the program is to end; on any thread.
             has_stop: Returns True while a STOP is not released.
+            operator_values: Returns the parameters that the operator has set on a node, by its full
+                name.
         """
         self._make, self._on_event, self._on_gone = make, on_event, on_gone
         self._on_node, self._has_stop = on_node, has_stop
+        self._operator_values = operator_values
         self._changing = threading.Lock()
         self._hosted: list[HostedProgram] = []
         self._is_over = False  # Set when the console ends: nothing is begun any more.
@@ -112,7 +117,7 @@ class Programs:
                 return Outcome(Code.REFUSED, f"{hosted.name} is running")
             if self._has_stop():
                 return Outcome(Code.REFUSED, f"{hosted.name} {_BEHIND_STOP}")
-            text = f"{hosted.name} started"
+            text = f"{hosted.name} started{self._lost_parameters(hosted)}"
             if not hosted.stop():
                 text += ", the one before is stuck: its code still runs"
             try:
@@ -140,8 +145,10 @@ class Programs:
 
         If a STOP is not released, or the text is not Python, they are not restarted; an error of
         the text is put into their state. A program that has ended or was stopped is not started. An
-        event tells what was done, or why nothing was.
+        event tells what was done, or why nothing was, once the programs are at rest.
         """
+        begun: list[tuple[str, HostedProgram]] = []
+        lost = ""
         with self._changing:
             ours = [h for h in self._hosted if h.file is file]
             olds = [h for h in ours if h.state.life in (Life.UP, Life.STARTING, Life.CRASHED)]
@@ -157,23 +164,48 @@ class Programs:
                 text = f"{name} was saved, and has ended: s in Nodes runs it again"
                 self._on_event("INFO", name, text)
             elif self._has_stop():
-                text = f"{name} was saved, and {_BEHIND_STOP}, then s in Nodes runs it anew"
-                self._on_event("WARN", name, text)
+                self._report_not_begun(name)
             else:
-                self._restart(olds, name)
+                lost = "".join(map(self._lost_parameters, olds))
+                begun = self._restart(olds, name)
+        for _, new in begun:
+            new.wait()
+        # One that was refused at its first node has said so.
+        restarted = sorted(old for old, new in begun if not new.was_refused)
+        if restarted:
+            text = f"{name} was saved: {', '.join(restarted)} restarted{lost}"
+            self._on_event("YOU", "console", text)
 
-    def _restart(self, olds: list[HostedProgram], file: str) -> None:
+    def _report_not_begun(self, file: str) -> None:
+        text = f"{file} was saved, and {_BEHIND_STOP}, then s in Nodes runs it anew"
+        self._on_event("WARN", file, text)
+
+    def _restart(self, olds: list[HostedProgram], file: str) -> list[tuple[str, HostedProgram]]:
+        """End programs and run them again, unless a STOP came meanwhile, which an event says.
+
+        Returns:
+            The name of each program before, and its new run.
+        """
+        begun = []
         for old in olds:
+            name = old.name
             if not old.stop():
                 text = "the one before is stuck: its code still runs"
-                self._on_event("WARN", old.name.lstrip("/"), text)
+                self._on_event("WARN", name.lstrip("/"), text)
             self._on_gone(old.served)
-            self._run_again(old)
-        names = ", ".join(sorted(old.name for old in olds))
-        self._on_event("YOU", "console", f"{file} was saved: {names} restarted")
+            if self._has_stop():  # It came while the old one ended.
+                self._report_not_begun(file)
+            else:
+                begun.append((name, self._run_again(old)))
+        return begun
 
-    def _run_again(self, old: HostedProgram) -> None:
-        """Compile a program's file anew and run it, as a new object in the place of the old one.
+    def _lost_parameters(self, old: HostedProgram) -> str:
+        """Return a clause that names the parameters that a restart loses; "" if it loses none."""
+        names = [f"{n.lstrip('/')} {name}" for n in old.names for name in self._operator_values(n)]
+        return f"; not set again: {', '.join(names)}" if names else ""
+
+    def _run_again(self, old: HostedProgram) -> HostedProgram:
+        """Compile a program's file anew and run it; return the new object in the old one's place.
 
         After `begin_to_end` the program is not run.
 
@@ -185,6 +217,7 @@ class Programs:
         self._hosted[self._hosted.index(old)] = new
         if not self._is_over:
             new.begin()
+        return new
 
     def begin_to_end(self) -> None:
         """Ask all programs to end, without waiting, and start none from now on."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import stat
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import yaml
@@ -20,6 +21,7 @@ from archo_tui.system import create_exclusively, keep_owner_and_mode
 
 # Types for which ROS's parameter files have no notation.
 _UNWRITABLE_TYPES = ("byte[]", "not set")
+_ALL_REPORTED: Mapping[str, str] = MappingProxyType({})
 
 
 class LoadPlan(NamedTuple):
@@ -119,7 +121,9 @@ def _replace_file(path: Path, text: str) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def plan_load(path: Path, parameters: Sequence[Parameter]) -> LoadPlan:
+def plan_load(
+    path: Path, parameters: Sequence[Parameter], unreported: Mapping[str, str] = _ALL_REPORTED
+) -> LoadPlan:
     """Read a parameter file, and return what loading it now would change.
 
     If several entries of the file fit a parameter, the last one counts.
@@ -127,6 +131,7 @@ def plan_load(path: Path, parameters: Sequence[Parameter]) -> LoadPlan:
     Args:
         path: The file.
         parameters: The parameters of all running nodes.
+        unreported: Why a running node's parameters are not known, by its full name.
 
     Raises:
         ArchoError: It cannot be read or is not a parameter file; the message names the line.
@@ -148,5 +153,14 @@ def plan_load(path: Path, parameters: Sequence[Parameter]) -> LoadPlan:
     declared: dict[str, set[str]] = {}
     for parameter in parameters:
         declared.setdefault(parameter.node, set()).add(parameter.name)
-    left_out = files.unknown_lines(overrides, declared)
+    unknown: dict[str, str] = {}  # Where the file first names each node of `unreported`.
+    others = []
+    for override in overrides:
+        node = f"/{override.pattern.lstrip('/')}"
+        if node in unreported:
+            unknown.setdefault(node, override.where)
+        else:
+            others.append(override)
+    left_out = [f"{where}: {node} {unreported[node]}" for node, where in unknown.items()]
+    left_out += files.unknown_lines(others, declared)
     return LoadPlan(tuple(changes), tuple(problems), tuple(left_out))

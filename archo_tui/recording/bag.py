@@ -24,7 +24,7 @@ METADATA = "metadata.yaml"
 _METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
 _MCAP_NAME = "recording_0.mcap"
 _MAX_REASON = 1000  # Characters; another tool's bag may hold any text.
-_MAX_COUNT = 2**62  # In ns since the epoch: the year 2116.
+_MAX_COUNT = 2**63  # In ns since the epoch, an int64 of rosbag2: the year 2262.
 _NANOSECONDS = re.compile(r"[0-9]{1,19}")
 _NUMBER = re.compile(r"[0-9]{1,9}")
 _CHUNK_SIZE = 64 * 1024  # Bytes of a chunk; a damaged byte costs all of it.
@@ -44,7 +44,12 @@ class WriteResult(NamedTuple):
 
 
 def write(
-    folder: Path, messages: Sequence[ReceivedMessage], about: Mapping[str, str], **attached: str
+    folder: Path,
+    messages: Sequence[ReceivedMessage],
+    about: Mapping[str, str],
+    since: float = 0.0,
+    /,
+    **attached: str,
 ) -> WriteResult:
     """Write a whole bag into an empty folder; messages that cannot be encoded are left out.
 
@@ -54,12 +59,13 @@ def write(
         folder: The folder, which exists.
         messages: The messages, which are written in this order.
         about: The bag's custom data in `metadata.yaml`.
+        since: As for `BagWriter`.
         attached: The text of each attachment by its name.
 
     Raises:
         OSError: The disk refuses it.
     """
-    writer = BagWriter(folder)
+    writer = BagWriter(folder, since)
     try:
         writer.add(messages)
         return writer.finish(about, attached)
@@ -73,8 +79,12 @@ class BagWriter:
     Messages are compressed if zstandard is installed.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, since: float = 0.0) -> None:
         """Create the MCAP file in an empty folder, readable by its owner only.
+
+        Args:
+            folder: The folder.
+            since: Seconds to add to the time of each message, to make it a Unix time.
 
         Raises:
             OSError: The disk refuses it, or the file exists.
@@ -87,7 +97,7 @@ class BagWriter:
             compression = CompressionType.ZSTD
         except ImportError:
             compression = CompressionType.NONE
-        self.folder = folder
+        self.folder, self._since = folder, since
         self._path = folder / _MCAP_NAME
         self._stream = open(self._path, "xb")  # noqa: SIM115  # closed by close()
         self._path.chmod(0o600)
@@ -115,11 +125,13 @@ class BagWriter:
 
     def _add(self, received: ReceivedMessage) -> None:
         """Encode and write a message; one that cannot be encoded is left out and counted."""
-        self._first = min(self._first or received.time, received.time)
-        self._last, self._newest = max(self._last, received.time), received.time
+        at = max(received.time + int(self._since * 1e9), 0)  # MCAP has no earlier time.
+        self._first = min(self._first or at, at)
+        self._last, self._newest = max(self._last, at), at
         schemas, result = self._schemas, self._result
         try:
-            kind, name, data = _encode(received.message, first=not self._counts[received.topic])
+            is_first = not self._counts[received.topic]
+            kind, name, data = _encode(received.message, is_first, self._since)
             text = "" if name in schemas else definition(kind)
         except Exception as error:  # As for a lone surrogate in a log line; the rest is written.
             self._result = WriteResult(
@@ -134,9 +146,7 @@ class BagWriter:
                 received.topic, "cdr", schemas[name], {"offered_qos_profiles": ""}
             )
         self._counts[received.topic] += 1
-        self._writer.add_message(
-            self._channels[received.topic, kind], received.time, data, received.time
-        )
+        self._writer.add_message(self._channels[received.topic, kind], at, data, at)
 
     def attach(self, attached: Mapping[str, str]) -> None:
         """Write attachments, each a text by its name, with the time of the last added message.
@@ -218,16 +228,17 @@ class BagWriter:
         }
 
 
-def _encode(message: Any, *, first: bool) -> tuple[Any, str, bytes]:
+def _encode(message: Any, first: bool, since: float) -> tuple[Any, str, bytes]:
     """Return a message's class, the name of its type, and its bytes as CDR.
 
     Args:
         message: The message, or the LazyMessage that makes it.
         first: True until a message of its topic is in the bag.
+        since: Unix time minus monotonic time, in s.
     """
     from rclpy.serialization import serialize_message
 
-    made = message.make(first) if isinstance(message, LazyMessage) else message
+    made = message.make(first, since) if isinstance(message, LazyMessage) else message
     return type(made), type_name(type(made)), serialize_message(made)[: cdr_size(made)]
 
 

@@ -38,8 +38,9 @@ class _EventRecording:
     It begins with the messages in the ring, and ends earlier at MAX_SECONDS or MAX_BYTES.
 
     Attributes:
-        at: Unix time of the first trigger, in s.
         begun: Monotonic time of the first trigger, in s.
+        since: Unix time minus monotonic time at the first trigger, and at the end, in s. They
+            differ if the clock was set; all times of the recording are by the later one.
         ends: Monotonic time at which the recording ends, in s.
         why: The reasons of the triggers, each once.
         kept: True if the operator asked for it.
@@ -48,8 +49,9 @@ class _EventRecording:
     """
 
     def __init__(self, ring: Ring, clock: Clock, why: str) -> None:
-        now, self.at = clock.monotonic(), clock.now()
+        self._clock, now = clock, clock.monotonic()
         self.begun, self.ends = now, now + SECONDS_AFTER
+        self.since = [_since(clock), _since(clock)]
         self.why: list[str] = [why]
         self.kept = False  # True if the operator asked for it.
         self.on_written: list[OnWritten] = []
@@ -77,6 +79,7 @@ class _EventRecording:
     def stop_collecting(self) -> None:
         """Stop collecting messages; call it once."""
         self._ring.unsubscribe(self._on_message)
+        self.since[1] = _since(self._clock)
 
     @property
     def is_full(self) -> bool:
@@ -91,6 +94,7 @@ class _ContinuousBag:
         ends: Monotonic time at which the next bag begins, in s.
         flushed: Monotonic time of the last order to write, in s.
         writer: The bag's writer, once the first messages are written.
+        since: Unix time minus monotonic time, in s, by which all times of the bag are.
         begun: Unix time of its first message, in s.
         failed: Monotonic time at which writing failed; None while it works.
         is_waiting: True while a job for this bag waits for the writing thread.
@@ -100,7 +104,7 @@ class _ContinuousBag:
     """
 
     def __init__(self, ring: Ring, clock: Clock) -> None:
-        self.ends = clock.monotonic() + CONTINUOUS_SPAN
+        self.ends, self.since = clock.monotonic() + CONTINUOUS_SPAN, _since(clock)
         self.flushed = 0.0
         self.writer: bag.BagWriter | None = None
         self.begun = 0.0
@@ -135,6 +139,10 @@ class _ContinuousBag:
             listens, self._listens = self._listens, False
         if listens:
             self._ring.unsubscribe(self._on_message)
+
+
+def _since(clock: Clock) -> float:
+    return clock.now() - clock.monotonic()
 
 
 class BlackBox:
@@ -189,7 +197,7 @@ class BlackBox:
         It may be a LazyMessage.
         """
         now = self._clock.monotonic()
-        self.ring.add(ReceivedMessage(int(self._clock.now() * 1e9), topic, message), now)
+        self.ring.add(ReceivedMessage(int(now * 1e9), topic, message), now)
 
     @property
     def trouble(self) -> str:
@@ -310,9 +318,10 @@ class BlackBox:
             return
         try:
             if current.writer is None:
-                current.begun = messages[0].time / 1e9 if messages else self._clock.now()
+                first = messages[0].time / 1e9 if messages else self._clock.monotonic()
+                current.begun = first + current.since
                 current.folder = store.make_folder(to)
-                current.writer = bag.BagWriter(current.folder)
+                current.writer = bag.BagWriter(current.folder, current.since)
                 current.writer.add(messages)
                 # Attached now, so that a bag without an end tells which robot it is of.
                 current.writer.attach(self._get_attachments(current.begun, current.begun))
@@ -337,7 +346,9 @@ class BlackBox:
 
     def _final_attachments(self, current: _ContinuousBag) -> dict[str, str]:
         """Return the attachments that have grown since the bag began: the journal."""
-        attached = self._get_attachments(current.begun, self._clock.now())
+        was_set = _since(self._clock) - current.since  # By so much the clock was set, in s.
+        end = self._clock.monotonic() + current.since
+        attached = self._get_attachments(current.begun + min(was_set, 0), end + max(was_set, 0))
         return {name: attached[name] for name in attached if name.startswith("journal")}
 
     def _abandon(self, current: _ContinuousBag) -> None:
@@ -366,17 +377,20 @@ class BlackBox:
         from archo_tui.recording import bag, store
 
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
-        about["at"] = str(int(recording.at * 1e9))
-        messages = recording.messages
-        times = [message.time / 1e9 for message in messages] or [recording.at]
+        since, messages = recording.since[-1], recording.messages
+        at = recording.begun + since
+        about["at"] = str(int(at * 1e9))
+        times = [message.time / 1e9 for message in messages] or [recording.begun]
 
         def fill(folder: Path) -> None:
             about["number"] = str(store.next_number(self._folder))
-            attached = self._get_attachments(min(times), max(times))
-            self._report_left_out(bag.write(folder, messages, about, **attached))
+            # The journal has its lines by the clock as it was.
+            begin, end = min(times) + min(recording.since), max(times) + max(recording.since)
+            attached = self._get_attachments(begin, end)
+            self._report_left_out(bag.write(folder, messages, about, since, **attached))
 
         try:
-            made = store.add(self._folder, recording.at, recording.why[0], fill)
+            made = store.add(self._folder, at, recording.why[0], fill)
         except Exception as error:  # Recording must never end the console.
             self._report_failure(recording, self._describe_error(error))
             return

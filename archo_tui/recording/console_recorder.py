@@ -104,7 +104,7 @@ class ConsoleRecorder:
         return Outcome(Code.DONE, BEGUN)
 
 
-def _to_log(event: Event, _first: bool) -> Log:
+def _to_log(event: Event, _first: bool, _since: float) -> Log:
     seconds, rest = divmod(int(event.time * 1e9), 10**9)
     return Log(
         stamp=Time(sec=min(seconds, LAST_STAMP), nanosec=rest),
@@ -116,6 +116,6 @@ def _to_log(event: Event, _first: bool) -> Log:
     )
 
 
-def _to_string(view: View, first: bool) -> Any:
-    state = to_data(console_state(view, with_events=first))
+def _to_string(view: View, first: bool, since: float) -> Any:
+    state = to_data(console_state(view, since, with_events=first))
     return String(data=json.dumps(state, ensure_ascii=False, separators=(",", ":")))

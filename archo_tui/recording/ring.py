@@ -20,7 +20,7 @@ _EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tu
 class ReceivedMessage(NamedTuple):
     """A message, or the LazyMessage that makes it, with the time and topic of its receiving."""
 
-    time: int  # In ns since the epoch, by this machine's clock.
+    time: int  # In ns, monotonic: the writer of a bag makes Unix times of them.
     topic: str  # With its namespace.
     message: Any
 
@@ -30,11 +30,11 @@ class LazyMessage(NamedTuple):
 
     Attributes:
         make: Builds the message; called on the writing thread, with True until a message of its
-            topic is in the bag.
+            topic is in the bag, and with Unix time minus monotonic time, in s.
         weight: The memory that it takes while it waits, in bytes, approximately.
     """
 
-    make: Callable[[bool], Any]
+    make: Callable[[bool, float], Any]
     weight: int
 
 

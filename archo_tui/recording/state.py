@@ -131,15 +131,16 @@ def change_key(view: View) -> tuple[object, ...]:
     )
 
 
-def console_state(view: View, *, with_events: bool) -> ConsoleState:
+def console_state(view: View, since: float, *, with_events: bool) -> ConsoleState:
     """Return the state of the console for a recording, all times as Unix times, secrets masked.
 
     Args:
         view: The station's view.
+        since: Unix time minus monotonic time, in s.
         with_events: True to include the events so far, without their audit records, as the first
             state of a recording does.
     """
-    snapshot, since = view.snapshot, view.time - view.now
+    snapshot = view.snapshot
     stop, goal = snapshot.open_stop, snapshot.goal
 
     def at(monotonic: float | None) -> float | None:

@@ -142,7 +142,8 @@ class Robot:
         Raises:
             Refused: The robot or the console refused; nothing is driven.
             Unconfirmed: The robot has not answered: it may drive.
-            Misused: The kind or the values mean nothing; nothing was sent.
+            Misused: The kind or the values mean nothing, or the battery is low: then
+                `do("go", "12", "--yes")` sends it. Nothing was sent.
             Cancelled: A STOP came before the goal had left, or the goal is held in the queue.
             RanOut: `timeout` seconds passed before the robot had answered.
             Unreached: The console has gone or does not answer.

@@ -45,7 +45,7 @@ from archo_tui.robot.message_handlers import MessageHandlers
 from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.node_verbs import NodeVerbs
 from archo_tui.robot.nodes import Nodes
-from archo_tui.robot.outcome import CALL_WAIT, Outcome
+from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.recorded_topics import RecordedTopics
@@ -74,6 +74,7 @@ from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.topic_follower import TopicFollower
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
+from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import model
 
@@ -362,6 +363,19 @@ class Robot:
             node: The full name of the node.
         """
         self._thread.submit(lambda: self._stop.on_early_stop(node))
+
+    def on_parameters_restored(self, node: str, values: Mapping[str, Any]) -> None:
+        """Report that a hosted node was constructed anew, and given these parameters. Any thread.
+
+        Args:
+            node: The full name of the node.
+            values: The values by name; secrets are masked in the report.
+        """
+        shown = self._secrets.masked(values)
+        texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
+        text = f"set {node.lstrip('/')} {texts} again: it was restarted"
+        record = AuditRecord("set", {"node": node, "values": shown}, Code.DONE)
+        self._thread.submit(lambda: self._reporter.report_done(text, record))
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
@@ -672,6 +686,7 @@ class Robot:
             running=self._goals.running,
             history=tuple(self._goals.history),
             parameters=self._parameters.all(),
+            unreported=self._parameters.unreported,
             nodes=self._lifecycles.with_states(self._graph.node_states()),
             offered=self._graph.offered,
             events=self._reporter.log.all(),

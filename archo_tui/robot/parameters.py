@@ -24,7 +24,7 @@ from archo_tui.robot.parameter_polling import ParameterPolling
 from archo_tui.robot.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import harmless
@@ -64,6 +64,7 @@ class Parameters:
         self._node, self._clock = node, clock
         self._on_new_value = on_new_value
         self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
+        self._serving: set[str] = set()  # Those of them that have parameter services.
         # For nodes that did not answer: when to ask again (monotonic seconds), and the last wait.
         self._retry: dict[str, tuple[float, float]] = {}
         self._services = pending
@@ -84,6 +85,15 @@ class Parameters:
             self._all = tuple(found)
         return self._all
 
+    @property
+    def unreported(self) -> dict[str, str]:
+        """The nodes whose parameters are not in the mirror, by full name, each with the reason."""
+        return {
+            node: NOT_REPORTED if node in self._serving else NO_PARAMETER_SERVICES
+            for node in self._known
+            if node not in self._by_node
+        }
+
     def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
         """Begin to load the parameters of new nodes, and to read a part of the others again.
 
@@ -102,11 +112,15 @@ class Parameters:
             self._services.destroy_clients(gone)
             if self._by_node.pop(gone, None) is not None:
                 self._on_change()
+        serving = {name for name in nodes if f"{name}/list_parameters" in offered}
+        if serving != self._serving:
+            self._serving = serving
+            self._on_change()
         now = self._clock.monotonic()
         for name, count in nodes.items():
             known = name in self._by_node and count <= self._known.get(name, count)
             known = known or name in self._loading or now < self._retry.get(name, (0.0, 0.0))[0]
-            if not known and f"{name}/list_parameters" in offered:
+            if not known and name in serving:
                 self._loading.add(name)
                 self._task(self._load, name)
         self._known = dict(nodes)

@@ -54,8 +54,11 @@ def _parts(entries: tuple[Entry, ...]) -> Iterator[str]:
                 yield indent(_comment(entry.reason) + item, "  ")
             continue
         for entry in group:
-            block = yaml_dump.mixed({part: plain(entry.value)})
-            yield _comment(entry.reason) + (block if entry.is_sure else _comment(block))
+            value = plain(entry.value)
+            # `mixed` writes a mapping of one name in braces, which nothing can follow in a file.
+            write = yaml_dump.block if isinstance(value, str) else yaml_dump.mixed
+            text = write({part: value})
+            yield _comment(entry.reason) + (text if entry.is_sure else _comment(text))
 
 
 def _unknown(lines: tuple[str, ...]) -> Iterator[str]:

@@ -356,11 +356,11 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
 def is_battery_low(snapshot: Snapshot) -> bool:
     """Return True if the battery is low by the health it reports, or by its percentage.
 
-    A percentage below the threshold counts even if the robot calls the battery good. Old values
-    count as well; False if nothing is known.
+    An empty one is low. A percentage below the threshold counts even if the robot calls the battery
+    good. Old values count as well; False if nothing is known.
     """
     charge, threshold = snapshot.battery.percentage, snapshot.low_charge
-    is_below = charge is not None and threshold is not None and charge < threshold
+    is_below = charge is not None and (charge <= 0.0 or charge < (threshold or 0.0))
     return is_below or battery_health(snapshot) == "low"
 
 

@@ -59,6 +59,7 @@ CLOCKS_DIFFER = "clocks differ"
 EARLIER_STOP = "earlier stop"
 JOURNAL_NOT_WRITTEN = "journal not written"
 RECORDING_TROUBLE = "recordings"
+BATTERY_ALARMS = LOW_BATTERY, BATTERY_EMPTY
 
 # Within a priority, the alarm that is listed first is shown first.
 _PRIORITIES = {

@@ -10,10 +10,10 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.requester import YOU, Requester
 from archo_tui.robot.state import Phase, Snapshot, values_text
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY, Alarm, AlarmState
+from archo_tui.station.alarms import BATTERY_ALARMS, CONTACT_LOST, Alarm, AlarmState
 from archo_tui.station.ledger import Ledger
 
-_HOLDING_ALARMS = (CONTACT_LOST, LOW_BATTERY, BATTERY_EMPTY)
+_HOLDING_ALARMS = (CONTACT_LOST, *BATTERY_ALARMS)
 _WAS = "was: "  # Before the name of an alarm that is over, as in the banner.
 
 
@@ -201,6 +201,6 @@ def _holding_alarm(alarms: Iterable[Alarm]) -> str:
     for alarm in alarms:
         if alarm.name == CONTACT_LOST and not alarm.is_over:
             return CONTACT_LOST
-        if alarm.name in (LOW_BATTERY, BATTERY_EMPTY) and alarm.state == AlarmState.UNACKNOWLEDGED:
+        if alarm.name in BATTERY_ALARMS and alarm.state == AlarmState.UNACKNOWLEDGED:
             return alarm.name
     return ""

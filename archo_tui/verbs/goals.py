@@ -10,6 +10,8 @@ from archo_tui.robot.state import Phase, Snapshot, TypedField
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
+from archo_tui.station.alarm_conditions import is_battery_low
+from archo_tui.station.alarms import BATTERY_ALARMS
 from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -22,6 +24,35 @@ from archo_tui.verbs.parameters import is_reported
 KIND, GOALS, RUNNING = "kind", "goals", "running"
 
 
+def low_battery_question(station: Station, does: str) -> Question | None:
+    """Return the question that comes before a goal while the battery is low; None if none does.
+
+    It is asked while the robot charges, too, and no more once the alarm was acknowledged.
+
+    Args:
+        station: The station.
+        does: The answer that sends the goal, as `Send`.
+    """
+    snapshot = station.robot.snapshot
+    active = [alarm for alarm in station.view.alarms if not alarm.is_over]
+    if any(alarm.name in BATTERY_ALARMS and alarm.acknowledged for alarm in active):
+        return None
+    if not is_battery_low(snapshot):
+        return None
+    battery = snapshot.battery
+    charge = "" if battery.percentage is None else f", {battery.percentage:.1f} %"
+    charging = ", charging" if battery.charging else ""
+    text = f"The battery is low{charge}{charging}. {does} all the same?"
+    return Question("Low battery", text, "Leave it", does)
+
+
+def _accept_low_battery(station: Station) -> None:
+    """Acknowledge the alarm that was asked about, so that it does not hold the goals behind it."""
+    if low_battery_question(station, "") is not None:
+        active = [alarm for alarm in station.view.alarms if not alarm.is_over]
+        station.acknowledge([alarm for alarm in active if alarm.name in BATTERY_ALARMS])
+
+
 class Go(Verb):
     """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`.
 
@@ -29,7 +60,7 @@ class Go(Verb):
     first one, or that it waits in the queue.
     """
 
-    acts = moves = has_goals = True
+    acts = moves = has_goals = may_ask = True
 
     def __init__(self, kind: GoalKind, fields: Sequence[TypedField] | None, verb: str = "") -> None:
         """Create the verb.
@@ -114,7 +145,11 @@ class Go(Verb):
             forms.check_ranges(self._fields or (), form, goal)
         return values
 
+    def question(self, station: Station, values: Values) -> Question | None:
+        return low_battery_question(station, "Send")
+
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        _accept_low_battery(station)
         return station.goals.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
 
 
@@ -134,7 +169,7 @@ class SendGoal(Verb):
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
     arguments = (Argument("action"), Argument("field=value", many=True, optional=True))
-    acts = moves = has_goals = True
+    acts = moves = has_goals = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"
@@ -158,7 +193,11 @@ class SendGoal(Verb):
         short = base_name(name)
         return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
 
+    def question(self, station: Station, values: Values) -> Question | None:
+        return low_battery_question(station, "Send")
+
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        _accept_low_battery(station)
         return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
 
 
@@ -216,7 +255,7 @@ class Cancel(Verb):
 class ContinueQueue(Verb):
     id, title = "continue", "Continue the queue"
     help = "Continue the held queue of goals"
-    acts = moves = True
+    acts = moves = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         if station.ledger.is_pending(RELEASE):
@@ -234,7 +273,11 @@ class ContinueQueue(Verb):
         ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)
         return bool(station.queue.hold_reason) or not (station.queue.waiting and ends)
 
+    def question(self, station: Station, values: Values) -> Question | None:
+        return low_battery_question(station, "Continue")
+
     async def run(self, station: Station, values: Values) -> Outcome:
+        _accept_low_battery(station)
         return station.goals.resume()
 
 

@@ -38,9 +38,12 @@ class Lifecycle(Verb):
         return node is not None or station.age >= ROBOT_TIMEOUT
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        name, managed = self._name(station, values), _managed(station.robot.snapshot)
+        snapshot = station.robot.snapshot
+        name, managed = self._name(station, values), _managed(snapshot)
         if name not in managed:
-            raise ArchoError(f"{name} is not a managed node{nearest_node_hint(name, managed)}")
+            is_there = name in {node.name for node in snapshot.nodes}
+            why = f"{name} is not a managed node" if is_there else f"no node {name} is on the graph"
+            raise ArchoError(f"{why}{nearest_node_hint(name, managed)}")
         given = {"node": name}
         if "transition" in values:
             given["transition"] = values["transition"].lower()

@@ -17,7 +17,7 @@ from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.requester import current_requester
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state import NOT_REPORTED, Parameter, Snapshot
 from archo_tui.robot.values import text_of
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
@@ -37,14 +37,14 @@ def are_reported(station: Station) -> bool:
 
     True in any case from ROBOT_TIMEOUT seconds after the start.
     """
-    found = bool(station.robot.snapshot.nodes)
-    return (found and not _unreported(station)) or station.age >= ROBOT_TIMEOUT
-
-
-def _unreported(station: Station) -> list[str]:
-    """Return the names of the nodes on the graph that have reported no parameters, sorted."""
     snapshot = station.robot.snapshot
-    return sorted({n.name for n in snapshot.nodes} - {p.node for p in snapshot.parameters})
+    found = bool(snapshot.nodes)
+    return (found and not snapshot.unreported) or station.age >= ROBOT_TIMEOUT
+
+
+def _unreported_lines(snapshot: Snapshot) -> list[str]:
+    """Return a line like `mute has not reported its parameters` for each such node."""
+    return [f"{node.lstrip('/')} {why}" for node, why in sorted(snapshot.unreported.items())]
 
 
 def is_reported(station: Station, node: str) -> bool:
@@ -80,6 +80,8 @@ class _ParameterVerb(Verb):
         if node not in nodes:
             near = nearest_node_hint(node, nodes)
             return Outcome(Code.MISUSE, f"no node {node} is on the graph{near}")
+        if node in snapshot.unreported:
+            return Outcome(Code.REFUSED, f"{node} {snapshot.unreported[node]}")
         near = nearest_hint(name, [p.name for p in snapshot.parameters if p.node == node])
         return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")
 
@@ -171,8 +173,9 @@ class Params(Verb):
         return are_reported(station)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        shown = map(_for_requester, station.robot.snapshot.parameters)
-        return Outcome(Code.DONE, "\n".join(map(parameter_line, shown)))
+        snapshot = station.robot.snapshot
+        lines = [parameter_line(_for_requester(found)) for found in snapshot.parameters]
+        return Outcome(Code.DONE, "\n".join([*lines, *_unreported_lines(snapshot)]))
 
     def data(self, station: Station, values: Values) -> Any:
         shown = map(_for_requester, station.robot.snapshot.parameters)
@@ -245,21 +248,23 @@ class Save(_FileVerb):
         return Question("Save parameters", text, "Keep it", "Overwrite")
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        text, left_out = save_load.dump(station.robot.snapshot.parameters)
+        snapshot = station.robot.snapshot
+        text, left_out = save_load.dump(snapshot.parameters)
         try:
             await in_daemon(save_load.write_atomically, values["file"], text)
         except ArchoError as error:
             return Outcome(Code.REFUSED, str(error))
         said = f"saved to {values['file']}"
-        record = AuditRecord(self.id, {"file": str(values["file"])}, Code.DONE)
+        is_whole = NOT_REPORTED not in snapshot.unreported.values()
+        code = Code.DONE if is_whole else Code.REFUSED
+        record = AuditRecord(self.id, {"file": str(values["file"])}, code)
         station.robot.note("YOU", "console", f"save parameters: {said}", audit_record=record)
-        for node in _unreported(station):
-            why = f"not saved, {node.lstrip('/')} does not report its parameters"
-            station.robot.note("WARN", "console", why)
-        for what in left_out:
-            why = f"not saved, a parameter file cannot hold it: {what}"
-            station.robot.note("WARN", "console", why)
-        return Outcome(Code.DONE, said)
+        reasons = [*_unreported_lines(snapshot)]
+        reasons += [f"a parameter file cannot hold it: {what}" for what in left_out]
+        not_saved = [f"not saved, {reason}" for reason in reasons]
+        for line in not_saved:
+            station.robot.note("WARN", "console", line)
+        return Outcome(code, "; ".join([said, *not_saved]))
 
 
 class Load(_FileVerb):
@@ -268,8 +273,8 @@ class Load(_FileVerb):
     acts = tells = True
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        path, parameters = self.path(values), station.robot.snapshot.parameters
-        plan = await in_daemon(save_load.plan_load, path, parameters)
+        path, snapshot = self.path(values), station.robot.snapshot
+        plan = await in_daemon(save_load.plan_load, path, snapshot.parameters, snapshot.unreported)
         return {"file": path, "plan": plan}
 
     def question(self, station: Station, values: Values) -> Question | None:

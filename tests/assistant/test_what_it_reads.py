@@ -87,10 +87,14 @@ async def test_history_is_numbers_with_their_age_and_ends_of_goals() -> None:
 async def test_parameters_are_all_those_of_a_node_or_one() -> None:
     every = [{"node": f"/n{n % 3}", "name": f"p{n}", "value": n} for n in range(3)]
     async with fake_console() as console, assistant() as model:
-        console.answer("params", "done", data=every)
+        silent = "mute has not reported its parameters"
+        lines = f"n0 p0 is 0\nn1 p1 is 1\nn2 p2 is 2\n{silent}"
+        console.answer("params", "done", lines, data=every)
         console.answer("get", "done", data=every[0])
         assert (await model.call("parameters")).robot["parameters"] == every
         assert (await model.call("parameters", node="n1")).robot["parameters"] == [every[1]]
+        of_mute = (await model.call("parameters", node="mute")).robot
+        assert (of_mute["parameters"], of_mute["not_reported"]) == ([], [silent])
         one = await model.call("parameters", node="n0", name="p0")
         assert one.robot == {"age": None, "source": "commanded", "parameters": [every[0]]}
         assert console.words()[-1] == ["get", "n0", "p0"]

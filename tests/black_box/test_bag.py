@@ -61,7 +61,7 @@ def test_every_field_of_a_message_is_read_back_by_others(tmp_path: Path) -> None
         ("/move_to_shelf/_action/feedback", feedback),
         ("/rosout", Log(level=30, name="dashboard", msg="Low battery: 18.0%\n end", line=7)),
         ("/parameter_events", ParameterEvent(node="/motor_controller")),
-        ("/later", LazyMessage(lambda first: Log(msg="made now"), 100)),
+        ("/later", LazyMessage(lambda first, since: Log(msg="made now"), 100)),
     ]
     written(tmp_path, sent)
     read = list(by_rosbags(tmp_path))

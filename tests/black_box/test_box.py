@@ -360,6 +360,30 @@ async def test_a_stop_of_a_robot_that_is_stopped_already_is_recorded_too() -> No
         assert (first.why, second.why) == ("STOP", "STOP")
 
 
+TO_2248 = 225 * 365.25 * 86400.0  # Seconds from the tests' Unix time.
+
+
+@pytest.mark.parametrize(
+    ("before", "jump"), [(0.0, 3600.0), (0.0, -3600.0), (TO_2248, -TO_2248), (TO_2248, 0.0)]
+)
+async def test_a_clock_that_is_set_behind_a_stop_makes_the_recording_no_longer(
+    before: float, jump: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with console(*FAST) as op:
+        kind, wrong = type(op.session.station.clock), [before]
+        now = kind.now
+        monkeypatch.setattr(kind, "now", lambda self: now(self) + wrong[0])
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        wrong[0] += jump
+        at_end = op.session.station.clock.now()
+        (recording,) = await recorded(op)
+    assert recording.why == "STOP"
+    assert 4.5 < recording.seconds < 66.5
+    assert abs(recording.start - at_end) < 66.5
+    assert "YOU: STOP: confirmed" in said(recording)
+
+
 def test_the_one_just_written_stays_whatever_the_clock_says(tmp_path: Path) -> None:
     folder = tmp_path / "recordings"
 

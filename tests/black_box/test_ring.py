@@ -71,7 +71,7 @@ def test_a_message_weighs_about_what_its_texts_and_lists_do() -> None:
     assert weight(String(data="x" * 1000)) > 1000
     assert weight([1.0] * 1000) > 8000
     assert weight(b"x" * 1000) > 1000
-    assert weight(LazyMessage(lambda first: String(), 123)) == 123
+    assert weight(LazyMessage(lambda first, since: String(), 123)) == 123
 
 
 def test_a_clock_that_is_set_pushes_nothing_out_and_keeps_nothing_for_ever() -> None:

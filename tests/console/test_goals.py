@@ -181,6 +181,8 @@ async def test_a_refusal_for_the_battery_leaves_when_it_is_charged() -> None:
     async with console(*FAST, *drained, "-p", "charge_rate:=50.0") as op:
         await op.until("✗ EMPTY")
         await op.press("g", "5", "enter")
+        await op.until("The battery is low, 0.0 %. Send all the same?")
+        await op.press("s", "enter")
         await op.until(lambda: "battery empty" in op.line("Shelf "))
         await op.press("escape", "c")
         await op.until("↯ CHARGING")

@@ -237,7 +237,8 @@ def test_it_has_the_parameters_that_were_set_before_its_file_was_saved() -> None
         Path("go").unlink()
         file = session.host.nodes[0].file
         assert file is not None
-        session.host.reload(file, lambda _: {"speed": 3.0})
+        session.host.operator_values = lambda _: {"speed": 3.0}
+        session.host.reload(file)
         assert state(session, "/motor").life is Life.STARTING
         Path("go").touch()
         wait_until(lambda: "drives" in getattr(getattr(motor(session), "node", None), "said", ()))

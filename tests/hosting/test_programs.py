@@ -208,6 +208,18 @@ def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
         assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
 
 
+def test_a_restarted_program_loses_the_parameters_that_were_set_and_an_event_names_them() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said() == ["made"])
+        session.host.operator_values = lambda node: {"/talker": {"gain": 2.0}}.get(node, {})
+        talker("anew")
+        saved = "talker.py was saved: /talker restarted; not set again: talker gain"
+        wait_until(lambda: saved in texts(session))
+        session.host.stop_node("/talker")
+        started = "/talker started; not set again: talker gain"
+        assert session.host.start_node("/talker") == (Code.DONE, started)
+
+
 BESIDE = """
 from __future__ import annotations
 from dataclasses import dataclass, fields
@@ -283,6 +295,34 @@ def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
         assert asyncio.run(session.robot.release_emergency_stop()).ok
         assert session.host.start_node("/late").ok
         wait_until(lambda: said() == ["made"])
+
+
+@pytest.mark.parametrize("is_slow_to_end", [True, False])
+def test_a_program_that_a_stop_keeps_from_running_is_not_called_restarted(
+    is_slow_to_end: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("archo_tui.hosting.watch.FileWatcher.start", lambda self: None)
+    waits = 'import os, time\n        while not os.path.exists("go"): time.sleep(0.02)\n        '
+    slow = TALKER.replace('say("left")', f'{waits}say("left")')
+    path = written("talker.py", (slow if is_slow_to_end else TALKER).replace("{word}", "made"))
+    with running(path, only=False) as session:
+        wait_until(lambda: said() == ["made"])
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        anew = TALKER.replace("{word}", "anew")
+        written("talker.py", anew if is_slow_to_end else WAITS + anew)
+        file = session.host.programs.find("/talker").file  # type: ignore[union-attr]
+        reload = threading.Thread(target=session.host.programs.reload, args=[file])
+        reload.start()
+        before = ["made", "interrupted"] if is_slow_to_end else ["made", "interrupted", "left"]
+        wait_until(lambda: said() == before)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        refused = "behind a STOP that is not released: release it first"
+        wait_until(lambda: any(refused in text for text in texts(session)))
+        reload.join()
+        asyncio.run(session.robot.wait_for_events())
+        assert not any("restarted" in text for text in texts(session))
+        assert "anew" not in said()
 
 
 MOTOR = """

@@ -20,7 +20,7 @@ from archo_tui.session_options import Options
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing
-from tests.support.quiet import outside
+from tests.support.quiet import outside, until
 
 TALKER = """
 from rclpy.node import Node
@@ -238,6 +238,34 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
                 assert session.host.nodes[0].node.get_parameter("gain").value == value
                 person.type("params\n")
                 await person.until(f"talker gain {value}")
+
+
+async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
+    here: Path,
+) -> None:
+    file = here / "talker.py"
+    file.write_text(says("first words"))
+    # The node of a file, and one of the robot's own.
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=[file])
+    with Session(options, clock.current) as session:
+        async with typing(session.station) as person:
+            person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
+            await person.until("max_speed is 0.3")
+            await pass_seconds(9.0)
+            await asyncio.to_thread(session._watch.watched[0].reload)
+            await person.until("set talker gain 2.5 again: it was restarted\n")
+            person.type("halt motor_controller\nstart motor_controller\n")
+            await person.until("set motor_controller max_speed 0.3 again: it was restarted\n")
+            await pass_seconds(6.0)
+            person.type("get talker gain\nget motor_controller max_speed\n")
+            await person.until("motor_controller max_speed is 0.3")
+            assert "talker gain is 2.5, was 1" in person.said
+            assert "another client" not in person.said
+
+
+async def pass_seconds(seconds: float) -> None:
+    later = clock.seconds() + seconds
+    await until(lambda: clock.seconds() > later)
 
 
 async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:

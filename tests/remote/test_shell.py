@@ -170,7 +170,7 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
     async with served(ros_args=FAST) as person:
         spoken = person._plain._verbs
         for verb, options in (
-            ("go", {"--wait", "--leave", "--timeout", "--json", "--to"}),
+            ("go", {"--wait", "--leave", "--yes", "--timeout", "--json", "--to"}),
             ("cancel", {"--yes", "--timeout", "--json", "--to"}),
             ("stop", {"--json", "--to"}),
             ("wait", {"--timeout", "--json", "--to"}),

@@ -34,7 +34,8 @@ def write(folder: Path) -> None:
     """A low battery on the way to a shelf, and what was done about it."""
     station = stub_app(STATES["battery low and moving"], StandingClock()).station
     station.on_snapshot(station.robot.snapshot)
-    said = json.dumps(to_data(console_state(station.view, with_events=True)))
+    view = station.view
+    said = json.dumps(to_data(console_state(view, view.time - view.now, with_events=True)))
     messages: list[tuple[float, str, object]] = [(0.0, STATE, String(data=said))]
     for second in range(60):
         level = BatteryStatus(percentage=18.0 - second / 100, voltage=21.3)

@@ -232,7 +232,7 @@ async def test_a_file_that_is_saved_behind_a_stop_runs_stopped(here: Path) -> No
         await person.until("alarm unacknowledged: STOPPED")
         watched = person._plain._station.host.nodes
         file = next(hosted.file for hosted in watched if hosted.file is not None)
-        await asyncio.to_thread(person._plain._station.host.reload, file, lambda _: {})
+        await asyncio.to_thread(person._plain._station.host.reload, file)
         person.type("go 12\n")
         await person.until("failed: go: emergency stop: release it first")
         assert f"motor.py was saved: /motor_controller restarted{TOLD}" in person.said

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import NodeInfo
@@ -114,14 +115,18 @@ async def test_a_transition_under_a_running_goal_asks() -> None:
 
 
 async def test_in_words_it_is_shown_and_asked() -> None:
+    def unmanaged(**options: Any) -> Node:
+        return Node("unmanaged", **options)
+
     _, said = await plain(
-        "lifecycle navigator\nlifecycle navigator configure\nlifecycle nav\n",
+        "lifecycle navigator\nlifecycle navigator configure\nlifecycle nav\nlifecycle unmanaged\n",
         robot=FILE,
-        node_makers=[Navigator],
+        node_makers=[Navigator, unmanaged],
     )
     assert "navigator is unconfigured: it can configure, shutdown" in said
     assert "serves STOP (emergency_stop)" in said
-    assert "/nav is not a managed node" in said
+    assert "no node /nav is on the graph\n" in said
+    assert "/unmanaged is not a managed node\n" in said
 
 
 async def test_a_node_that_no_longer_answers_is_not_shown_as_active() -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
+from archo_tui.robot_file import known_types
 from archo_tui.robot_file.load import parse
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.robot_file.proposal import SeveralRobots, propose
+from archo_tui.robot_file.proposal import Part, SeveralRobots, propose
 from archo_tui.robot_file.proposal_text import text_of
 from archo_tui.robot_file.sighting import Sighting
 
@@ -50,6 +53,26 @@ def test_battery_and_motion_are_read_as_their_types_say() -> None:
     assert "# /tb1/odom is a nav_msgs/msg/Odometry, 20.0 Hz, published by /tb1/base" in text(
         ODOMETRY
     )
+
+
+def test_every_part_that_can_be_proposed_is_read_back() -> None:
+    seen = [
+        BATTERY,
+        ODOMETRY,
+        Sighting("topic", "/tb1/diagnostics", (known_types.DIAGNOSTICS,), ("/tb1/base",), rate=1.0),
+        action("/tb1/dock", "irobot_create_msgs/action/Dock"),
+        service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"),
+        service("/tb1/lamp", "std_srvs/srv/SetBool"),
+    ]
+    entries = propose(seen).entries
+    assert {entry.part for entry in entries} == set(get_args(Part))
+    not_proposed = {"version", "name", "gauges", "record"}
+    assert set(get_args(Part)) == {part.name for part in fields(RobotFile)} - not_proposed
+    all_sure = propose(seen)._replace(entries=tuple(e._replace(is_sure=True) for e in entries))
+    made = parse(text_of(all_sure, "Written by a test."), Path("test.yaml"))
+    for entry in entries:
+        read = getattr(made, entry.part)
+        assert entry.value in read if entry.part in ("goals", "commands") else entry.value == read
 
 
 def test_a_topic_without_a_subscription_is_not_called_silent() -> None:

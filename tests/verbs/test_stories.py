@@ -13,8 +13,10 @@ from typing import Any
 import pytest
 from archo_interfaces.srv import EmergencyStop
 from depot_interfaces.action import Fibonacci
+from rcl_interfaces.srv import ListParameters
 from rclpy.action import ActionServer
 from rclpy.node import Node
+from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.robot.outcome import WATCHING
@@ -24,7 +26,7 @@ from tests.robots.rover import Counting
 from tests.support import clock
 from tests.support.archo import ARCHO
 from tests.support.clock import NOW
-from tests.support.console import LONG
+from tests.support.console import LONG, console
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
 from tests.support.states import NORMAL, STATES
@@ -51,18 +53,62 @@ async def test_parameters_are_saved_and_loaded_and_undone(here: Path) -> None:
     assert "max_speed: 0.6" in (here / "a b.yaml").read_text()
 
 
-async def test_a_node_that_does_not_report_is_named_when_the_others_are_saved(here: Path) -> None:
-    def known(**options: Any) -> Node:
-        return Node("known", **options)
+def known(**options: Any) -> Node:
+    return Node("known", **options)
 
-    def silent(**options: Any) -> Node:
-        return Node("silent", start_parameter_services=False, **options)
 
-    code, said = await plain("save a.yaml\n", known, silent)
-    assert code == 0, said
-    assert "WARN console: not saved, silent does not report its parameters" in said
+def without_services(**options: Any) -> Node:
+    return Node("without", start_parameter_services=False, **options)
+
+
+def mute(**options: Any) -> Node:
+    """A node that never answers which parameters it has."""
+    node = Node("mute", start_parameter_services=False, **options)
+
+    async def never(_: Any, response: Any) -> Any:
+        await Future(executor=node.executor)
+        return response
+
+    node.create_service(ListParameters, "mute/list_parameters", never)
+    return node
+
+
+async def test_a_node_without_parameter_services_is_named_when_the_others_are_saved(
+    here: Path,
+) -> None:
+    code, said = await plain("save a.yaml\nget without x\n", known, without_services)
+    assert code == 1
+    assert "WARN console: not saved, without has no parameter services\n" in said
+    assert "failed: save" not in said  # It has nothing that could be saved.
+    assert "failed: get: /without has no parameter services\n" in said
     assert "known:" in (here / "a.yaml").read_text()
     assert "not saved, known" not in said
+
+
+async def test_a_node_that_has_not_answered_is_no_node_without_that_parameter(here: Path) -> None:
+    (here / "b.yaml").write_text("mute:\n  ros__parameters:\n    x: 1\n    y: 2\n")
+    lines = ("set mute x 2", "get mute x", "params", "save a.yaml", "load b.yaml", "set known x 2")
+    code, said = await plain("\n".join((*lines, "")), known, mute)
+    assert code == 1
+    assert "failed: set: /mute has not reported its parameters\n" in said
+    assert "failed: get: /mute has not reported its parameters\n" in said
+    assert "\nmute has not reported its parameters\n" in said
+    assert "WARN console: not saved, mute has not reported its parameters\n" in said
+    reason = "saved to a.yaml; not saved, mute has not reported its parameters\n"
+    assert f"failed: save: {reason}" in said
+    assert "left out: b.yaml:3: /mute has not reported its parameters\n" in said
+    assert "failed: set: /known has no parameter x\n" in said
+    assert "known:" in (here / "a.yaml").read_text()
+
+
+async def test_the_key_that_saves_names_a_node_that_has_not_answered(here: Path) -> None:
+    async with console(node_makers=[known, mute], wait=False) as op:
+        await op.until(lambda: op.app.view.snapshot.parameters)
+        await op.press("escape", "4", "ctrl+s")
+        await op.until("ROS parameter file")
+        await op.press("enter")
+        await op.until("saved to archo_params.yaml; not saved, mute has not reported its")
+        await op.until("Save parameters")  # It stays open for a second try.
 
 
 async def test_what_a_file_says_of_others_is_left_out_and_said(here: Path) -> None:

@@ -13,7 +13,12 @@ from archo_tui.robot.state.goal import Goal, Phase, values_text
 from archo_tui.robot.state.hosted import Hosted, Life
 from archo_tui.robot.state.names import in_namespace, logger_node, not_offered
 from archo_tui.robot.state.node import LEVELS, LogLevel, Names, NodeInfo, NodeState, level_word
-from archo_tui.robot.state.parameter import Parameter, linked_number
+from archo_tui.robot.state.parameter import (
+    NO_PARAMETER_SERVICES,
+    NOT_REPORTED,
+    Parameter,
+    linked_number,
+)
 from archo_tui.robot.state.resource import ACTION, SERVICE, TOPIC, Resource
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
@@ -34,6 +39,8 @@ __all__ = [
     "ACTION",
     "LAUNCH",
     "LEVELS",
+    "NOT_REPORTED",
+    "NO_PARAMETER_SERVICES",
     "OWN_LEVELS",
     "SERVICE",
     "SHOWN_ELEMENTS",

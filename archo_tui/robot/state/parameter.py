@@ -11,6 +11,11 @@ from archo_tui.robot.state.names import in_namespace
 from archo_tui.robot.values import same
 from archo_tui.robot_file.model import ParameterRef
 
+# Why the parameters of a node are not known.
+NOT_REPORTED, NO_PARAMETER_SERVICES = (
+    "has not reported its parameters",
+    "has no parameter services",
+)
 _FARTHEST = 1e15  # A double has so many digits.
 
 

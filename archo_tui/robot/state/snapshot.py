@@ -37,6 +37,7 @@ class Snapshot(NamedTuple):
         running: The number of goals that run, of all clients.
         history: The last 20 goals that ended, newest first.
         parameters: The parameters of all nodes.
+        unreported: Why a node's parameters are not known, by its full name.
         nodes: The nodes in the robot's namespace.
         offered: The names of the robot file for which a node publishes or serves something.
         events: The events, newest last.
@@ -78,6 +79,7 @@ class Snapshot(NamedTuple):
     running: int = 0
     history: tuple[Goal, ...] = ()
     parameters: tuple[Parameter, ...] = ()
+    unreported: Mapping[str, str] = _NOTHING
     nodes: tuple[NodeState, ...] = ()
     offered: frozenset[str] = frozenset()
     events: tuple[Event, ...] = ()
