@@ -87,7 +87,7 @@ class GoalVerbs:
             except Void:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
-                self._stop.on_accepted(turn)
+                self._stop.on_goal_accepted(turn)
             return self._with_inactive_server(kind.action, outcome)
 
         ros2 = self._checks.goal_command(kind, values)

@@ -107,17 +107,17 @@ class StopVerbs:
             turn = self._services.next_turn()
             if self._is_held_by_nobody(name):
                 gate()
-                self._sender.on_accepted(turn)
+                self._sender.on_release_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
 
             def on_late_answer(outcome: Outcome) -> None:
                 if outcome.ok:
-                    self._sender.on_accepted(turn)
+                    self._sender.on_release_accepted(turn)
                 report_late(outcome)
 
             outcome = await self._caller.call_named(name, request, gate, on_late_answer)
             if outcome.ok:
-                self._sender.on_accepted(turn)
+                self._sender.on_release_accepted(turn)
             return outcome
 
         ros2 = self._checks.call_command(name, request)

@@ -21,7 +21,7 @@ from archo_tui.robot.state import Latch, Motion, StopAnswer
 from archo_tui.robot.stop import machine as the_machine
 
 STEP = 0.5  # Seconds between two ticks of this world.
-_OLDEST = -2.0  # Ages beyond it are the same to every rule.
+_OLDEST = -1.0  # Ages beyond it are the same to every rule.
 
 
 class Server(NamedTuple):
@@ -204,7 +204,7 @@ def deliver(number: int, world: World) -> World:
         return _answer(world, result, request.turn, request.to, is_late=request.is_over)
     stop = world.stop
     if "n" not in request.answers:
-        stop = stop.accepted(request.turn, 0.0)
+        stop = stop.release_accepted(request.turn, 0.0, next_turn(world))
     world = world._replace(stop=stop)
     return _call(world) if stop.is_behind(request.turn) else world
 
@@ -301,7 +301,7 @@ def hear_goal(place: int, world: World) -> World:
     goal = world.goals[place]
     is_void = goal.stops < world.stops_read
     world = _with_goal(world, place, phase="moving", is_asked=goal.is_asked or is_void)
-    return world._replace(stop=world.stop.accepted(goal.turn, 0.0))
+    return world._replace(stop=world.stop.goal_accepted(goal.turn, 0.0))
 
 
 def end_goal(place: int, world: World) -> World:
@@ -310,7 +310,7 @@ def end_goal(place: int, world: World) -> World:
 
 def pass_time(world: World) -> World:
     """Half a second passes; then the machine ticks, and what it asks for is done."""
-    world = world._replace(stop=_older(world.stop), passed=min(world.passed + 1, 3))
+    world = world._replace(stop=_older(world.stop), passed=min(world.passed + 1, 1))
     module = sys.modules[type(world.stop).__module__]
     facts = module.Facts(runs(world), True, bool(served(world)))
     stop, todo = world.stop.tick(0.0, facts)
@@ -347,12 +347,13 @@ def _older(stop: Any) -> Any:
         cancels=stop.cancels and (stop.cancels[0], age(stop.cancels[1])),
         due=None if stop.due is None else age(stop.due),
         moves_since=None if stop.moves_since is None else age(stop.moves_since),
+        released=None if stop.released is None else age(stop.released),
     )
 
 
 def normal(world: World) -> World:
     """The world with turns by rank, and without what decides nothing."""
-    stop = world.stop._replace(held=0.0, released=None, seen_stopped=float("-inf"))
+    stop = world.stop._replace(held=0.0, seen_stopped=float("-inf"))
     turns = {0, 1, stop.first_turn, stop.answered_turn, stop.last_turn, stop.peer_turn}
     turns |= {stop.all_cancelled, stop.others_before, stop.past_turn}
     turns |= {pair[0] for pair in (stop.obeyed, stop.cancels) if pair}
@@ -368,8 +369,8 @@ def normal(world: World) -> World:
         past_turn=rank[stop.past_turn],
         all_cancelled=rank[stop.all_cancelled],
         others_before=rank[stop.others_before],
-        obeyed=stop.obeyed and (rank[stop.obeyed[0]], stop.obeyed[1]),
-        cancels=stop.cancels and (rank[stop.cancels[0]], stop.cancels[1]),
+        obeyed=stop.obeyed and (rank[stop.obeyed[0]], 0.0),  # Nothing here asks for its time.
+        cancels=stop.cancels and (rank[stop.cancels[0]], max(stop.cancels[1], 0.0)),
     )
     requests = tuple(
         request._replace(number=renamed[request.number], turn=rank[request.turn])
@@ -391,7 +392,8 @@ def normal(world: World) -> World:
 
 def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
     """Yield all that can happen next, by its name."""
-    yield "time", pass_time
+    if not world.peer_says:  # Its reports take less than half a second.
+        yield "time", pass_time
     if world.stops_left:
         yield "stop", read_stop
     if world.stop.open is not None:
@@ -404,7 +406,7 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
             yield f"{name} yes {number}", partial(handle, place, number, "y")
             if next(r for r in world.requests if r.number == number).is_stop:
                 yield f"{name} no {number}", partial(handle, place, number, "n")
-        if server.alive and world.restarts_left:
+        if server.alive and world.restarts_left and not world.peer_says:
             yield f"{name} leaves", partial(leave, place)
         if not server.alive:
             yield f"{name} returns", partial(come_back, place)
@@ -415,7 +417,7 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
             yield f"time out {request.number}", partial(time_out, request.number)
     if not world.is_polled:
         yield "poll", poll
-    if world.peer_left:
+    if world.peer_left and served(world):
         yield f"peer {world.peer_left[0]}", partial(peer_does, world.peer_left[0])
     if world.peer_says:
         yield "hear peer", hear_peer
@@ -456,7 +458,7 @@ def check(world: World) -> None:
             _promise(goal.is_asked, "a goal from before a STOP that runs behind it is cancelled")
     if stop.open is not None:
         open_for = -stop.open.asked
-        if open_for >= 1.5 and world.other_runs:
+        if open_for >= 1.0 and world.other_runs and world.passed:
             _promise(world.other_is_asked, "goals of others are cancelled behind an open STOP")
         _promise(_is_sent_again(world), "an open STOP is sent again")
     _promise((stop.state.name in ("NONE", "HELD")) == (not stop.doubt), "a doubt has its reason")
@@ -489,7 +491,8 @@ class Found(NamedTuple):
 def explore(world: World, most: int = 10_000_000) -> Found:
     """Visit every state that can be reached, or until a promise is broken."""
     first = normal(world)
-    came: dict[World, tuple[World, str] | None] = {first: None}
+    # A state is known by its hash: so many worlds would not fit into the memory.
+    came: dict[int, tuple[int, str]] = {hash(first): (0, "")}
     frontier = deque([first])
     module = sys.modules[type(world.stop).__module__]
     cells: set[tuple[str, str]] = set()
@@ -499,6 +502,9 @@ def explore(world: World, most: int = 10_000_000) -> Found:
         cells.add((event.name, stop.state.name))
         return fire(stop, event, doubt)
 
+    def found(broken: str, way: tuple[str, ...] = ()) -> Found:
+        return Found(len(came), broken, way, frozenset(cells))
+
     module.Stop._fire = fire_and_note
     try:
         while frontier and len(came) < most:
@@ -506,22 +512,22 @@ def explore(world: World, most: int = 10_000_000) -> Found:
             for name, happen in moves(here):
                 try:
                     there = normal(happen(here))
-                    if there not in came:
+                    if hash(there) not in came:
                         check(there)
                 except Broken as error:
-                    return Found(len(came), str(error), (*_way(came, here), name), frozenset(cells))
-                if there not in came:
-                    came[there] = here, name
+                    return found(str(error), (*_way(came, hash(here)), name))
+                if hash(there) not in came:
+                    came[hash(there)] = hash(here), name
                     frontier.append(there)
     finally:
         module.Stop._fire = fire
-    return Found(len(came), "" if not frontier else "not all was visited", (), frozenset(cells))
+    return found("" if not frontier else "not all was visited")
 
 
-def _way(came: dict[World, tuple[World, str] | None], world: World) -> tuple[str, ...]:
+def _way(came: dict[int, tuple[int, str]], world: int) -> tuple[str, ...]:
     way: list[str] = []
-    while (step := came[world]) is not None:
-        world, name = step
+    while came[world][1]:
+        world, name = came[world]
         way.append(name)
     return tuple(reversed(way))
 

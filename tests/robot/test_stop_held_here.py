@@ -77,7 +77,7 @@ def test_what_moves_behind_a_release_is_not_said_to_disobey() -> None:
     nodes = Nodes(motor=HERE)
     nodes.move(Motion(moving=True, received=5.0))
     assert nodes.stop.is_not_obeyed
-    nodes.stop = nodes.stop.accepted(9, 9.0)
+    nodes.stop = nodes.stop.release_accepted(9, 9.0, 10)
     assert not nodes.stop.is_not_obeyed
 
 

@@ -226,7 +226,7 @@ async def test_another_consoles_stop_is_not_over_by_an_answer_to_what_left_befor
         await until(lambda: it.snapshot.latch is Latch.HELD)
         made[0].executor.create_task(lambda: made[0].awake.set_result(True))
         assert (await ended(release)).ok
-        assert it.snapshot.latch is Latch.HELD
+        assert it.snapshot.latch is Latch.UNCERTAIN  # The robot may have released it last.
 
 
 async def test_its_alarm_ends_with_the_release_of_a_robot_that_is_not_heard(file: Path) -> None:

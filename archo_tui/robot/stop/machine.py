@@ -42,7 +42,7 @@ class Event(Enum):
     ACCEPTED = auto()  # A release or a goal that left behind every STOP.
     PEER_STOPPED = auto()  # Another console's STOP, of a robot that does not report its stops.
     PEER_UNDID = auto()  # Another console released its own STOP, or a robot that reports it.
-    PEER_RELEASED = auto()  # Another console released a STOP that is not its own.
+    MAY_BE_RELEASED = auto()  # By another console, or by a release that may have come before.
     SERVERS_SAME = auto()  # The nodes that confirmed it serve it, and none was restarted.
     SERVERS_DIFFER = auto()  # One of them has left or was restarted, or another one serves it.
 
@@ -67,7 +67,7 @@ LATCH: Mapping[Event, tuple[State, State, State, State]] = {
     Event.ACCEPTED:       (_N, _N, _N, _N),
     Event.PEER_STOPPED:   (_H, _H, _H, _H),
     Event.PEER_UNDID:     (_N, _N, _N, _N),
-    Event.PEER_RELEASED:  (_N, _D, _D, _D),
+    Event.MAY_BE_RELEASED: (_N, _D, _D, _D),
     Event.SERVERS_SAME:   (_N, _H, _H, _D),
     Event.SERVERS_DIFFER: (_N, _U, _U, _D),
 }  # fmt: skip
@@ -255,10 +255,23 @@ class Stop(NamedTuple):
         """Return True if a STOP left after a request: the robot may obey that request last."""
         return (self.open is not None and turn < self.first_turn) or turn <= self.last_turn
 
-    def accepted(self, turn: int, now: float) -> Stop:
-        """Take the yes to a release or a goal; one from before a STOP changes nothing."""
-        if self.is_behind(turn) or turn <= self.peer_turn:
-            return self
+    def goal_accepted(self, turn: int, now: float) -> Stop:
+        """Take the yes to a goal; one from before a STOP changes nothing."""
+        is_past = self.is_behind(turn) or turn <= self.peer_turn
+        return self if is_past else self._end(turn, now)
+
+    def release_accepted(self, turn: int, now: float, turn_now: int) -> Stop:
+        """Take the yes to a release; the robot may carry out one from before a STOP last.
+
+        Then no call so far confirms the STOP, which must be sent again.
+        """
+        if not self.is_behind(turn) and turn > self.peer_turn:
+            return self._end(turn, now)
+        first = self.first_turn if self.open is None else turn_now
+        after = self._replace(past_turn=turn_now, first_turn=first)
+        return after._fire(Event.MAY_BE_RELEASED, "a release from before it was answered behind it")
+
+    def _end(self, turn: int, now: float) -> Stop:
         after = self._fire(Event.ACCEPTED)
         return after._replace(last_turn=0, past_turn=turn, others_before=0, released=now, open=None)
 
@@ -321,7 +334,10 @@ class Stop(NamedTuple):
         after = after._replace(peer_turn=turn, due=now)
         if self.state is State.HELD:
             return after
-        return after._hold(Event.PEER_STOPPED, now, servers, here, console)
+        # The report takes some time: what was released just now may have been so after it.
+        is_past = self.released is not None and now - self.released < SETTLED
+        event = Event.YES_TO_PAST if is_past else Event.PEER_STOPPED
+        return after._hold(event, now, servers, here, console)
 
     def released_elsewhere(self, console: str, turn: int) -> Stop:
         """Take another console's report that the robot released a STOP.
@@ -334,7 +350,7 @@ class Stop(NamedTuple):
         is_its_own = self.peer == console and self.state is State.HELD
         if self.reports or is_its_own:
             return after._fire(Event.PEER_UNDID)
-        return after._fire(Event.PEER_RELEASED, f"console {console} released it")
+        return after._fire(Event.MAY_BE_RELEASED, f"console {console} released it")
 
     def needs_servers(self, motion: Motion) -> bool:
         """Return True if `moved` needs to know who serves STOP now, which takes time to ask."""

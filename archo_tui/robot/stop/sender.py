@@ -200,9 +200,14 @@ class StopSender:
 
     # Events of others.
 
-    def on_accepted(self, turn: int) -> None:
-        """Record that a release or a goal was accepted, by the turn of its request."""
-        self._become(self.stop.accepted(turn, self._clock.monotonic()))
+    def on_goal_accepted(self, turn: int) -> None:
+        """Record that a goal was accepted, by the turn of its request."""
+        self._become(self.stop.goal_accepted(turn, self._clock.monotonic()))
+
+    def on_release_accepted(self, turn: int) -> None:
+        """Record that a release was accepted, by the turn of its request."""
+        now, turn_now = self._clock.monotonic(), self._services.next_turn()
+        self._become(self.stop.release_accepted(turn, now, turn_now))
 
     def give_up(self) -> None:
         """Send the open STOP no more, though it is not confirmed."""
