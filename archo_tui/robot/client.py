@@ -58,6 +58,7 @@ from archo_tui.robot.service_verbs import ServiceVerbs
 from archo_tui.robot.services import QUESTION_TIMEOUT, Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
+    Diagnostic,
     Event,
     Goal,
     NodeInfo,
@@ -567,6 +568,19 @@ class Robot:
             )
 
         self._thread.submit(end)
+
+    def forget_diagnostic(self, part: Diagnostic) -> None:
+        """Drop a part of the diagnostics, which is there again once it reports. Any thread.
+
+        Returns at once: the ROS thread does it later, and adds an event.
+        """
+
+        def forget() -> None:
+            if self._telemetry.diagnostics.forget(part.key):
+                self._snapshots.send_soon()
+
+        self._thread.submit(forget)
+        self.note(YOU.level, YOU.source, f"diagnostics: {part.part} was forgotten")
 
     def note(
         self,

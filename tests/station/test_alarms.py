@@ -522,6 +522,15 @@ def test_each_part_that_is_not_ok_has_an_alarm_up_to_twenty() -> None:
     assert found["diagnostics others"] == "5 MORE PARTS ARE NOT OK: see diagnostics"
 
 
+def test_a_part_has_its_alarm_though_another_of_its_name_is_well() -> None:
+    parts = tuple(
+        part("motor", level)._replace(hardware_id=where)
+        for where, level in (("left", DiagnosticLevel.ERROR), ("right", DiagnosticLevel.OK))
+    )
+    found = conditions(NORMAL._replace(diagnostics=parts), NOW)
+    assert found == {"diagnostics error motor (left)": "ERROR motor (left): words"}
+
+
 def test_parts_that_all_fall_silent_are_one_alarm() -> None:
     parts = tuple(part(f"part {n}", DiagnosticLevel.OK, received=NOW - 9) for n in range(5))
     silent = NORMAL._replace(diagnostics=parts)
