@@ -13,7 +13,14 @@ from textual.markup import escape
 from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
+from archo_tui.robot.state import (
+    SHOWN_ELEMENTS,
+    FieldKind,
+    FieldView,
+    TopicInfo,
+    TopicRequest,
+    TopicView,
+)
 from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
@@ -29,11 +36,13 @@ from archo_tui.widgets.field_lines import (
     topic_plots,
 )
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.rows import Columns, Rows, Text
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
 from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.graph import topic_lines
+from archo_tui.words.state import WARN
 from archo_tui.words.topic import summary
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
@@ -235,7 +244,14 @@ class TopicDialog(Dialog[None]):
             self._show(self._view)
 
     def _show(self, view: TopicView) -> None:
+        """Show a view; if it cannot be drawn, the line above the fields says why."""
         had_ends, self._view = self._view.ends, view
+        try:
+            self._draw_view(view, had_ends)
+        except Exception as error:  # A robot's message must not end the console.
+            self._summary.show_spans(((not_drawn(error), WARN),))
+
+    def _draw_view(self, view: TopicView, had_ends: TopicInfo | None) -> None:
         self._cover_panels()  # The screen behind it may have been laid out since.
         self._show_border()
         self._summary.show_spans(summary(view, is_frozen=self._is_frozen))

@@ -10,7 +10,7 @@ from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, T
 from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
 from archo_tui.words.inspect import size_text
-from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
+from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, share, thousands
 
 _INDEX = re.compile(r"[0-9]{1,9}")
 _SHOWN = 12  # Characters of a wrong index that its error quotes.
@@ -159,12 +159,12 @@ def sparkline(curve: Curve) -> str:
     known = [value for both in curve if both is not None for value in both]
     if not known:
         return ""
-    low, span = min(known), max(known) - min(known)
+    low, high = min(known), max(known)
     bars, before = "", known[0]
     for both in curve:
         if both is None:
             bars += " "
             continue
         before = max(both, key=lambda value: abs(value - before))
-        bars += BARS[round((before - low) / span * (len(BARS) - 1))] if span else BARS[0]
+        bars += BARS[round(share(before, low, high) * (len(BARS) - 1))]
     return bars

@@ -9,10 +9,12 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Float32, Float32MultiArray, String
+from std_msgs.msg import Float32, Float32MultiArray, Float64, String
 from textual.geometry import Region
 
 from archo_tui.app import ArchoApp
+from archo_tui.screens import topic
+from archo_tui.screens.alarms import AlarmList
 from archo_tui.widgets.rows import Rows
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet
@@ -91,6 +93,62 @@ async def test_fields_follow_the_topic_while_it_is_open() -> None:
         assert counter.count_subscribers("/count") == 1
         await op.press("escape")
         await op.until(lambda: counter.count_subscribers("/count") == 0)
+
+
+class Extreme(Node):
+    """It alternates between the least and the greatest number, at 10 Hz."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("extreme", **options)
+        self._next, publisher = 1.7e308, self.create_publisher(Float64, "extreme", 10)
+
+        def publish() -> None:
+            self._next = -self._next
+            publisher.publish(Float64(data=self._next))
+
+        self.create_timer(0.1, publish)
+
+
+async def test_the_greatest_and_the_least_number_are_drawn_and_plotted() -> None:
+    async with console(node_makers=[Extreme], wait=False) as op:
+        await open_topic(op, "/extreme")
+        await op.until("-1.7e+308 .. 1.7e+308")
+        await op.until(lambda: "█" in op.line("┃   data"))
+        await op.press("p")
+        await op.until("60 s ago")
+        await op.until("-1.7e+308┤")
+        assert "cannot be drawn" not in op.text
+
+
+async def test_a_field_that_cannot_be_drawn_says_so_in_its_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def break_down(*_: object) -> None:
+        raise ZeroDivisionError("nothing to divide")
+
+    monkeypatch.setattr(topic, "field_line", break_down)
+    async with console(node_makers=[Counter], wait=False) as op:
+        await open_topic(op, "/count")
+        await op.until("✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.until("10.0 Hz   80 B/s")
+        monkeypatch.setattr(topic, "summary", break_down)
+        await op.until(lambda: op.text.count("✗ cannot be drawn") == 2)
+        await op.press("escape")
+        await op.until(lambda: "cannot be drawn" not in op.text)
+
+
+async def test_a_dialog_that_cannot_show_a_state_says_so_and_the_screen_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def break_down(*_: object) -> None:
+        raise ZeroDivisionError("nothing to divide")
+
+    async with console(node_makers=[Counter], wait=False) as op:
+        await op.press("A")
+        monkeypatch.setattr(AlarmList, "show_view", break_down)
+        await op.until("AlarmList ✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.press("escape", "ctrl+x")
+        await op.until("STOP")
 
 
 class Two(Counter):
