@@ -223,21 +223,23 @@ class TopicDialog(Dialog[None]):
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
         if self._is_frozen:
-            self._add_plots(view)
+            self._show(self._with_frozen_message(view))
         elif not is_older:
             self._show(view)
 
-    def _add_plots(self, view: TopicView) -> None:
-        """Draw curves for the fields that were plotted after the view was frozen.
+    def _with_frozen_message(self, view: TopicView) -> TopicView:
+        """Return a newer view with the fields and curves of the frozen one.
 
-        Args:
-            view: A newer view, which has the values of these fields.
+        Age, rate, ends and faults are of now. A field that was plotted since has its newer curve.
         """
-        known = self._view.plots
-        new = {p: view.plots[p] for p in self._plotted if p in view.plots and p not in known}
-        if new:
-            self._view = self._view._replace(plots={**known, **new})
-            self._show_plots()
+        frozen = self._view
+        return view._replace(
+            fields=frozen.fields,
+            is_cut=frozen.is_cut,
+            plots={**view.plots, **frozen.plots},
+            open_arrays=frozen.open_arrays,
+            with_elements=frozen.with_elements,
+        )
 
     def _show_again(self) -> None:
         if not self.is_dismissed:
@@ -421,6 +423,13 @@ class TopicDialog(Dialog[None]):
             self.is_asking = False
         if topic is not self._topic or self.is_dismissed:
             return
+        if self._is_frozen:  # A newer view has the same message.
+            view, shown = (
+                self._view,
+                self._view._replace(
+                    fields=shown.fields, is_cut=shown.is_cut, open_arrays=shown.open_arrays
+                ),
+            )
         if self._view is view:  # Otherwise a newer message is shown, with the elements.
             self._show(shown)
         paths = [field.path for field in self._rows.items]
@@ -466,10 +475,7 @@ class TopicDialog(Dialog[None]):
         start_worker(self, self._follow_topic, _GROUP)
 
     def action_freeze(self) -> None:
-        """Keep the message that is shown, or show new ones again.
-
-        The topic is followed all the time.
-        """
+        """Keep the message that is shown, or show new ones again; age and rate go on."""
         self._is_frozen = not self._is_frozen
         self._show(self._view)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -87,12 +89,29 @@ async def test_fields_follow_the_topic_while_it_is_open() -> None:
         frozen = op.line("┃   data")
         await op.at(op.app.station.clock.monotonic() + 3)
         assert op.line("┃   data") == frozen
+        assert "10.0 Hz   80 B/s" in op.text
         await op.press("space")
         await op.until(lambda: op.line("┃   data") != frozen)
         counter = op.session.host.nodes[0].node
         assert counter.count_subscribers("/count") == 1
         await op.press("escape")
         await op.until(lambda: counter.count_subscribers("/count") == 0)
+
+
+async def test_a_frozen_topic_whose_node_ends_shows_its_age_and_that_nobody_publishes() -> None:
+    async with console(node_makers=[Counter], wait=False) as op:
+        await open_topic(op, "/count")
+        await op.until("10.0 Hz   80 B/s")
+        await op.press("p", "space")
+        await op.until("frozen")
+        frozen = op.line("┃   data")
+        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/counter"})
+        halting = asyncio.ensure_future(halted)
+        await op.until(halting.done)
+        await op.until("it has no publisher: waiting for one")
+        await op.until(lambda: re.search(r"[6-9]\.\d s old   frozen: space", op.text))
+        assert " Hz" not in op.line("s old")
+        assert op.line("┃   data") == frozen
 
 
 class Extreme(Node):
