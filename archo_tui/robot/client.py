@@ -502,7 +502,7 @@ class Robot:
         self,
         topic: str,
         message_class: Any,
-        on_data: Callable[[float, bytes], None] = lambda *_: None,
+        on_data: Callable[[float, bytes, bool], None] = lambda *_: None,
     ) -> AsyncIterator[Inspection]:
         """Count the messages of a topic while the context is entered; its value is the inspection.
 
@@ -511,7 +511,8 @@ class Robot:
         Args:
             topic: The full name of the topic.
             message_class: The class of its messages.
-            on_data: Called on the ROS thread with the monotonic time and the bytes of each message.
+            on_data: Called on the ROS thread with the monotonic time and the bytes of each message,
+                and True if it was sent before.
 
         Raises:
             TimeoutError: The ROS thread does not answer.

@@ -110,8 +110,24 @@ async def test_a_frozen_topic_whose_node_ends_shows_its_age_and_that_nobody_publ
         await op.until(halting.done)
         await op.until("it has no publisher: waiting for one")
         await op.until(lambda: re.search(r"[6-9]\.\d s old   frozen: space", op.text))
-        assert " Hz" not in op.line("s old")
+        assert "-- Hz" in op.line("s old")
         assert op.line("┃   data") == frozen
+
+
+async def test_a_topic_just_opened_shows_the_rate_of_the_graph_or_none() -> None:
+    async with console() as op:
+        await op.until(lambda: op.app.view.snapshot.message_rates["/battery_level"].hertz)
+        await open_topic(op, "/battery_level")
+        seen = set[str]()
+        end = op.app.station.clock.monotonic() + 8.0
+
+        def has_ended() -> bool:
+            seen.update(re.findall(r"([\d.]+|--) Hz   ", op.text))
+            return op.app.station.clock.monotonic() > end
+
+        await op.until(has_ended)
+        assert seen <= {"--", "0.9", "1.0", "1.1"}
+        assert "1.0" in seen
 
 
 class Extreme(Node):
