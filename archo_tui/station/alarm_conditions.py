@@ -340,7 +340,7 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
     silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
     again = answer == StopAnswer.NONE
     more = ", sent again while the robot is heard" if again else " (not confirmed by the robot)"
-    return silent + more, silent, f"STOP SENT, silent {waited:.0f} s"
+    return silent + more, silent, f"STOP SENT, unanswered {waited:.0f} s"
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:

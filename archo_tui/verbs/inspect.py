@@ -269,4 +269,4 @@ async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outc
     text = f"no message on {topic} in {seconds:g} s"
     if not info.publishers:
         return Outcome(Code.NOT_OFFERED, f"{text}: it has no publisher")
-    return Outcome(Code.TIMEOUT, f"{text}: {names or 'its publisher'} published nothing")
+    return Outcome(Code.TIMEOUT, f"{text}: nothing arrived from {names or 'its publisher'}")

@@ -47,11 +47,11 @@ async def test_a_message_that_is_kept_is_shown_at_once() -> None:
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ("echo silent", "echo: no message on /silent in 5 s: talker published nothing"),
+        ("echo silent", "echo: no message on /silent in 5 s: nothing arrived from talker"),
         ("echo heard", "echo: no message on /heard in 5 s: it has no publisher"),
         ("echo fas", "echo: no topic /fas is on the graph (nearest: /fast)"),
         ("echo fast dat", "echo: there is no field dat (nearest: data)"),
-        ("hz silent", "hz: no message on /silent in 5 s: talker published nothing"),
+        ("hz silent", "hz: no message on /silent in 5 s: nothing arrived from talker"),
         ("hz fas", "hz: no topic /fas is on the graph (nearest: /fast)"),
         ("hz", "hz: needs TOPIC"),
     ],
