@@ -156,7 +156,7 @@ class ArchoApp(KeyedApp):
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
             if isinstance(screen, Dismissable) and screen.is_mounted:
-                screen.show_view(self.view)
+                screen.update_view(self.view)
             if self.replay is not None and screen is self.replay.main:
                 break  # The dialogs over it show the replay.
 

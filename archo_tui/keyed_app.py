@@ -103,6 +103,11 @@ class KeyedApp(TerminalApp):
         self._read = InputTime(-math.inf, math.inf)
         self.input: InputTime | None = None  # Of the one that is being handled.
 
+    @property
+    def was_operated(self) -> bool:
+        """True once a key, a paste or a click was read."""
+        return self._read.at > -math.inf
+
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """Return the commands for the robot of a snapshot; a subclass may change them."""
         return registry(snapshot.file, self.verbs)

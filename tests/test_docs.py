@@ -266,10 +266,17 @@ def test_the_script_of_the_page_drives_the_robot() -> None:
     assert "Arrived at shelf 7" in done.stdout.decode()
 
 
+def seconds_left(text: str) -> float:
+    """Return the time left that a screen shows, in s; 0 for none."""
+    found = re.search(r"about ([\d.]+) s left", text)
+    return float(found[1]) if found else 0.0
+
+
 async def test_the_first_drive_goes_as_it_is_told() -> None:
     page = read(ROOT / "docs" / "first_drive.md")
     (_, first), *_ = page.blocks
     names = {"esc": "escape", "/": "slash", ".": "full_stop"}
+    left = dict[str, float]()  # By the words of the step: the seconds that are left then.
     async with console(*first.split()[2:], size=(80, 24)) as op:  # the least that the page names
         for row in page.rows:
             await op.press(*(names.get(key, key) for key in codes(row["press"])))
@@ -278,6 +285,12 @@ async def test_the_first_drive_goes_as_it_is_told() -> None:
                     await op.until(lambda text=text: text not in op.text)  # type: ignore[misc]
                 else:
                     await op.until(text, deadline=60.0)
+            if "time that is left grows" in row["you see"]:
+                before = max(left.values())
+                await op.until(lambda: seconds_left(op.text) > 1.3 * before)  # noqa: B023
+            elif "MOVING to 3" in row["you see"]:
+                await op.until(lambda: seconds_left(op.text))
+                left["MOVING to 3"] = seconds_left(op.text)
 
 
 # listings

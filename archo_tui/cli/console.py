@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
     from archo_tui.session_options import Launch
 
-_MOST_FAILURES = 3  # Crashes of the screen after which the program ends.
+# Crashes of the screen in a row after which the program ends. One that a person's key led to can be
+# avoided by that person, and must not end a console that drives.
+_MOST_FAILURES = 3
 
 
 def run_console(options: Namespace, ros_args: list[str], launch: Launch | None = None) -> int:
@@ -139,8 +141,9 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
 def _run_screen(session: Session, stdin: TextIO | None) -> int:
     """Start the session and show the screen until it is left; after a crash, show it again.
 
-    A crash is written to the events and the journal. After the third one, the running goal is
-    cancelled or left, as `--on-disconnect` says, and the screen is not shown again.
+    A crash is written to the events and the journal. After the third one without a key between
+    them, the running goal is cancelled or left, as `--on-disconnect` says, and the screen is not
+    shown again.
 
     Args:
         session: The session, which the caller closes.
@@ -176,7 +179,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
             app.run()
         if not app.failure:
             return app.return_code or 0
-        failed, failures = app.failure, failures + 1
+        failed, failures = app.failure, 1 if app.was_operated else failures + 1
         last = failed.strip().splitlines()[-1]
         station.robot.note("ERROR", "console", f"the screen crashed: {last}")
         session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)

@@ -15,11 +15,12 @@ from archo_tui.commands.base import (
     VerbCommand,
     Work,
 )
+from archo_tui.robot.state import Diagnostic
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
-from archo_tui.verbs.diagnostics import ShowDiagnostics
+from archo_tui.verbs.diagnostics import ShowDiagnostics, forget
 from archo_tui.words.goal import activity
 
 if TYPE_CHECKING:
@@ -49,19 +50,23 @@ class ShowAlarms(Command):
             seen = (lambda: console.is_stuck), (lambda: console.input)
             console.open(AnswerRequest(waiting[0], console.view, *seen, *on_end))
             return
-        console.open(
-            AlarmList(console.view, station.acknowledge, station.shelve, console.update_screen)
-        )
+        forget_part = partial(_forget, console)
+        changes = station.acknowledge, station.shelve, console.update_screen, forget_part
+        console.open(AlarmList(console.view, *changes))
 
 
 class ListDiagnostics(Command):
-    id, verbs = "diagnostics", ("diagnostics",)
+    id, verbs = "diagnostics", ("diagnostics", "forget")
     help = ShowDiagnostics.help
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.diagnostics import DiagnosticList
 
-        console.open(DiagnosticList(console.view))
+        console.open(DiagnosticList(console.view, partial(_forget, console)))
+
+
+def _forget(console: Console, part: Diagnostic) -> None:
+    console.report_failure(forget(console.station, part))
 
 
 class LookAtDomains(VerbCommand):

@@ -85,7 +85,7 @@ class ReplayConsole:
         self.main.show(self.view, keys_of_footer(self))
         for dialog in screens[screens.index(self.main) + 1 :]:
             if isinstance(dialog, Dismissable) and dialog.is_mounted:
-                dialog.show_view(self.view)
+                dialog.update_view(self.view)
 
     @property
     def repeated(self) -> bool:

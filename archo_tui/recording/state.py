@@ -186,7 +186,8 @@ def console_state(view: View, since: float, *, with_events: bool) -> ConsoleStat
 def _with_unix_times(goal: Goal, since: float) -> Goal:
     values = {name: getattr(goal, name) for name in _GOAL_TIMES}
     moved = {name: None if time is None else time + since for name, time in values.items()}
-    return goal._replace(kind=_recorded_action(goal.kind), **moved)  # type: ignore[arg-type]
+    # Messages tell the way of the last seconds again.
+    return goal._replace(kind=_recorded_action(goal.kind), way=(), **moved)  # type: ignore[arg-type]
 
 
 def _recorded_action(kind: GoalKind) -> RecordedAction:

@@ -219,6 +219,7 @@ class ReplayState:
         self.console = state._replace(events=())
         self.goal = None if state.goal is None else self._with_file_kind(state.goal)
         if before and self.goal and before.number == self.goal.number:
+            self.goal = self.goal._replace(way=before.way)
             newer = (before.heard or 0.0) > (self.goal.heard or 0.0)
             if newer and self.goal.is_running:  # A feedback came after the state was made.
                 names = ("heard", "remaining", "feedback")
@@ -283,7 +284,7 @@ class ReplayState:
         self.goal = goal._replace(
             heard=self._clock.time,
             started=goal.sent if goal.started is None else goal.started,
-            **feedback_changes(goal, feedback),
+            **feedback_changes(goal, feedback, self._clock.time),
         )
 
     @property

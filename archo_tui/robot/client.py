@@ -58,6 +58,7 @@ from archo_tui.robot.service_verbs import ServiceVerbs
 from archo_tui.robot.services import QUESTION_TIMEOUT, Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
+    Diagnostic,
     Event,
     Goal,
     NodeInfo,
@@ -520,7 +521,7 @@ class Robot:
         self,
         topic: str,
         message_class: Any,
-        on_data: Callable[[float, bytes], None] = lambda *_: None,
+        on_data: Callable[[float, bytes, bool], None] = lambda *_: None,
     ) -> AsyncIterator[Inspection]:
         """Count the messages of a topic while the context is entered; its value is the inspection.
 
@@ -529,7 +530,8 @@ class Robot:
         Args:
             topic: The full name of the topic.
             message_class: The class of its messages.
-            on_data: Called on the ROS thread with the monotonic time and the bytes of each message.
+            on_data: Called on the ROS thread with the monotonic time and the bytes of each message,
+                and True if it was sent before.
 
         Raises:
             TimeoutError: The ROS thread does not answer.
@@ -586,6 +588,19 @@ class Robot:
             )
 
         self._thread.submit(end)
+
+    def forget_diagnostic(self, part: Diagnostic) -> None:
+        """Drop a part of the diagnostics, which is there again once it reports. Any thread.
+
+        Returns at once: the ROS thread does it later, and adds an event.
+        """
+
+        def forget() -> None:
+            if self._telemetry.diagnostics.forget(part.key):
+                self._snapshots.send_soon()
+
+        self._thread.submit(forget)
+        self.note(YOU.level, YOU.source, f"diagnostics: {part.part} was forgotten")
 
     def note(
         self,

@@ -107,8 +107,8 @@ class Listener(Node):
         """
         return (topic, kind) in self._heard
 
-    def tap(self, kind: Any, topic: str, callback: MessageCallback) -> None:
-        """Call a function with each message of a subscription, and at once with the last one.
+    def tap(self, kind: Any, topic: str, callback: MessageCallback) -> Any:
+        """Call a function with each message of a subscription; return the last one, or None.
 
         The messages are as received, secrets included. The function stays when the subscription is
         replaced.
@@ -122,9 +122,7 @@ class Listener(Node):
             KeyError: The node does not listen to the topic.
         """
         self._taps.setdefault((topic, kind), []).append(callback)
-        last = self._heard[topic, kind].last
-        if last is not None:
-            callback(topic, last)
+        return self._heard[topic, kind].last
 
     def untap(self, callback: MessageCallback) -> None:
         """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""

@@ -11,6 +11,7 @@ from collections import deque
 from typing import NamedTuple
 
 from archo_tui.robot.inspection import MAX_BYTES
+from archo_tui.robot.message_rate import RATE_INTERVALS
 
 _INTERVAL = 0.04  # Seconds between two kept messages; with the newest of each look, 30 a second.
 _WAITING_BYTES = 16_000_000  # Of all messages that wait.
@@ -46,7 +47,8 @@ class MessageIntake:
 
     Attributes:
         received: The number of messages that came.
-        last: When the last message came, in seconds; None before the first.
+        last: When the last message came that was not kept for a new subscription, in seconds; None
+            before the first.
         last_size: The bytes of the last message; 0 before the first.
     """
 
@@ -59,9 +61,10 @@ class MessageIntake:
         self._waiting_bytes = 0
         self._kept_at: float | None = None
         self._newest: RawMessage | None = None  # If it is not among those that wait.
+        self._last_few: deque[tuple[float, int]] = deque(maxlen=RATE_INTERVALS + 1)
         self._buckets: deque[_Bucket] = deque(maxlen=int(_WINDOW * _BUCKETS_PER_SECOND) + 1)
 
-    def add(self, time: float, data: bytes) -> None:
+    def add(self, time: float, data: bytes, was_kept: bool = False) -> None:
         """Count a message, and keep it for `drain`, unless it is too large or too many wait.
 
         The newest message is always kept, unless it is larger than MAX_BYTES. Of the others, one
@@ -70,10 +73,14 @@ class MessageIntake:
         Args:
             time: When it came, in seconds.
             data: The serialized message.
+            was_kept: True if it was sent before: then it tells nothing of rate and age.
         """
         with self._lock:
-            self._count(time, len(data))
-            self.received, self.last, self.last_size = self.received + 1, time, len(data)
+            if not was_kept:
+                self._count(time, len(data))
+                self._last_few.append((time, len(data)))
+                self.last = time
+            self.received, self.last_size = self.received + 1, len(data)
             self._newest = None
             if len(data) > MAX_BYTES:
                 return
@@ -102,24 +109,32 @@ class MessageIntake:
     def rates(self, now: float) -> tuple[float, float] | None:
         """Return the mean rates in messages and in bytes a second, over the last 5 s or so.
 
-        They are those between the first and the last message of that time: a silence since then
-        does not lower them.
+        Of a slow topic the last three intervals count. A silence since the last message does not
+        lower the rates.
 
         Args:
             now: The present time in seconds.
 
         Returns:
-            The two rates; None if fewer than two messages came in that time.
+            The two rates; None before three intervals, and after a silence.
         """
         with self._lock:
-            buckets, last = tuple(self._buckets), self.last
-        recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]
-        count = sum(bucket.messages for bucket in recent)
-        span = 0.0 if not recent or last is None else last - recent[0].first
-        if count < 2 or span <= 0:
+            buckets, last, few = tuple(self._buckets), self.last, tuple(self._last_few)
+        if last is None or len(few) <= RATE_INTERVALS:
             return None
-        rate = (count - 1) / span
-        return rate, rate * sum(bucket.size for bucket in recent) / count
+        recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]
+        count, begin = sum(bucket.messages for bucket in recent), few[0][0]
+        size = sum(bucket.size for bucket in recent)
+        if count > RATE_INTERVALS:
+            begin = recent[0].first
+        elif now - last <= max(last - begin, _WINDOW):
+            count, size = len(few), sum(size for _, size in few)
+        else:
+            return None
+        if last <= begin:
+            return None
+        rate = (count - 1) / (last - begin)
+        return rate, rate * size / count
 
     def _count(self, time: float, size: int) -> None:
         number = int(time * _BUCKETS_PER_SECOND)

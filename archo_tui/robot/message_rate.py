@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from archo_tui.robot.period import is_silent
 
+RATE_INTERVALS = 3  # Fewer intervals tell no rate.
 _SMOOTHING = 0.2  # Our choice: the weight of the newest interval in a rate.
 
 
@@ -15,10 +16,12 @@ class MessageRate(NamedTuple):
     Attributes:
         heard: When the last message came, in monotonic seconds.
         interval: The smoothed interval in seconds; None before two messages.
+        intervals: How many intervals were measured, at most RATE_INTERVALS.
     """
 
     heard: float
     interval: float | None = None
+    intervals: int = RATE_INTERVALS
 
     def with_message_at(self, now: float) -> MessageRate:
         """Return the rate with one more message at `now`, in monotonic seconds.
@@ -31,13 +34,19 @@ class MessageRate(NamedTuple):
         since = now - self.heard
         if since <= 0:
             return self
-        before = since if self.interval is None else self.interval
-        return MessageRate(now, before + _SMOOTHING * (since - before))
+        if self.interval is None:
+            return MessageRate(now, since, 1)
+        interval = self.interval + _SMOOTHING * (since - self.interval)
+        return MessageRate(now, interval, min(self.intervals + 1, RATE_INTERVALS))
 
     @property
     def hertz(self) -> float | None:
-        """The messages in a second; None if the interval is not known."""
-        return 1 / self.interval if self.interval else None
+        """The messages in a second; None before three intervals: two messages may come at once."""
+        return 1 / self.interval if self.interval and self.intervals >= RATE_INTERVALS else None
+
+    def hertz_at(self, now: float) -> float | None:
+        """Return `hertz`, but None while the topic is silent."""
+        return None if self.is_silent(now) else self.hertz
 
     def is_silent(self, now: float) -> bool:
         """Return True if no message came for three intervals, and at least 2.5 s.

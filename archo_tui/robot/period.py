@@ -19,6 +19,9 @@ _LONGER = 1.25  # An interval that is so many times as long as another is not so
 _GROWING = 3  # So many intervals in a row, each longer than the last: the link becomes slower.
 _REGULAR = 3  # So many silences in a row of about the same length become typical.
 _AS_LONG = 1.1  # The longest of them may be so many times as long as the shortest.
+_REGULAR_SHARE = 1 / 3  # Intervals up to this share of the learnt one contradict it ...
+_REGULAR_SPAN = 2  # ... if nothing else comes for so many learnt intervals,
+_REGULAR_MESSAGES = 10  # and for at least so many messages.
 _NOTED = 0.1  # Messages that follow faster are not recorded, once the period is learnt.
 
 
@@ -26,7 +29,9 @@ class Period(NamedTuple):
     """The measured period of one topic; immutable.
 
     Once the typical interval is learnt it does not follow a link that becomes slower, so that the
-    silence of such a link is noticed. Only silences of the same length, three in a row, change it.
+    silence of such a link is noticed. Silences of the same length, three in a row, make it longer.
+    Regular messages that are much more frequent show that it was learnt from outages: unless such
+    silences taught it, it is learnt anew.
 
     Attributes:
         intervals: The first intervals between messages, in seconds; at most five.
@@ -36,6 +41,9 @@ class Period(NamedTuple):
         gaps: The longer intervals, in seconds.
         learnt: The typical interval in seconds; None while it is being learnt.
         silences: The last intervals that were longer than is typical, in seconds.
+        is_taught: True if silences of the same length made `learnt` longer.
+        regular: The messages in a row that came much more often than is typical.
+        regular_since: When the first of them came, in monotonic seconds.
     """
 
     intervals: tuple[float, ...] = ()
@@ -45,6 +53,9 @@ class Period(NamedTuple):
     gaps: tuple[float, ...] = ()
     learnt: float | None = None
     silences: tuple[float, ...] = ()
+    is_taught: bool = False
+    regular: int = 0
+    regular_since: float = 0.0
 
     def measured_again(self, old: object, new: object) -> Period:
         """Return an unmeasured period in which the present one holds until it is measured again.
@@ -92,11 +103,25 @@ class Period(NamedTuple):
         """
         assert self.learnt is not None
         if interval <= max(3 * self.learnt, LEAST_SILENCE):
-            return self._replace(last=now)
+            return self._replace(last=now)._with_regularity(interval, now)
         silences = (*self.silences, interval)[-_REGULAR:]
         if len(silences) == _REGULAR and max(silences) <= _AS_LONG * min(silences):
-            return self._replace(last=now, learnt=max(silences), silences=())
-        return self._replace(last=now, silences=silences)
+            return self._replace(last=now, learnt=max(silences), silences=(), is_taught=True)
+        return self._replace(last=now, silences=silences, regular=0)
+
+    def _with_regularity(self, interval: float, now: float) -> Period:
+        """Return the period to be learnt anew if regular messages contradict the learnt one."""
+        assert self.learnt is not None
+        if self.is_taught or self.learnt <= _DENSE:
+            return self
+        if interval > self.learnt * _REGULAR_SHARE:
+            return self._replace(regular=0)
+        since = self.regular_since if self.regular else now - interval
+        counted = self._replace(regular=self.regular + 1, regular_since=since)
+        is_long = now - since >= _REGULAR_SPAN * self.learnt
+        if is_long and counted.regular >= _REGULAR_MESSAGES:
+            return Period(last=now, known=self.learnt)
+        return counted
 
     @property
     def _is_sure(self) -> bool:

@@ -42,7 +42,7 @@ class FollowedRobot(Protocol):
         """Return the publishers and subscriptions of a topic; an outcome if they cannot be told."""
 
     def inspect(
-        self, topic: str, message_class: Any, on_data: Callable[[float, bytes], None]
+        self, topic: str, message_class: Any, on_data: Callable[[float, bytes, bool], None]
     ) -> AbstractAsyncContextManager[Inspection]:
         """Subscribe to a topic for as long as the context is entered."""
 
@@ -115,6 +115,9 @@ class TopicFollower:
                 refit_at, spent = self._clock.monotonic() + _REFIT, 0.0
                 while True:
                     view, spent = await in_daemon(self._update, watch, self._request(), spent)
+                    known = self._robot.snapshot.message_rates.get(self._topic)
+                    if view.rate is None and known is not None:
+                        view = view._replace(rate=known.hertz_at(self._clock.monotonic()))
                     self._show(view._replace(ends=ends, fault=view.fault or _fault(ends, kind)))
                     await self._clock.sleep(max(PERIOD, spent / SHARE))
                     if self._clock.monotonic() < refit_at:

@@ -256,9 +256,7 @@ class TrackedGoal:
         goal, now = self.goal, self._clock.monotonic()
         self._feedback_period = self._feedback_period.with_message_at(now)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        changes = feedback_changes(goal, feedback)
-        if goal.is_found and goal.first is None and "remaining" in changes:
-            changes["first"] = now, changes["remaining"]
+        changes = feedback_changes(goal, feedback, now)
         self.update(
             phase=Phase.MOVING if doubtful else goal.phase,
             heard=now,
@@ -330,7 +328,7 @@ class TrackedGoal:
         self._on_change(self, before)
 
 
-def feedback_changes(goal: Goal, feedback: Any) -> dict[str, Any]:
+def feedback_changes(goal: Goal, feedback: Any, now: float) -> dict[str, Any]:
     """Return the fields of a goal's state that a feedback message changes, with new values.
 
     If the robot file names the field with the remainder, only that is read: a number from 0 to
@@ -344,7 +342,8 @@ def feedback_changes(goal: Goal, feedback: Any) -> dict[str, Any]:
     left = number(value, 0.0, FARTHEST)
     if left is None:
         return {"unreadable": as_received(value)}
-    changes: dict[str, Any] = {"remaining": left, "unreadable": ""}
+    way = goal.way_with(now, left)
+    changes: dict[str, Any] = {"remaining": left, "unreadable": "", "way": way}
     is_guess = goal.length is None or goal.length_is_guessed
     # Without a length, the largest remainder so far stands for it.
     if is_guess and not goal.is_found:

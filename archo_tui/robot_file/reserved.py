@@ -10,7 +10,7 @@ from collections.abc import Collection
 # The verbs that every robot has, as they are typed.
 VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
-    *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics"),
+    *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics", "forget"),
     *("params", "get", "set", "undo", "save", "load"),
     *("nodes", "topics", "echo", "hz", "interface"),
     *("start", "halt", "copy", "log_level", "lifecycle"),

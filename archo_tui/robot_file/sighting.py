@@ -48,7 +48,7 @@ def topic_reason(sighting: Sighting, kind: str) -> str:
         kind: The one of its types for which it is proposed.
     """
     rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
-    rate = rate or (", one message came" if sighting.values else ", no message came")
+    rate = rate or (", too few messages to tell a rate" if sighting.values else ", no message came")
     by = f", published by {nodes_text(sighting)}" if sighting.nodes else ", which nobody publishes"
     others = [other for other in sighting.types if other != kind]
     more = f" (and of {' and '.join(others)})" if others else ""

@@ -10,6 +10,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
+from archo_tui.robot.state import Diagnostic
 from archo_tui.screens.diagnostics import DiagnosticList
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
@@ -62,6 +63,7 @@ class AlarmList(Dialog[None]):
         acknowledge: Callable[[Iterable[Alarm]], None],
         shelve: Callable[[Alarm, str], None],
         on_change: Callable[[], None],
+        forget: Callable[[Diagnostic], None],
     ) -> None:
         """Create the dialog.
 
@@ -70,10 +72,11 @@ class AlarmList(Dialog[None]):
             acknowledge: Acknowledges alarms.
             shelve: Shelves an alarm with a reason (may be ""), or unshelves a shelved one.
             on_change: Called after something was acknowledged, shelved or unshelved.
+            forget: Forgets a part of the diagnostics, or says why it cannot.
         """
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
-        self._on_change = on_change
+        self._on_change, self._forget = on_change, forget
         self._box = Vertical(classes="dialog reading")
         self._rows: Rows[AlarmRow] = Rows(
             alarm_lines,
@@ -117,7 +120,7 @@ class AlarmList(Dialog[None]):
         """List the robot's parts over this dialog, if the alarm under the cursor is about one."""
         row = self._rows.item
         if row is not None and is_diagnostic(row.alarm):
-            self.app.push_screen(DiagnosticList(self._view))
+            self.app.push_screen(DiagnosticList(self._view, self._forget))
 
     def action_shelve(self) -> None:
         """Shelve the alarm under the cursor, or unshelve it if it is shelved.

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.robot.state import DiagnosticLevel
+from archo_tui.robot.state import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.alarm_conditions import diagnostics_worst_first
 from archo_tui.station.view import View
@@ -18,38 +19,41 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class _Part(NamedTuple):
-    """A row of the list; equal rows are not drawn again, so `text` has the age."""
+    """A row of the list: a part with its level now, and its text."""
 
-    name: str
-    level: DiagnosticLevel
+    status: Diagnostic
     text: str
 
 
 class DiagnosticList(Dialog[None]):
     """A list of the robot's parts, the worst first, each with its level and message.
 
-    The list changes with the robot's reports while the dialog is open.
+    The list changes with the robot's reports while the dialog is open. `f` forgets a part that has
+    long been silent.
     """
 
-    BINDINGS = [Binding("escape,enter,q", "close", "Close")]
+    BINDINGS = [
+        Binding("f", "forget", "Forget", priority=True),
+        Binding("escape,enter,q", "close", "Close"),
+    ]
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, forget: Callable[[Diagnostic], None]) -> None:
         """Create the dialog.
 
         Args:
             view: The state that is shown at first.
+            forget: Forgets a part, or says why it cannot.
         """
         super().__init__()
-        self._view = view
+        self._view, self._forget = view, forget
         self._box = Vertical(classes="dialog reading")
         self._rows: Rows[_Part] = Rows(
-            _lines, lambda part: part.name, id="diagnostics", empty="", wraps=True
+            _lines, lambda part: part.status.key, id="diagnostics", empty="", wraps=True
         )
 
     def body(self) -> ComposeResult:
         with self._box:
             self._box.border_title = "Diagnostics"
-            self._box.border_subtitle = "esc close"
             yield self._rows
 
     def on_mount(self) -> None:
@@ -59,16 +63,20 @@ class DiagnosticList(Dialog[None]):
     def show_view(self, view: View) -> None:
         """Show the parts of a new view, and fit the height of the box to them."""
         self._rows.empty = no_diagnostics_text(view.snapshot)
-        self._rows.show(
-            [
-                _Part(status.name, status.level, diagnostic_line(status, view.now))
-                for status in diagnostics_worst_first(view.snapshot, view.now)
-            ]
-        )
+        parts = diagnostics_worst_first(view.snapshot, view.now)
+        self._rows.show([_Part(status, diagnostic_line(status, view.now)) for status in parts])
+        is_any_gone = any(status.is_gone_at(view.now) for status in parts)
+        keys = "f forget a silent part   " if is_any_gone else ""
+        self._box.border_subtitle = f"{keys}esc close"
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
+
+    def action_forget(self) -> None:
+        """Forget the part under the cursor."""
+        if self._rows.item is not None:
+            self._forget(self._rows.item.status)
 
 
 def _lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
-    style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.level, "")
+    style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.status.level, "")
     wrapped = textwrap.wrap(part.text, max(width, 20), subsequent_indent=" " * 8)
     return [(line, style) for line in wrapped]

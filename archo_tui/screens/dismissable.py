@@ -9,6 +9,7 @@ from textual.await_complete import AwaitComplete
 from textual.screen import ScreenResultType
 
 from archo_tui.screens.base import Base
+from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.screen_state import ScreenState
 
 
@@ -28,6 +29,7 @@ class Dismissable(Base[ScreenResultType]):
 
     closes_at_stop: ClassVar[bool] = False
     is_asking = False
+    _not_drawn = ""  # Why the last state could not be drawn.
     _result: tuple[ScreenResultType | None] | None = None  # Set by the first `dismiss`.
 
     @property
@@ -58,6 +60,17 @@ class Dismissable(Base[ScreenResultType]):
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         if self._result is not None:
             self.dismiss()
+
+    def update_view(self, view: ScreenState) -> None:
+        """Show a new state; if it cannot be drawn, say so once, and leave the other screens be."""
+        try:
+            self.show_view(view)
+            self._not_drawn = ""
+        except Exception as error:
+            text = not_drawn(error)
+            if text != self._not_drawn:
+                self._not_drawn = text
+                self.notify(f"{type(self).__name__} {text}", severity="error", markup=False)
 
     def show_view(self, view: ScreenState) -> None:
         """Do nothing; a subclass shows the new state here.

@@ -13,7 +13,14 @@ from textual.markup import escape
 from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.state import SHOWN_ELEMENTS, FieldKind, FieldView, TopicRequest, TopicView
+from archo_tui.robot.state import (
+    SHOWN_ELEMENTS,
+    FieldKind,
+    FieldView,
+    TopicInfo,
+    TopicRequest,
+    TopicView,
+)
 from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
@@ -29,11 +36,13 @@ from archo_tui.widgets.field_lines import (
     topic_plots,
 )
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.rows import Columns, Rows, Text
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
 from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.graph import topic_lines
+from archo_tui.words.state import WARN
 from archo_tui.words.topic import summary
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
@@ -214,28 +223,37 @@ class TopicDialog(Dialog[None]):
         # A view that was asked for before an array was opened has not its elements.
         is_older = bool(view.fields) and view.open_arrays != self._open_arrays
         if self._is_frozen:
-            self._add_plots(view)
+            self._show(self._with_frozen_message(view))
         elif not is_older:
             self._show(view)
 
-    def _add_plots(self, view: TopicView) -> None:
-        """Draw curves for the fields that were plotted after the view was frozen.
+    def _with_frozen_message(self, view: TopicView) -> TopicView:
+        """Return a newer view with the fields and curves of the frozen one.
 
-        Args:
-            view: A newer view, which has the values of these fields.
+        Age, rate, ends and faults are of now. A field that was plotted since has its newer curve.
         """
-        known = self._view.plots
-        new = {p: view.plots[p] for p in self._plotted if p in view.plots and p not in known}
-        if new:
-            self._view = self._view._replace(plots={**known, **new})
-            self._show_plots()
+        frozen = self._view
+        return view._replace(
+            fields=frozen.fields,
+            is_cut=frozen.is_cut,
+            plots={**view.plots, **frozen.plots},
+            open_arrays=frozen.open_arrays,
+            with_elements=frozen.with_elements,
+        )
 
     def _show_again(self) -> None:
         if not self.is_dismissed:
             self._show(self._view)
 
     def _show(self, view: TopicView) -> None:
+        """Show a view; if it cannot be drawn, the line above the fields says why."""
         had_ends, self._view = self._view.ends, view
+        try:
+            self._draw_view(view, had_ends)
+        except Exception as error:  # A robot's message must not end the console.
+            self._summary.show_spans(((not_drawn(error), WARN),))
+
+    def _draw_view(self, view: TopicView, had_ends: TopicInfo | None) -> None:
         self._cover_panels()  # The screen behind it may have been laid out since.
         self._show_border()
         self._summary.show_spans(summary(view, is_frozen=self._is_frozen))
@@ -405,6 +423,13 @@ class TopicDialog(Dialog[None]):
             self.is_asking = False
         if topic is not self._topic or self.is_dismissed:
             return
+        if self._is_frozen:  # A newer view has the same message.
+            view, shown = (
+                self._view,
+                self._view._replace(
+                    fields=shown.fields, is_cut=shown.is_cut, open_arrays=shown.open_arrays
+                ),
+            )
         if self._view is view:  # Otherwise a newer message is shown, with the elements.
             self._show(shown)
         paths = [field.path for field in self._rows.items]
@@ -450,10 +475,7 @@ class TopicDialog(Dialog[None]):
         start_worker(self, self._follow_topic, _GROUP)
 
     def action_freeze(self) -> None:
-        """Keep the message that is shown, or show new ones again.
-
-        The topic is followed all the time.
-        """
+        """Keep the message that is shown, or show new ones again; age and rate go on."""
         self._is_frozen = not self._is_frozen
         self._show(self._view)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import (
+    WORST_FIRST,
     Diagnostic,
     DiagnosticLevel,
     Hosted,
@@ -280,13 +281,7 @@ def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
     The order is ERROR, WARN, STALE, OK.
     """
     found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
-    return sorted(found, key=lambda status: (_GRAVITY.index(status.level), status.name))
-
-
-_GRAVITY = (
-    *(DiagnosticLevel.ERROR, DiagnosticLevel.WARN, DiagnosticLevel.STALE),
-    DiagnosticLevel.OK,
-)
+    return sorted(found, key=lambda status: (WORST_FIRST.index(status.level), status.key))
 
 
 def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
@@ -305,26 +300,25 @@ def _diagnostic_conditions(snapshot: Snapshot, now: float) -> _Conditions:
         return
     for status in bad[:_MOST_DIAGNOSTICS]:
         is_error = status.level is DiagnosticLevel.ERROR
-        part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
         silent = f"no status for {now - status.received:.0f} s"
         text = silent if status.is_silent_at(now) else status.message
         yield (
-            f"{DIAGNOSTIC_ERROR if is_error else DIAGNOSTIC_WARNING} {_part_name(status.name)}",
-            f"{status.level.value} {part}: {text or 'no message'}",
+            f"{DIAGNOSTIC_ERROR if is_error else DIAGNOSTIC_WARNING} {_part_name(status.part)}",
+            f"{status.level.value} {status.part}: {text or 'no message'}",
         )
     if len(bad) > _MOST_DIAGNOSTICS:
         more = len(bad) - _MOST_DIAGNOSTICS
         yield f"{DIAGNOSTIC_WARNING} {_OTHERS}", f"{more} MORE PARTS ARE NOT OK: see diagnostics"
 
 
-def _part_name(name: str) -> str:
-    """Return the name of a part as its alarm's name has it.
+def _part_name(part: str) -> str:
+    """Return a part as its alarm's name has it.
 
     It is in quotes if the alarm would read like that of another part, or of all parts, without.
     """
     error = DIAGNOSTIC_ERROR.removeprefix(DIAGNOSTIC_WARNING).strip()
-    misleads = name.startswith((f"{error} ", "/")) or name == _OTHERS
-    return f'"{name}"' if misleads else name
+    misleads = part.startswith((f"{error} ", "/")) or part == _OTHERS
+    return f'"{part}"' if misleads else part
 
 
 def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
@@ -350,7 +344,7 @@ def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str
     silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
     again = answer == StopAnswer.NONE
     more = ", sent again while the robot is heard" if again else " (not confirmed by the robot)"
-    return silent + more, silent, f"STOP SENT, silent {waited:.0f} s"
+    return silent + more, silent, f"STOP SENT, unanswered {waited:.0f} s"
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:

@@ -8,7 +8,7 @@ from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.base import Verb
-from archo_tui.verbs.diagnostics import ShowDiagnostics
+from archo_tui.verbs.diagnostics import ForgetPart, ShowDiagnostics
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.inspect import Echo, Hz
 from archo_tui.verbs.interface import ShowInterface
@@ -50,7 +50,7 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
         if command.toggle:
             yield Give(command, on=False)
     yield from (Status(ask, robot), ShowHistory(), Events(), Keep())
-    yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics())
+    yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics(), ForgetPart())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
     yield from (
         Nodes(),

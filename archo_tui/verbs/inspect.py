@@ -185,7 +185,9 @@ class Hz(_TopicVerb):
             await station.clock.sleep(LISTEN)
             if not inspection.count:
                 return await _silence_outcome(station, inspection.topic, LISTEN)
-            text, data = rate_text(inspection, LISTEN)
+            known = station.robot.snapshot.message_rates.get(inspection.topic)
+            hertz = None if known is None else known.hertz_at(station.clock.monotonic())
+            text, data = rate_text(inspection, LISTEN, hertz)
             return Report.of(f"{inspection.topic}: {text}", data)
 
 
@@ -267,4 +269,4 @@ async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outc
     text = f"no message on {topic} in {seconds:g} s"
     if not info.publishers:
         return Outcome(Code.NOT_OFFERED, f"{text}: it has no publisher")
-    return Outcome(Code.TIMEOUT, f"{text}: {names or 'its publisher'} published nothing")
+    return Outcome(Code.TIMEOUT, f"{text}: nothing arrived from {names or 'its publisher'}")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Collection, Mapping, Sequence
 
 from archo_tui.robot.state import Curve, FieldKind, FieldView
+from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.plot import plot_lines
 from archo_tui.widgets.rows import QUIET, Columns, Text, column, crop, pad
-from archo_tui.words.state import ACTIVE, OLD, STRONG, Spans
+from archo_tui.words.state import ACTIVE, OLD, STRONG, WARN, Spans
 from archo_tui.words.topic import range_text, sparkline, value_text
 
 _NAME = (12, 40)  # Least and most cells of names.
@@ -145,9 +147,11 @@ def topic_plots(
         field = fields.get(path)
         value = "--" if field is None else value_text(field)
         lines.append(((f"{'':{_AXIS + 2}}{path} ", OLD), (value, STRONG)))
-        values = plots.get(path, ())
-        low, high = _scale(values)
-        lines += plot_lines(values, low, high, rows, _AXIS, ACTIVE)
+        try:
+            values = plots.get(path, ())
+            lines += plot_lines(values, *_scale(values), rows, _AXIS, ACTIVE)
+        except Exception as error:  # The other plots go on.
+            lines += [((not_drawn(error), WARN),), *[()] * (rows - 1)]
     more = f" {len(paths) - len(shown)} more have no room" if len(shown) < len(paths) else ""
     begin, end = " 60 s ago ", f"{more} now "
     line = f"{begin}{'─' * max(width - _AXIS - 1 - len(begin) - len(end), 0)}{end}"
@@ -157,13 +161,18 @@ def topic_plots(
 def _scale(values: Curve) -> tuple[float, float]:
     """Return the lower and the upper end of the axis: round numbers around all values.
 
-    Without values the ends are 0 and 1.
+    Without values the ends are 0 and 1; where round numbers are too large or too small for a float,
+    they are the least and the greatest value.
     """
     known = [value for both in values if both is not None for value in both]
     if not known:
         return 0.0, 1.0
     low, high = float(min(known)), float(max(known))
-    span = high - low or abs(high) or 1.0
+    span = min(high - low or abs(high) or 1.0, sys.float_info.max)
     step = 10.0 ** math.floor(math.log10(span)) / 2
+    if not step:
+        return low, high
     bottom, top = math.floor(low / step) * step, math.ceil(high / step) * step
+    if math.isinf(bottom) or math.isinf(top):
+        return low, high
     return (bottom, top) if top > bottom else (bottom, bottom + step)

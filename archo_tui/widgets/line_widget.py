@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from rich.segment import Segment
 from rich.style import Style
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
+
+from archo_tui.errors import in_one_line
+from archo_tui.safe_text import harmless
+
+
+def not_drawn(error: Exception) -> str:
+    """Return the text in the place of what could not be drawn."""
+    return harmless(f"✗ cannot be drawn: {in_one_line(error)}")
 
 
 class LineWidget(Widget):
@@ -21,4 +30,10 @@ class LineWidget(Widget):
 
     def render_lines(self, crop: Region) -> list[Strip]:
         self.base = self.rich_style  # Computed once: it depends on all ancestors.
-        return super().render_lines(crop)
+        try:
+            return super().render_lines(crop)
+        except Exception as error:  # The other widgets go on.
+            line = Strip([Segment(not_drawn(error), self.base)]).crop_extend(
+                *crop.column_span, self.base
+            )
+            return [line] * crop.height

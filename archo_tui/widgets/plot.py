@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from archo_tui.robot.state import Range
-from archo_tui.words.state import EDGE, OLD, Spans
+from archo_tui.words.state import EDGE, OLD, Spans, share
 
 _BLANK = 0x2800
 # Left and right column of dots, from above.
@@ -35,8 +35,7 @@ def curve(
 
     def step(value: float) -> int:
         """Return the row of dots of a value, 0 at the top; values outside go to the ends."""
-        share = (value - low) / (high - low) if high > low else 0.0
-        return steps - round(min(max(share, 0.0), 1.0) * steps)
+        return steps - round(share(value, low, high) * steps)
 
     cells = [[0] * ((len(values) + 1) // 2) for _ in range(rows)]
     zero = step(0.0) // 4
@@ -88,10 +87,17 @@ def plot_lines(
     lines: list[Spans] = []
     for row, text in enumerate(curve(values, low, high, rows, mark)):
         at = {0: high, rows - 1: low}.get(row)
-        side = f"{'' if at is None else f'{at:g}':>{label_width}}{'│' if at is None else '┤'}"
+        label = "" if at is None else _label(at, label_width)
+        side = f"{label:>{label_width}}{'│' if at is None else '┤'}"
         parts = (
             ("".join(part), EDGE if is_beside else tone)
             for is_beside, part in groupby(text, lambda char: char in (MARK, AREA))
         )
         lines.append(((side, OLD), *parts))
     return lines
+
+
+def _label(value: float, width: int) -> str:
+    """Return a number in few characters, with two digits if six of them are too wide."""
+    label = f"{value:g}"
+    return label if len(label) <= width else f"{value:.2g}"

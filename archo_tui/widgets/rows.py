@@ -16,7 +16,7 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.widgets.line_widget import LineWidget
+from archo_tui.widgets.line_widget import LineWidget, not_drawn
 from archo_tui.widgets.quiet_focus import QuietFocus
 
 T = TypeVar("T")
@@ -271,7 +271,10 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return self._lines[number] if self._wraps else self._draw_item(self._items[number])
 
     def _draw_item(self, item: T) -> Sequence[Text]:
-        return self._draw(item, self._width, self.columns)
+        try:
+            return self._draw(item, self._width, self.columns)
+        except Exception as error:  # The other items go on.
+            return [(not_drawn(error), "$warn")]
 
     @property
     def _is_scrollable(self) -> bool:

@@ -20,8 +20,7 @@ def diagnostic_line(status: Diagnostic, now: float) -> str:
         status: The status, with its level now.
         now: Monotonic time in seconds.
     """
-    part = f"{status.name} ({status.hardware_id})" if status.hardware_id else status.name
-    head = f"{GLYPHS[status.level]} {status.level.value:<5} {part}"
+    head = f"{GLYPHS[status.level]} {status.level.value:<5} {status.part}"
     if status.is_silent_at(now):
         return f"{head}: {status.message} (old, {age_text(now - status.received)})"
     return f"{head}: {status.message}" if status.message else head

@@ -24,6 +24,7 @@ _WORD_WIDTH = 14  # The column of the state's word, in cells.
 _MIN_QUEUE_WIDTH = 12  # The queue's cells below which its keys are left out.
 _WIDE_STRIP = 60  # A line of so many cells names the ends of the bar.
 _FIRST_FEEDBACK = 15.0  # Seconds after which an action is taken to send no feedback.
+NO_ESTIMATE = "-- s left"  # In the place of a time that is not known.
 
 
 def goal_line(
@@ -81,7 +82,8 @@ def goal_line(
         ),
     }
     tone, word, rest = texts[goal.phase]
-    if says_time_left and goal.phase == Phase.MOVING and time_left_text(goal, now):
+    is_estimated = goal.seconds_left(now) is not None and time_left_text(goal, now)
+    if says_time_left and goal.phase == Phase.MOVING and is_estimated:
         longer = f"{rest} {time_factor_text(snapshot)}".rstrip()
         # A factor that is cut would be another number; in full it stands beside the speed.
         rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
@@ -254,7 +256,7 @@ def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
     Args:
         goal: The goal.
         now: Monotonic time, in s.
-        says_time_left: True appends `, about 12 s left` if that can be estimated.
+        says_time_left: True appends `, about 12 s left`.
     """
     time_left = time_left_text(goal, now) if says_time_left else ""
     time_left = f", {time_left}" if time_left else ""
@@ -274,9 +276,14 @@ def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
 
 
 def time_left_text(goal: Goal, now: float) -> str:
-    """Return the estimated rest of a goal's time, `about 1.5 s left`; "" for none."""
-    left = None if goal.unreadable or goal.feedback else goal.seconds_left(now)
-    return "" if left is None else f"about {seconds_text(left)} left"
+    """Return the estimated rest of a goal's time, `about 1.5 s left`, or `-- s left`.
+
+    "" for a goal without a remaining way.
+    """
+    if goal.unreadable or goal.feedback or goal.remaining is None:
+        return ""
+    left = goal.seconds_left(now)
+    return NO_ESTIMATE if left is None else f"about {seconds_text(left)} left"
 
 
 def _cancelled_details(goal: Goal) -> str:

@@ -11,12 +11,16 @@ class Counted(Protocol):
     Attributes:
         count: The number of messages.
         size: Their bytes in all.
+        kept: How many of them were sent before.
+        kept_size: The bytes of these.
         least: The shortest time between two of them, in s; None with fewer than two.
         greatest: The longest time between two of them, in s; None with fewer than two.
     """
 
     count: int
     size: int
+    kept: int
+    kept_size: int
     least: float | None
     greatest: float | None
 
@@ -25,27 +29,34 @@ class Counted(Protocol):
         """Return the messages in a second; None if that is not known."""
 
 
-def rate_text(counted: Counted, seconds: float) -> tuple[str, dict[str, Any]]:
+def rate_text(
+    counted: Counted, seconds: float, known_rate: float | None
+) -> tuple[str, dict[str, Any]]:
     """Return how often messages came and how large they are: a text, and the same as JSON values.
 
     Args:
         counted: The messages; at least one.
         seconds: How long they were counted.
+        known_rate: The rate in Hz if they are too few to tell it; None if it is not known.
     """
-    count, bytes_per_second = counted.count, counted.size / seconds
+    count = counted.count - counted.kept
+    bytes_per_second = (counted.size - counted.kept_size) / seconds
+    rate = known_rate if counted.rate is None else counted.rate
     data: dict[str, Any] = {
         "messages": count,
-        "rate": counted.rate,
+        "rate": rate,
         "least": counted.least,
         "greatest": counted.greatest,
         "bytes_per_second": bytes_per_second,
     }
     sizes = f"{size_text(bytes_per_second)}/s"
+    if not count:
+        return f"no message in {seconds:g} s, but the last one that was sent before", data
+    hertz = "--" if rate is None else f"{rate:.1f}"
     if counted.least is None or counted.greatest is None:
-        return f"1 message in {seconds:g} s, {sizes}", data
-    rate = "--" if counted.rate is None else f"{counted.rate:.1f}"
+        return f"{hertz} Hz, 1 message in {seconds:g} s, {sizes}", data
     between = f"{counted.least:.3f} .. {counted.greatest:.3f} s between them"
-    return f"{rate} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
+    return f"{hertz} Hz, {count} messages in {seconds:g} s, {between}, {sizes}", data
 
 
 def size_text(size: float) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
-from archo_tui.words.goal import goal_line
+from archo_tui.words.goal import NO_ESTIMATE, goal_line
 from archo_tui.words.state import (
     Spans,
     battery_word,
@@ -84,6 +84,7 @@ def goal_text(snapshot: Snapshot, now: float, ask: str) -> str:
         ask: How a goal is given, said while there is none.
     """
     text, found = spans_to_text(goal_line(snapshot, now, ask)), snapshot.goal
+    text = text.replace(f", {NO_ESTIMATE}", "")  # Dashes are for the eye.
     if found is None or found.phase in (Phase.SENT, Phase.MOVING):
         return text
     if re.search(rf"(?<!\w){re.escape(found.name)}(?!\w)", text):

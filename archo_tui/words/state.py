@@ -19,6 +19,12 @@ STOPPED: Spans = (("✗ STOPPED", WARN),)  # The tone of the alarm STOPPED.
 STILL_MOVING = "✗ STILL MOVING"  # The state of a robot that reports a stop, and moves.
 
 
+def share(value: float, low: float, high: float) -> float:
+    """Return where a value lies from low to high, as 0 to 1; also if high - low overflows."""
+    span = high / 2 - low / 2
+    return min(max((value / 2 - low / 2) / span, 0.0), 1.0) if span > 0 else 0.0
+
+
 def elsewhere_text(snapshot: Snapshot) -> str:
     """Return the namespaces of other robots on the graph, and the option to use; "" for none."""
     others = snapshot.other_namespaces

@@ -10,7 +10,7 @@ from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, T
 from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
 from archo_tui.words.inspect import size_text
-from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, thousands
+from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, share, thousands
 
 _INDEX = re.compile(r"[0-9]{1,9}")
 _SHOWN = 12  # Characters of a wrong index that its error quotes.
@@ -21,7 +21,8 @@ _LAST_DATE = 2e11  # No later one can be written as a date.
 def summary(view: TopicView, *, is_frozen: bool) -> Spans:
     """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary.
 
-    That is a fault, a frozen view, fields that are left out, or that no message has come yet.
+    That is a fault, a frozen view, fields that are left out, or that no message has come yet, or
+    only one that was sent before.
 
     Args:
         view: The topic.
@@ -30,12 +31,14 @@ def summary(view: TopicView, *, is_frozen: bool) -> Spans:
     texts = []
     if view.rate is not None:
         texts.append(f"{view.rate:.1f} Hz")
+    elif view.age is not None:
+        texts.append("-- Hz")
     if view.bytes_per_second is not None:
         texts.append(f"{size_text(view.bytes_per_second)}/s")
     if view.age is not None:
         texts.append(f"{age_text(view.age)} old")
     elif view.type and not view.fault:
-        texts.append("no message yet")
+        texts.append("sent before" if view.received else "no message yet")
     frozen = ("   frozen: space shows new messages", STRONG) if is_frozen else ("", PLAIN)
     cut = f"   only the first {len(view.fields)} fields" if view.is_cut else ""
     line = "   ".join(texts)
@@ -159,12 +162,12 @@ def sparkline(curve: Curve) -> str:
     known = [value for both in curve if both is not None for value in both]
     if not known:
         return ""
-    low, span = min(known), max(known) - min(known)
+    low, high = min(known), max(known)
     bars, before = "", known[0]
     for both in curve:
         if both is None:
             bars += " "
             continue
         before = max(both, key=lambda value: abs(value - before))
-        bars += BARS[round((before - low) / span * (len(BARS) - 1))] if span else BARS[0]
+        bars += BARS[round(share(before, low, high) * (len(BARS) - 1))]
     return bars

@@ -62,7 +62,7 @@ KEYS = {
         "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
         "enter": "open_diagnostics",
     },
-    "DiagnosticList": {"enter": "close", "escape": "close", "q": "close"},
+    "DiagnosticList": {"f": "forget", "enter": "close", "escape": "close", "q": "close"},
     "TopicDialog": {
         "enter": "fold", "i": "choose_element", "p": "plot", "space": "freeze", "slash": "narrow",
         "t": "show_type", "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)",

@@ -9,13 +9,17 @@ from archo_tui.robot.diagnostics import Diagnostics
 from archo_tui.robot.state import DiagnosticLevel
 
 
-def array(*parts: tuple[str, Any, str]) -> Any:
+def array(*parts: tuple[str, Any, str], hardware: str = "") -> Any:
     return SimpleNamespace(
         status=[
-            SimpleNamespace(name=name, level=level, message=message, hardware_id="")
+            SimpleNamespace(name=name, level=level, message=message, hardware_id=hardware)
             for name, level, message in parts
         ]
     )
+
+
+def found(table: Diagnostics) -> list[tuple[str, str, str]]:
+    return [(status.part, status.level.value, status.message) for status in table.all]
 
 
 def test_a_level_is_a_byte_or_a_number() -> None:
@@ -69,3 +73,40 @@ def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     for number in range(3000):
         table.add(array((f"bad {number}", 2, "")), 2.0)
     assert len(table.all) == 1000
+
+
+def test_parts_of_one_name_differ_by_their_hardware() -> None:
+    table = Diagnostics()
+    both = array(("motor", 2, "burnt"), hardware="left")
+    both.status += array(("motor", 0, "fine"), hardware="right").status
+    assert table.add(both, 0.0)
+    assert found(table) == [("motor (left)", "ERROR", "burnt"), ("motor (right)", "OK", "fine")]
+    assert not table.add(both, 1.0)
+
+
+def test_the_worst_of_several_statuses_of_a_part_in_one_array_stays() -> None:
+    table = Diagnostics()
+    for second in range(20):
+        table.add(array(("a", 1, "w"), ("a", 2, "e"), ("a", 3, "s"), ("a", 0, "")), float(second))
+    assert found(table) == [("a", "ERROR", "e")]
+    assert table.all[0].period == 1.0
+
+
+def test_a_status_without_hardware_makes_way_unless_it_is_bad() -> None:
+    table = Diagnostics()
+    table.add(array(("motor", 0, "Node starting up"), ("fan", 2, "stuck")), 0.0)
+    table.add(array(("motor", 0, "fine"), ("fan", 0, "turns"), hardware="sn 12"), 1.0)
+    assert found(table) == [
+        ("fan", "ERROR", "stuck"),
+        ("fan (sn 12)", "OK", "turns"),
+        ("motor (sn 12)", "OK", "fine"),
+    ]
+
+
+def test_a_part_is_forgotten_until_it_reports_again() -> None:
+    table = Diagnostics()
+    table.add(array(("motor", 2, "burnt"), hardware="left"), 0.0)
+    assert table.forget(("motor", "left"))
+    assert table.all == ()
+    assert not table.forget(("motor", "left"))
+    assert table.add(array(("motor", 2, "burnt"), hardware="left"), 1.0)

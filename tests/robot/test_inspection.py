@@ -16,6 +16,7 @@ from std_msgs.msg import Float32, Float32MultiArray, String, UInt8MultiArray
 from archo_tui.errors import ArchoError
 from archo_tui.robot import inspection, message_text
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.state import TopicRequest
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
@@ -32,6 +33,7 @@ class Talker(Node):
         self.create_timer(0.1, lambda: fast.publish(String(data="hello")))
         self.kept = self.create_publisher(UInt8MultiArray, "kept", LATCHED)
         self.kept.publish(UInt8MultiArray(data=bytes(5_000)))
+        self.deep: Any = None
 
 
 async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,6 +84,38 @@ async def test_a_message_that_is_kept_comes_at_once() -> None:
         assert len(counted.decode(counted.newest[1]).data) == 5_000
 
 
+async def test_messages_that_are_kept_are_no_rate() -> None:
+    made: list[Talker] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Talker(**options))
+        deep = QoSProfile(depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        made[0].deep = made[0].create_publisher(String, "deep", deep)
+        for _ in range(5):
+            made[0].deep.publish(String(data="kept"))
+        return made[0]
+
+    async with robot(make) as it, it.inspect("/deep", String) as counted:
+        await until(lambda: counted.count)
+        await while_passes(1.0)
+        assert counted.rate is None
+        assert counted.kept == counted.count
+        made[0].deep.publish(String(data="new"))
+        await until(lambda: counted.count == counted.kept + 1)
+        assert counted.rate is None
+        assert counted.least is None
+
+
+def test_two_messages_at_once_are_no_rate() -> None:
+    rate = MessageRate(10.0).with_message_at(10.0002)
+    assert rate.hertz is None
+    for number in range(1, 30):
+        rate = rate.with_message_at(10.0 + number)
+    assert rate.hertz == pytest.approx(1.0, rel=0.02)
+    assert rate.hertz_at(39.5) == rate.hertz
+    assert rate.hertz_at(44.0) is None
+
+
 async def test_a_caller_that_is_cancelled_leaves_no_subscription() -> None:
     made: list[Talker] = []
     async with robot(making(made, Talker)) as it:
@@ -126,6 +160,7 @@ async def test_a_topic_that_is_read_already_gets_no_second_subscription(here: Pa
         await until(lambda: it.snapshot.gauges[0].value == 80.0)
         async with it.inspect("/level", Float32) as counted:
             await until(lambda: counted.count)  # Though it was sent once, before.
+            assert (counted.kept, counted.kept_size) == (1, 8)
             assert counted.decode(counted.newest[1]).data == 80.0
             assert counted.size == 8  # A header and four bytes.
             assert made[0].count_subscribers("/level") == 1

@@ -203,12 +203,14 @@ async def test_the_reason_of_a_refusal_is_not_given_for_the_next_one() -> None:
 
 
 def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
-    state = goal(Phase.MOVING, started=NOW - 4.0, heard=NOW, remaining=9.0, length=18.0)
+    way = tuple((NOW - ago, 9.0 + ago * 9.0 / 4.0) for ago in (2.0, 1.0, 0.0))
+    state = goal(Phase.MOVING, heard=NOW, remaining=9.0, way=way)
     moving = state.goal
     assert moving is not None
     assert moving.seconds_left(NOW) == 4.0
     assert moving.seconds_left(NOW + 1.5) == 2.5
-    assert moving.seconds_left(NOW + 9.0) == 0.0
+    assert moving.seconds_left(NOW + 4.9) == 0.0
+    assert moving.seconds_left(NOW + 9.0) is None
 
 
 def set_(node: str, code: Code = Code.DONE, **values: Any) -> AuditRecord:

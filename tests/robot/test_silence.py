@@ -219,6 +219,48 @@ def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None
     assert period.typical == pytest.approx(5.0, abs=0.11)
 
 
+def test_bursts_as_long_as_their_pauses_are_missed_until_they_are_known() -> None:
+    period, silences = lost(bursts(20, 0.4, 9.0))
+    assert silences == [16.6, 33.2, 49.8, 66.4]
+    assert period.typical == pytest.approx(9.0)
+
+
+def test_regular_bursts_do_not_undo_what_their_pauses_taught() -> None:
+    period, silences = lost(bursts(400, 0.1, 5.0, total=600.0))
+    assert len(silences) == 3
+    assert period.typical == pytest.approx(5.0, abs=0.11)
+
+
+def with_outages(*outages: float, each: float) -> list[float]:
+    """Return the times (s) of regular messages with outages near the start, and 25 s after them."""
+    times = [0.0, each]
+    for outage in outages:
+        times.append(times[-1] + outage)
+        times.append(times[-1] + each)
+    return [*times, *(times[-1] + each * number for number in range(1, round(25 / each)))]
+
+
+@pytest.mark.parametrize(
+    ("outages", "each", "allowed"),
+    [((7.0, 9.0), 1.0, 3.0), ((7.0, 9.0), 0.2, 2.5), ((9.0, 7.5, 8.6), 0.5, 2.5)],
+)
+def test_outages_while_a_robot_boots_do_not_dull_its_silence(
+    outages: tuple[float, ...], each: float, allowed: float
+) -> None:
+    times = with_outages(*outages, each=each)
+    period, _ = lost(times)
+    assert not is_silent(times[-1], period.typical, times[-1] + allowed - 0.1, period.grace)
+    assert is_silent(times[-1], period.typical, times[-1] + allowed + 0.1, period.grace)
+
+
+def test_one_slow_message_among_regular_ones_keeps_what_was_learnt() -> None:
+    times = with_outages(7.0, 9.0, each=1.0)[:12]
+    for _ in range(8):
+        times += [times[-1] + 4.0 + number for number in range(9)]
+    period, _ = lost(times)
+    assert period.typical == 7.0
+
+
 @pytest.mark.parametrize("factor", [1.5, 2.0])
 def test_a_link_that_grows_slower_and_slower_is_noticed_each_time(factor: float) -> None:
     times = [0.2 * number for number in range(100)]

@@ -168,6 +168,26 @@ async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyP
         assert views[-1].ends is not None
 
 
+def test_a_rate_needs_three_intervals_and_no_message_that_was_sent_before() -> None:
+    intake = MessageIntake()
+    intake.add(9.93, b"1234", True)
+    assert (intake.received, intake.last) == (1, None)
+    for number in range(3):
+        intake.add(10.0 + number, b"1234")
+        assert intake.rates(10.0 + number) is None
+    intake.add(13.0, b"1234")
+    assert intake.rates(13.5) == (1.0, 4.0)
+    assert intake.rates(19.0) is None
+
+
+def test_a_slow_topic_has_the_rate_of_its_last_three_intervals() -> None:
+    intake = MessageIntake()
+    for number in range(9):
+        intake.add(20.0 * number, b"1234")
+    assert intake.rates(170.0) == (0.05, 0.2)
+    assert intake.rates(230.0) is None
+
+
 def test_of_a_thousand_a_second_all_are_counted_and_thirty_decoded() -> None:
     intake = MessageIntake()
     decoded: list[bytes] = []

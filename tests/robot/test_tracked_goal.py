@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
@@ -116,17 +117,51 @@ def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
     goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0)
     for left, longest in ((15.0, 15.0), (12.0, 15.0), (16.0, 16.0)):
         goal = goal._replace(
-            **feedback_changes(goal, MoveToShelf.Feedback(distance_remaining=left))
+            **feedback_changes(goal, MoveToShelf.Feedback(distance_remaining=left), 0.0)
         )
         assert (goal.length, goal.remaining) == (longest, left)
     known = goal._replace(length=18.0, length_is_guessed=False)
     feedback = MoveToShelf.Feedback(distance_remaining=20.0)
-    assert known._replace(**feedback_changes(known, feedback)).length == 18.0
+    assert known._replace(**feedback_changes(known, feedback, 0.0)).length == 18.0
 
 
-def test_the_time_that_is_left_is_that_of_the_way_so_far() -> None:
-    goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0, length=10.0, remaining=6.0, heard=20.0)
-    assert goal._replace(started=0.0).seconds_left(20.0) == 30.0
+def driven(speeds: Iterable[tuple[float, float]], left: float, each: float) -> list[float | None]:
+    """Return the seconds left at each feedback of a goal that drives so fast for so long.
+
+    Args:
+        speeds: Pairs of speed in m/s and seconds.
+        left: The whole way in m.
+        each: Seconds between two feedbacks.
+    """
+    goal, now, found = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0), 0.0, list[float | None]()
+    for speed, seconds in speeds:
+        for _ in range(round(seconds / each)):
+            feedback = MoveToShelf.Feedback(distance_remaining=left)
+            goal = goal._replace(heard=now, **feedback_changes(goal, feedback, now))
+            found.append(goal.seconds_left(now))
+            now, left = now + each, left - speed * each
+    return found
+
+
+@pytest.mark.parametrize("each", [0.02, 0.1, 0.5, 1.5])
+def test_the_time_that_is_left_is_that_of_the_present_speed_or_none(each: float) -> None:
+    before, after = 12.0, 12.0
+    found = driven([(0.8, before), (0.2, after)], 9.6 + 5.6, each)
+    assert found[round(before / each) - 1] == pytest.approx(5.6 / 0.8 + each)
+    assert found[-1] == pytest.approx((5.6 - 0.2 * after) / 0.2 + each, rel=0.01)
+    changed = round(before / each)
+    for number, seconds in enumerate(found[changed:]):
+        true = (5.6 - 0.2 * number * each) / 0.2
+        if number * each > 0.3:
+            assert seconds is None or seconds == pytest.approx(true, rel=0.25)
+    at_last = [number * each for number, seconds in enumerate(found[changed:]) if seconds]
+    assert at_last[1] < max(2.5, 4 * each)
+
+
+def test_a_goal_that_stands_or_is_late_has_no_time_left() -> None:
+    assert driven([(0.8, 5.0), (0.0, 5.0)], 10.0, 0.1)[-1] is None
+    assert driven([(-0.2, 5.0)], 10.0, 0.1)[-1] is None
+    assert driven([(0.8, 5.0)], 10.0, 0.1)[:2] == [None] * 2
 
 
 def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> None:
@@ -197,9 +232,9 @@ def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
     clock = StandingClock()
     followed = followed_at(clock)
     followed.update(is_found=True, mine=False)
-    for left in (12.0, 11.0):
+    for left in (12.0, 11.0, 10.0):
         clock.passed += 2.0
         followed.on_feedback(Feedback(left))
     assert followed.goal.length is None
     shown = goal_line(Snapshot(goal=followed.goal), clock.monotonic(), "")
-    assert plain_text(shown).endswith("   11.0 m left   4.0 s so far, about 22.0 s left")
+    assert plain_text(shown).endswith("   10.0 m left   6.0 s so far, about 20.0 s left")

@@ -19,7 +19,8 @@ from std_srvs.srv import Empty, SetBool, Trigger
 class Base(Node):
     """The base: battery in 0 to 1, motion, pose, diagnostics, a STOP, and two commands.
 
-    `parts` holds level and message of each part; a part that is taken out is silent.
+    `parts` holds level and message of each part, of another hardware than `sn 12` as
+    `motor@left`; a part that is taken out is silent.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -59,8 +60,13 @@ class Base(Node):
     def _publish_diagnostics(self) -> None:
         message = DiagnosticArray()
         message.status = [
-            DiagnosticStatus(name=name, level=level, message=text, hardware_id="sn 12")
-            for name, (level, text) in self.parts.items()
+            DiagnosticStatus(
+                name=part.partition("@")[0],
+                level=level,
+                message=text,
+                hardware_id=part.partition("@")[2] or "sn 12",
+            )
+            for part, (level, text) in self.parts.items()
         ]
         self._diagnostics.publish(message)
 

@@ -70,6 +70,33 @@ async def test_enter_on_its_alarm_lists_all_parts() -> None:
         await op.press("escape")
 
 
+async def test_a_part_that_is_well_hides_no_other_of_its_name() -> None:
+    async with field() as (op, node):
+        node.parts["motor@left"] = (DiagnosticStatus.ERROR, "burnt")
+        node.parts["motor@right"] = (DiagnosticStatus.OK, "fine")
+        await op.until("ERROR motor (left): burnt")
+        await op.press("A", "enter")
+        await op.until("✗ ERROR motor (left): burnt")
+        await op.until("● OK    motor (right): fine")
+
+
+@pytest.mark.waits
+async def test_a_part_that_has_gone_is_forgotten_by_a_key() -> None:
+    async with field() as (op, node):
+        node.parts["motor@left"] = (DiagnosticStatus.OK, "fine")
+        await op.until(lambda: len(op.app.view.snapshot.diagnostics) == 2)
+        del node.parts["motor@left"]
+        await op.until("STALE motor (left): no status for")
+        await op.press("A", "enter", "f")
+        await op.until("motor (left): only a part that has been silent for 60 s can be forgotten")
+        await op.until("f forget a silent part", deadline=90.0)
+        await op.press("f")
+        await op.until(lambda: "? STALE motor" not in op.text)
+        assert "forget a silent part" not in op.text
+        await op.press("escape", "escape")
+        await op.until("diagnostics: motor (left) was forgotten")
+
+
 async def test_a_part_that_falls_silent_is_stale() -> None:
     async with field() as (op, node):
         node.parts["base: fan"] = (DiagnosticStatus.OK, "turns")

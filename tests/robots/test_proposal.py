@@ -78,6 +78,8 @@ def test_every_part_that_can_be_proposed_is_read_back() -> None:
 def test_a_topic_without_a_subscription_is_not_called_silent() -> None:
     silent = Sighting("topic", "/odom", ODOMETRY.types, ("/base",))
     assert "is a nav_msgs/msg/Odometry, no message came, published by /base" in text(silent)
+    kept = Sighting("topic", "/odom", ODOMETRY.types, ("/base",), values={"x": 1.0})
+    assert "Odometry, too few messages to tell a rate, published by /base" in text(kept)
     unread = Sighting("topic", "/odom", ODOMETRY.types, ("/base",), was_listened_to=False)
     assert "is a nav_msgs/msg/Odometry, published by /base" in text(unread)
 

@@ -27,6 +27,7 @@ WHOLE = NORMAL._replace(
         remaining=97.5,
         sent=NOW - 95.1,
         started=NOW - 94.2,
+        way=(),
     ),
     nodes=tuple(NodeState(f"/node_with_a_long_name_{name}", NOW - 0.9, 97.3) for name in "abc"),
     events=tuple(

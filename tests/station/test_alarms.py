@@ -18,11 +18,12 @@ from archo_tui.robot.state import (
     Parameter,
     Phase,
     Snapshot,
+    StopAnswer,
 )
 from archo_tui.screens.alarms import AlarmRow, alarm_lines
 from archo_tui.station.alarm_bell import AlarmBell
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBoard, Change
-from archo_tui.station.alarm_conditions import conditions
+from archo_tui.station.alarm_conditions import conditions, open_stop_texts
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
     BATTERY_HEALTH,
@@ -520,6 +521,20 @@ def test_each_part_that_is_not_ok_has_an_alarm_up_to_twenty() -> None:
     found = conditions(NORMAL._replace(diagnostics=many), NOW)
     assert len(found) == 21
     assert found["diagnostics others"] == "5 MORE PARTS ARE NOT OK: see diagnostics"
+
+
+def test_a_stop_without_an_answer_is_not_said_to_be_a_silent_topic() -> None:
+    stop = OpenStop(NOW - 7.0, StopAnswer.NONE)
+    assert open_stop_texts(NORMAL, stop, NOW)[-1] == "STOP SENT, unanswered 7 s"
+
+
+def test_a_part_has_its_alarm_though_another_of_its_name_is_well() -> None:
+    parts = tuple(
+        part("motor", level)._replace(hardware_id=where)
+        for where, level in (("left", DiagnosticLevel.ERROR), ("right", DiagnosticLevel.OK))
+    )
+    found = conditions(NORMAL._replace(diagnostics=parts), NOW)
+    assert found == {"diagnostics error motor (left)": "ERROR motor (left): words"}
 
 
 def test_parts_that_all_fall_silent_are_one_alarm() -> None:

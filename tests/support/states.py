@@ -44,6 +44,7 @@ MOVING = Goal(
     remaining=9.0,
     heard=NOW,
     started=NOW - 1.5,
+    way=((NOW - 1.5, 18.0), (NOW - 0.75, 13.5), (NOW, 9.0)),
 )
 
 

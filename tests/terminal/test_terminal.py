@@ -221,6 +221,36 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     ]
 
 
+FAILS_WHEN_OPENED = """
+from archo_tui.screens.key_card import KeyCard
+def fail(self):
+    raise ZeroDivisionError("of the key card")
+KeyCard.body = fail
+"""
+
+
+def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal(*SLOW, code=FAILS_WHEN_OPENED)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("g12\r")
+    terminal.until("m left of")
+    for _ in range(4):
+        terminal.output = b""
+        terminal.leave_field()
+        terminal.write("?")
+        terminal.until("The screen crashed and was restarted; the nodes kept running.")
+        terminal.until("esc close")
+        terminal.write("\r")
+        terminal.until("m left of")  # the goal ran on
+    terminal.write("\x03")
+    terminal.until("CANCELLED")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+
+
 FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
 
 

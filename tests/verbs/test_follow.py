@@ -88,7 +88,7 @@ async def test_another_topic_takes_the_place_of_the_first() -> None:
 async def test_why_nothing_comes_is_said_and_waited_on() -> None:
     async with operated(Talker, at_terminal=True) as person:
         person.type("echo silent --follow\n")
-        await person.until("no message on /silent in 5 s: talker published nothing")
+        await person.until("no message on /silent in 5 s: nothing arrived from talker")
         assert listens("/silent")
         person.type("echo nosuch --follow\n")
         await person.until("failed: echo: no topic /nosuch is on the graph")
@@ -108,7 +108,7 @@ async def test_that_the_publisher_has_gone_is_said_once() -> None:
         assert person.said.count("no publisher") == 1
         TALKERS[0].slow_timer.cancel()
         person.type("echo slow --follow\n")
-        await person.until("no message on /slow in 5 s: talker published nothing")
+        await person.until("no message on /slow in 5 s: nothing arrived from talker")
         assert await person.end() == 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import pytest
@@ -25,6 +26,8 @@ class Talker(Node):
         self.create_timer(0.1, lambda: fast.publish(Float32(data=0.1)))
         self._kept = self.create_publisher(String, "kept", LATCHED)
         self._kept.publish(String(data="once"))
+        rare = self.create_publisher(Float32, "rare", 10)
+        self.create_timer(2.0, lambda: rare.publish(Float32(data=0.5)))
         self._silent = self.create_publisher(String, "silent", 10)
         self.create_subscription(String, "heard", lambda _: None, 10)
 
@@ -44,11 +47,11 @@ async def test_a_message_that_is_kept_is_shown_at_once() -> None:
 @pytest.mark.parametrize(
     ("line", "why"),
     [
-        ("echo silent", "echo: no message on /silent in 5 s: talker published nothing"),
+        ("echo silent", "echo: no message on /silent in 5 s: nothing arrived from talker"),
         ("echo heard", "echo: no message on /heard in 5 s: it has no publisher"),
         ("echo fas", "echo: no topic /fas is on the graph (nearest: /fast)"),
         ("echo fast dat", "echo: there is no field dat (nearest: data)"),
-        ("hz silent", "hz: no message on /silent in 5 s: talker published nothing"),
+        ("hz silent", "hz: no message on /silent in 5 s: nothing arrived from talker"),
         ("hz fas", "hz: no topic /fas is on the graph (nearest: /fast)"),
         ("hz", "hz: needs TOPIC"),
     ],
@@ -75,6 +78,14 @@ async def test_the_rate_is_measured_for_five_seconds() -> None:
     assert " s between them, " in said
     rate = float(said.partition("/fast: ")[2].partition(" Hz")[0])
     assert rate == pytest.approx(10.0, abs=2.0)
+
+
+@pytest.mark.waits
+async def test_too_few_messages_have_the_rate_of_the_graph_or_none() -> None:
+    code, said = await plain("hz kept\nhz rare\n", Talker)
+    assert code == 0, said
+    assert "/kept: no message in 5 s, but the last one that was sent before\n" in said
+    assert re.search(r"/rare: -- Hz, [23] messages in 5 s, ", said)
 
 
 @pytest.mark.real_time

@@ -44,6 +44,7 @@ WORDS = {
     "lifecycle": "motor_controller activate",
     "echo": "/battery_level", "hz": "/battery_level",
     "interface": "archo_interfaces/msg/MotorStatus",
+    "forget": "motor",
 }  # fmt: skip
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import sys
+from typing import Any
 
 import pytest
 
@@ -72,6 +74,39 @@ def test_a_sparkline_shows_the_spike_of_a_column_and_gaps() -> None:
     assert sparkline((None, (0.0, 0.0), (0.0, 9.0), (9.0, 9.0), (0.0, 9.0))) == " ▁██▁"
     assert sparkline(((5.0, 5.0), (5.0, 5.0))) == "▁▁"
     assert sparkline((None, None)) == ""
+
+
+EXTREMES = [
+    (-1.7e308, 1.7e308),
+    (-sys.float_info.max, sys.float_info.max),
+    (0.0, 5e-324),
+    (5e-324, 5e-324),
+    (1.7e308, 1.7e308),
+    (0.0, 1e-310),
+    (-(2**63), 2**64 - 1),
+]
+
+
+@pytest.mark.parametrize(("low", "high"), EXTREMES)
+def test_the_greatest_and_the_least_numbers_have_curves(low: float, high: float) -> None:
+    values = ((low, low), (high, high)) * 4
+    bars = sparkline(values)
+    assert bars == ("▁█" * 4 if high - low > 1e-300 else bars)
+    assert len(bars) == len(values)
+    rows = topic_plots({}, {"a": values}, ["a"], (60, 9))
+    assert not any("cannot be drawn" in plain_text(row) for row in rows)
+    assert {len(plain_text(row)) for row in rows[1:-1]} == {15}
+    field = FieldView("a", VALUE, "float64", high, least=low, greatest=high, curve=values)
+    assert bars in field_line(field, field_columns([field], 116), (), ("a",))[0]
+
+
+def test_a_plot_that_cannot_be_drawn_leaves_the_others() -> None:
+    broken: Any = (("no number", 1.0),)
+    plots = {"a": broken, "b": ((7.0, 7.0),) * 3}
+    lines = [plain_text(row) for row in topic_plots({}, plots, ["a", "b"], (60, 9))]
+    assert lines[1].startswith("✗ cannot be drawn: TypeError")
+    assert "b --" in lines[4]
+    assert len(lines) == 9
 
 
 def test_the_summary_says_what_is_out_of_the_ordinary() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -9,10 +11,12 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Float32, Float32MultiArray, String
+from std_msgs.msg import Float32, Float32MultiArray, Float64, String
 from textual.geometry import Region
 
 from archo_tui.app import ArchoApp
+from archo_tui.screens import topic
+from archo_tui.screens.alarms import AlarmList
 from archo_tui.widgets.rows import Rows
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet
@@ -85,12 +89,101 @@ async def test_fields_follow_the_topic_while_it_is_open() -> None:
         frozen = op.line("┃   data")
         await op.at(op.app.station.clock.monotonic() + 3)
         assert op.line("┃   data") == frozen
+        assert "10.0 Hz   80 B/s" in op.text
         await op.press("space")
         await op.until(lambda: op.line("┃   data") != frozen)
         counter = op.session.host.nodes[0].node
         assert counter.count_subscribers("/count") == 1
         await op.press("escape")
         await op.until(lambda: counter.count_subscribers("/count") == 0)
+
+
+async def test_a_frozen_topic_whose_node_ends_shows_its_age_and_that_nobody_publishes() -> None:
+    async with console(node_makers=[Counter], wait=False) as op:
+        await open_topic(op, "/count")
+        await op.until("10.0 Hz   80 B/s")
+        await op.press("p", "space")
+        await op.until("frozen")
+        frozen = op.line("┃   data")
+        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/counter"})
+        halting = asyncio.ensure_future(halted)
+        await op.until(halting.done)
+        await op.until("it has no publisher: waiting for one")
+        await op.until(lambda: re.search(r"[6-9]\.\d s old   frozen: space", op.text))
+        assert "-- Hz" in op.line("s old")
+        assert op.line("┃   data") == frozen
+
+
+async def test_a_topic_just_opened_shows_the_rate_of_the_graph_or_none() -> None:
+    async with console() as op:
+        await op.until(lambda: op.app.view.snapshot.message_rates["/battery_level"].hertz)
+        await open_topic(op, "/battery_level")
+        seen = set[str]()
+        end = op.app.station.clock.monotonic() + 8.0
+
+        def has_ended() -> bool:
+            seen.update(re.findall(r"([\d.]+|--) Hz   ", op.text))
+            return op.app.station.clock.monotonic() > end
+
+        await op.until(has_ended)
+        assert seen <= {"--", "0.9", "1.0", "1.1"}
+        assert "1.0" in seen
+
+
+class Extreme(Node):
+    """It alternates between the least and the greatest number, at 10 Hz."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("extreme", **options)
+        self._next, publisher = 1.7e308, self.create_publisher(Float64, "extreme", 10)
+
+        def publish() -> None:
+            self._next = -self._next
+            publisher.publish(Float64(data=self._next))
+
+        self.create_timer(0.1, publish)
+
+
+async def test_the_greatest_and_the_least_number_are_drawn_and_plotted() -> None:
+    async with console(node_makers=[Extreme], wait=False) as op:
+        await open_topic(op, "/extreme")
+        await op.until("-1.7e+308 .. 1.7e+308")
+        await op.until(lambda: "█" in op.line("┃   data"))
+        await op.press("p")
+        await op.until("60 s ago")
+        await op.until("-1.7e+308┤")
+        assert "cannot be drawn" not in op.text
+
+
+async def test_a_field_that_cannot_be_drawn_says_so_in_its_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def break_down(*_: object) -> None:
+        raise ZeroDivisionError("nothing to divide")
+
+    monkeypatch.setattr(topic, "field_line", break_down)
+    async with console(node_makers=[Counter], wait=False) as op:
+        await open_topic(op, "/count")
+        await op.until("✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.until("10.0 Hz   80 B/s")
+        monkeypatch.setattr(topic, "summary", break_down)
+        await op.until(lambda: op.text.count("✗ cannot be drawn") == 2)
+        await op.press("escape")
+        await op.until(lambda: "cannot be drawn" not in op.text)
+
+
+async def test_a_dialog_that_cannot_show_a_state_says_so_and_the_screen_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def break_down(*_: object) -> None:
+        raise ZeroDivisionError("nothing to divide")
+
+    async with console(node_makers=[Counter], wait=False) as op:
+        await op.press("A")
+        monkeypatch.setattr(AlarmList, "show_view", break_down)
+        await op.until("AlarmList ✗ cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.press("escape", "ctrl+x")
+        await op.until("STOP")
 
 
 class Two(Counter):

@@ -7,7 +7,7 @@ report it.
 Most are NamedTuples, which are made and copied in a fraction of a dataclass's time.
 """
 
-from archo_tui.robot.state.diagnostic import Diagnostic, DiagnosticLevel
+from archo_tui.robot.state.diagnostic import GONE, WORST_FIRST, Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.event import LAUNCH, OWN_LEVELS, Event
 from archo_tui.robot.state.goal import Goal, Phase, values_text
 from archo_tui.robot.state.hosted import Hosted, Life
@@ -37,6 +37,7 @@ from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
     "ACTION",
+    "GONE",
     "LAUNCH",
     "LEVELS",
     "NOT_REPORTED",
@@ -45,6 +46,7 @@ __all__ = [
     "SERVICE",
     "SHOWN_ELEMENTS",
     "TOPIC",
+    "WORST_FIRST",
     "Battery",
     "Curve",
     "Diagnostic",

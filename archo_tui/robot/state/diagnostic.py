@@ -8,6 +8,7 @@ from typing import NamedTuple
 # Seconds after which a status is stale, at least. diagnostic_updater publishes each second, and
 # diagnostic_aggregator calls a status stale after 5 s.
 LEAST_STALE = 5.0
+GONE = 60.0  # Seconds of silence after which a part may be forgotten; our choice.
 
 
 class DiagnosticLevel(Enum):
@@ -17,6 +18,13 @@ class DiagnosticLevel(Enum):
     WARN = "WARN"
     ERROR = "ERROR"
     STALE = "STALE"
+
+
+# The levels, the worst first: of a silent part is known less than of one that warns.
+WORST_FIRST = (
+    *(DiagnosticLevel.ERROR, DiagnosticLevel.WARN, DiagnosticLevel.STALE),
+    DiagnosticLevel.OK,
+)
 
 
 class Diagnostic(NamedTuple):
@@ -38,6 +46,20 @@ class Diagnostic(NamedTuple):
     message: str
     received: float
     period: float | None = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """The name and the hardware id, by which parts differ."""
+        return self.name, self.hardware_id
+
+    @property
+    def part(self) -> str:
+        """The part as people read it: `base: left motor (sn 12)`."""
+        return f"{self.name} ({self.hardware_id})" if self.hardware_id else self.name
+
+    def is_gone_at(self, now: float) -> bool:
+        """Return True if it is stale, and has been silent for at least GONE seconds."""
+        return self.is_silent_at(now) and now - self.received >= GONE
 
     def level_at(self, now: float) -> DiagnosticLevel:
         """Return the reported level, or STALE after three periods of silence, at least 5 s.

@@ -51,6 +51,14 @@ def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
     return ", ".join(f"{labels.get(path, path)} {text_of(v)}" for path, v in values.items())
 
 
+# All of them our choice; times are in seconds.
+_WAY_SPAN = 2.0  # The remaining ways of so long tell the present speed,
+_WAY_STEP = 0.1  # one in so long,
+_LEAST_WAY = 3  # and at least so many.
+_LEAST_SHARE = 0.8  # Two speeds that differ by more are not one.
+_LATE = 1.0  # An end that is so late was estimated wrongly.
+
+
 class Goal(NamedTuple):
     """A goal of this console or of another client.
 
@@ -79,7 +87,8 @@ class Goal(NamedTuple):
         length_is_guessed: True if `length` is the longest remaining way so far: no node tells it.
         result: The result message of the action; None before, and if none came.
         is_found: True if it was underway when it was first seen.
-        first: For a goal that `is_found`, the time of the first remaining way, and that way.
+        way: The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and
+            way, oldest first.
     """
 
     kind: GoalKind
@@ -102,7 +111,7 @@ class Goal(NamedTuple):
     length_is_guessed: bool = False
     result: Any = None
     is_found: bool = False
-    first: tuple[float, float] | None = None
+    way: tuple[tuple[float, float], ...] = ()
 
     @property
     def target(self) -> str:
@@ -168,21 +177,33 @@ class Goal(NamedTuple):
         return (now if self.ended is None else self.ended) - start
 
     def seconds_left(self, now: float) -> float | None:
-        """Return an estimate of the seconds to its end from the way so far; None without one.
+        """Return an estimate of the seconds to its end by its present speed; None without one.
 
-        For a goal that was found underway, the way since its first feedback counts: the robot's
-        clock may differ, so that its start is not known, and no node tells the length of its way.
+        There is none while the speed changes, and if the estimate proves wrong.
 
         Args:
             now: Monotonic time in seconds.
         """
-        since, before = self.first or (None if self.is_found else self.started, self.length)
-        if not before or self.remaining is None or self.heard is None or since is None:
+        if len(self.way) < _LEAST_WAY:
             return None
-        driven, took = before - self.remaining, self.heard - since
-        if driven <= 0 or took <= 0:
+        (begun, before), (heard, left) = self.way[0], self.way[-1]
+        recently = [at for at in self.way[:-1] if heard - at[0] >= (heard - begun) / 4]
+        whole, present = (
+            (away - left) / (heard - at) if heard > at else 0.0
+            for at, away in ((begun, before), recently[-1])
+        )
+        if present <= 0 or not _LEAST_SHARE <= whole / present <= 1 / _LEAST_SHARE:
             return None
-        return max(self.remaining * took / driven - (now - self.heard), 0.0)
+        seconds = left / present - (now - heard)
+        return max(seconds, 0.0) if seconds > -_LATE else None
+
+    def way_with(self, now: float, remaining: float) -> tuple[tuple[float, float], ...]:
+        """Return `way` with one more remaining way, received at `now` in monotonic seconds."""
+        way = self.way
+        if len(way) > 1 and way[-1][0] - way[-2][0] < _WAY_STEP:
+            way = way[:-1]
+        recent = tuple(at for at in way if now - at[0] <= _WAY_SPAN)
+        return (*(recent if len(recent) > _LEAST_WAY else way[-_LEAST_WAY:]), (now, remaining))
 
     def fraction(self) -> float:
         """Return the driven share of the way, 0 .. 1; 0 if it is not known."""

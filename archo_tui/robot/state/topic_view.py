@@ -66,9 +66,10 @@ class TopicView(NamedTuple):
         topic: Its full name.
         type: The type of its messages; "" while none is known.
         received: The number of messages that came since the topic was opened.
-        rate: The messages in a second; None before two of them in the last 5 s.
+        rate: The messages in a second; None before three intervals.
         bytes_per_second: The bytes of these messages in a second; None as for `rate`.
-        age: Seconds since the last message; None before the first one.
+        age: Seconds since the last message; None before the first one that was sent since the topic
+            was opened.
         fields: The rows for the fields of the last message, in its order.
         is_cut: True if the message has more fields than are shown.
         plots: The values of the last minute by path, for those that were asked for.
