@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 import time
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -352,39 +353,52 @@ def _older(stop: Any) -> Any:
 
 
 def normal(world: World) -> World:
-    """The world with turns by rank, and without what decides nothing."""
+    """The world with turns by rank, and without what decides nothing any more."""
     stop = world.stop._replace(held=0.0, seen_stopped=float("-inf"))
-    turns = {0, 1, stop.first_turn, stop.answered_turn, stop.last_turn, stop.peer_turn}
-    turns |= {stop.all_cancelled, stop.others_before, stop.past_turn}
-    turns |= {pair[0] for pair in (stop.obeyed, stop.cancels) if pair}
-    turns |= {request.turn for request in world.requests} | {goal.turn for goal in world.goals}
-    rank = {turn: place for place, turn in enumerate(sorted(turns))}
-    numbers = sorted(request.number for request in world.requests)
-    renamed = {number: place for place, number in enumerate(numbers, 1)}
-    stop = stop._replace(
-        first_turn=rank[stop.first_turn],
-        answered_turn=rank[stop.answered_turn],
-        last_turn=rank[stop.last_turn],
-        peer_turn=rank[stop.peer_turn],
-        past_turn=rank[stop.past_turn],
-        all_cancelled=rank[stop.all_cancelled],
-        others_before=rank[stop.others_before],
-        obeyed=stop.obeyed and (rank[stop.obeyed[0]], 0.0),  # Nothing here asks for its time.
-        cancels=stop.cancels and (rank[stop.cancels[0]], max(stop.cancels[1], 0.0)),
-    )
-    requests = tuple(
-        request._replace(number=renamed[request.number], turn=rank[request.turn])
+    if stop.open is None:
+        stop = stop._replace(first_turn=0, answered_turn=0, answered=0.0, all_cancelled=0)
+    if stop.all_cancelled != stop.first_turn:
+        stop = stop._replace(all_cancelled=0)
+    if stop.state.name == "NONE":
+        stop = stop._replace(holders=frozenset(), servers_changed=float("-inf"))
+    if stop.state.name != "HELD":
+        stop = stop._replace(peer="")
+    handled = {number for server in world.servers for number in server.waiting}
+    requests = [
+        request
         for request in sorted(world.requests, key=lambda request: request.number)
+        # One that a server lost is never answered.
+        if not request.is_over or request.number in handled or len(request.answers) == request.asked
+    ]
+    # Only its order among those that can still be answered makes a turn differ from another.
+    turns = {request.turn for request in requests} | {goal.turn for goal in world.goals}
+    order = sorted((turns | {stop.first_turn}) - {0})
+
+    def rank(turn: int) -> int:
+        return 0 if turn == 0 else 2 * bisect_left(order, turn) + (turn in order) + 2
+
+    stop = stop._replace(
+        first_turn=rank(stop.first_turn),
+        answered_turn=rank(stop.answered_turn),
+        last_turn=rank(stop.last_turn),
+        peer_turn=rank(stop.peer_turn),
+        past_turn=rank(stop.past_turn),
+        all_cancelled=rank(stop.all_cancelled),
+        others_before=min(stop.others_before, 1),
+        obeyed=stop.obeyed and (rank(stop.obeyed[0]), 0.0),  # Nothing here asks for its time.
+        cancels=stop.cancels and (rank(stop.cancels[0]), max(stop.cancels[1], 0.0)),
     )
+    renamed = {request.number: place for place, request in enumerate(requests, 1)}
     servers = tuple(
         server._replace(waiting=tuple(sorted(renamed[n] for n in server.waiting if n in renamed)))
         for server in world.servers
     )
-    goals = tuple(
-        goal._replace(turn=rank[goal.turn], stops=min(goal.stops, world.stops_read))
-        for goal in world.goals
+    return world._replace(
+        stop=stop,
+        servers=servers,
+        requests=tuple(r._replace(number=renamed[r.number], turn=rank(r.turn)) for r in requests),
+        goals=tuple(goal._replace(turn=rank(goal.turn)) for goal in world.goals),
     )
-    return world._replace(stop=stop, requests=requests, servers=servers, goals=goals)
 
 
 # What can happen next.
