@@ -27,7 +27,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 from archo_tui.robot.stops import Stops
 from archo_tui.safe_text import safe_in_place
-from archo_tui.shutdown import RESTART, Shutdown
+from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
@@ -122,7 +122,7 @@ class TerminalApp(App[None]):
             station.robot,
             station.clock,
             station.on_disconnect,
-            lambda code: self.exit(return_code=code),
+            lambda code: self.end(code),
             self.wait_for_answers,
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
@@ -284,17 +284,9 @@ class TerminalApp(App[None]):
         timer._skip = False
         return timer
 
-    def restart(self, why: str) -> None:
-        """End the process and start it again with the same options, with an event that says so.
-
-        Any thread, once mounted. The call does not wait for the end.
-
-        Args:
-            why: The reason, in a few words for the event.
-        """
-        what = "the console restarts" if self.station.attached else "all nodes restart"
-        self.station.robot.note("YOU", "console", f"{why}: {what}")
-        self._main_loop.call_soon_threadsafe(self._ending.begin, RESTART)
+    def end(self, code: int) -> None:
+        """Leave the app with an exit code, after `Shutdown` has done its work."""
+        self.exit(return_code=code)
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone."""
