@@ -552,8 +552,11 @@ class ArchoApp(KeyedApp):
         if code == RESTART and self.station.restart_blocker:
             self._ending.call_off()
             self._let_restart_wait(self.station.waiting_restart)
-        else:
-            super().end(code)
+            return
+        if code == RESTART:
+            self.keep_keys()
+            self.station.stops_before_restart = self.stops.count
+        super().end(code)
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Show in the goal's form why the robot refused a goal; clear that text if it did not."""

@@ -65,6 +65,7 @@ class Station:
         waiting_restart: Why a restart waits for the release of a STOP and then for a key; "" if
             none does.
         is_restarting: True once the process is about to start again.
+        stops_before_restart: STOPs that had been read when the screen began to end for a restart.
         edits: The parameter changes that can be undone.
         goals: Sends goals, one after the other, and cancels them.
         ledger: The requests without an answer.
@@ -115,7 +116,7 @@ class Station:
         self.file_is_default = file_is_default
         self._may_offer = attached and file_is_default
         self.next_namespace = self.waiting_restart = ""
-        self.is_restarting = False
+        self.is_restarting, self.stops_before_restart = False, 0
         self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.requests = requests = ApprovalRequests()
@@ -363,6 +364,6 @@ class Station:
             changing=self.edits.is_changing,
             clients=self.clients,
             requests=self.requests.waiting,
-            restart_waits=bool(self.waiting_restart),
+            restart_waits=bool(self.waiting_restart) and not self.is_restarting,
             is_restarting=self.is_restarting,
         )

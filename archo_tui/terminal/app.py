@@ -100,6 +100,8 @@ class TerminalApp(App[None]):
         failure: The traceback of the first error that ended the screen; "" for none.
         theme_variables: What `get_css_variables` has returned last.
         stop_key: Textual's name of the key of STOP; "" until a subclass sets it.
+        settings_before: The settings that the terminal gets back at the end, as `termios` has them;
+            None for those that it has at the start.
     """
 
     _main_loop: asyncio.AbstractEventLoop
@@ -117,6 +119,7 @@ class TerminalApp(App[None]):
         self.station = station
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
+        self.settings_before: Sequence[Any] | None = None
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
@@ -283,6 +286,12 @@ class TerminalApp(App[None]):
         timer = super().set_timer(delay, callback, name=name, pause=pause)
         timer._skip = False
         return timer
+
+    def keep_keys(self) -> None:
+        """Leave the terminal raw at the end, and what is typed from now on to the next process."""
+        keep_keys = getattr(self._driver, "keep_keys", None)  # Not Windows', or a test's.
+        if keep_keys is not None:
+            self.settings_before = keep_keys()
 
     def end(self, code: int) -> None:
         """Leave the app with an exit code, after `Shutdown` has done its work."""
