@@ -25,6 +25,7 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
+from archo_tui.shutdown import RESTART
 from archo_tui.station import form_history
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -525,6 +526,49 @@ class ArchoApp(KeyedApp):
     def run_in_background(self, work: Callable[[], Work]) -> None:
         """Begin work of another program, for whose answer `leave` does not wait."""
         start_worker(self, work, "beside")
+
+    def restart(self, why: str) -> None:
+        """End the process and start it again with the same options, with an event that says so.
+
+        While a STOP is not released, the restart waits for a key instead. Any thread, once mounted.
+
+        Args:
+            why: The reason, in a few words for the event.
+        """
+        self._main_loop.call_soon_threadsafe(self._restart, why)
+
+    def _restart(self, why: str) -> None:
+        station = self.station
+        if station.restart_blocker:
+            self._let_restart_wait(why)
+            return
+        what = "the console restarts" if station.attached else "all nodes restart"
+        station.robot.note("YOU", "console", f"{why}: {what}")
+        station.waiting_restart, station.is_restarting = why, True
+        self._ending.begin(RESTART)
+        self.update_screen()
+
+    def _let_restart_wait(self, why: str) -> None:
+        station, key = self.station, self.shown_keys["restart"] or "the palette"
+        text = f"the restart waits: release the STOP, then press {key} in Nodes"
+        station.waiting_restart, station.is_restarting = why, False
+        if station.next_namespace:  # A robot is not left that was just stopped.
+            text, station.next_namespace = station.restart_blocker, ""
+            station.waiting_restart = ""
+            self.show_message(f"{why}: {text}")
+        station.robot.note("WARN", "console", f"{why}: {text}")
+        self.update_screen()
+
+    def end(self, code: int) -> None:
+        """Exit, unless a STOP came since a restart began, which then waits."""
+        if code == RESTART and self.station.restart_blocker:
+            self._ending.call_off()
+            self._let_restart_wait(self.station.waiting_restart)
+            return
+        if code == RESTART:
+            self.keep_keys()
+            self.station.stops_before_restart = self.stops.count
+        super().end(code)
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Show in the goal's form why the robot refused a goal; clear that text if it did not."""

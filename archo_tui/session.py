@@ -17,6 +17,7 @@ from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError
+from archo_tui.handover import Handover
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
@@ -26,11 +27,14 @@ from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
 from archo_tui.robot.state import LAUNCH
 from archo_tui.robot_file import load as robot_files
+from archo_tui.robot_file.model import GoalKind
 from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
 from archo_tui.station.event_journal import EventJournal
 from archo_tui.station.journal import Journal, unreleased_stop
+from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
+from archo_tui.station.undo import Edit
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
@@ -63,6 +67,7 @@ class Session:
         file: The robot file.
         options: The options.
         unrecorded: After `close`: why the last recording was not written, or "".
+        restart: What the frontend leaves to the next process.
     """
 
     robot: Robot
@@ -71,6 +76,9 @@ class Session:
     _console_recorder: ConsoleRecorder
     _shares: PackageShares | None = None
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
+    restart = Handover()
+    _server: Server | None = None
+    _listening: tuple[int, str] | None = None  # The socket that was kept for the next process.
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
         """Activate the engine, read the user's files, and construct the nodes; `start` starts them.
@@ -124,7 +132,8 @@ class Session:
         )
         self.host.operator_values = self.station.edits.values_set
         self._watch = FileWatcher(self._watched_files(interfaces))
-        self._server = self._make_server() if options.remote else None
+        if options.handover is not None:
+            self._resume(options.handover)
 
     def _make_server(self) -> Server | None:
         """Return the server of the socket for other programs, or None on Windows, which has none.
@@ -241,6 +250,8 @@ class Session:
             )
             robot.own_nodes = self.host.names
             robot.unended_nodes = self.host.unended_names
+            self._server = self._make_server() if self.options.remote else None
+            self._count_stops_of_gap()
             self._node_files = [NodeFile(given) for given in self._node_names]
             self._programs = self._user_programs()
             self._shares = self._package_shares()
@@ -255,6 +266,69 @@ class Session:
         except BaseException:
             self._undo_init()
             raise
+
+    def _count_stops_of_gap(self) -> None:
+        """Count the STOPs of a restart before a node is made: each carries them out first."""
+        left = self.options.handover
+        if left is None:
+            return
+        if left.stop:
+            self.robot.stops.register()
+        if left.listening is not None and self._server is not None:
+            self._server.adopt(*left.listening)
+
+    def _resume(self, left: Handover) -> None:
+        """Take over what the process before a restart has left, and say so."""
+        station = self.station
+        if left.stop:
+            self.send_stop()
+        station.edits.restore(Edit(*edit) for edit in left.edits)
+        known = {(kind.id, kind.action): kind for kind in self.file.goals}
+        station.queue.restore(
+            [
+                QueuedGoal(known.get((kind[0], kind[2]), GoalKind(*kind)), values)
+                for *kind, values in left.goals
+            ]
+        )
+        self.robot.note("YOU", "console", f"{left.why}: restarted")
+        for line in left.lost:
+            self.robot.note("WARN", "console", line)
+
+    def send_stop(self) -> None:
+        """Send a STOP that was counted before the frontend came, as soon as it comes."""
+
+        async def send() -> None:
+            await self.robot.emergency_stop()
+
+        self.robot.note("YOU", "console", "STOP was read while the console restarted: sent now")
+        self.station.post(send)
+
+    def hand_over(self) -> Handover:
+        """Return `restart` with what this process leaves to the next; call `close` first."""
+        station, lost = self.station, list[str]()
+        programs = self.host.programs.names()
+        edits: list[Edit] = []
+        for edit in station.edits.edits:
+            if edit.node in programs:
+                lost.append(f"{edit.node}: {', '.join(edit.after)} was set by hand, and is lost")
+            else:
+                edits.append(edit)
+        # Of a later STOP it is not sure that it has left.
+        is_later = self.robot.stops.count > station.stops_before_restart
+        is_stopped = is_later or bool(station.restart_blocker)
+        goals: list[list[Any]] = []
+        for goal in station.queue.waiting:
+            kind = goal.kind
+            if goal.requester.waits:
+                continue  # Its client was told.
+            goals.append([kind.id, kind.title, kind.action, kind.type, dict(goal.values)])
+        return self.restart._replace(
+            stop=is_stopped,
+            goals=goals,
+            edits=edits,
+            lost=[*dict.fromkeys(lost)],
+            listening=self._listening,
+        )
 
     def _package_shares(self) -> PackageShares | None:
         """Let nodes find the files of their workspaces' packages; return None without a workspace.
@@ -296,6 +370,8 @@ class Session:
 
     def _undo_init(self) -> None:
         """End what the constructor has begun so far, before it raises."""
+        if self._server is not None:
+            self._server.close()
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         self.journal.close()
@@ -469,16 +545,21 @@ class Session:
         own = {str(path) for path in self._own_files}
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
 
-    def close(self) -> list[str]:
+    def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.
 
         Recordings that still go on are written, for which the end takes 2.5 s at most; `unrecorded`
         then tells why one was not.
+
+        Args:
+            restarts: True to keep the socket for other programs, for `hand_over`.
         """
         ends = time.monotonic() + END
         self.box.finish()
         self._watch.stop()
-        if self._server is not None:
+        if self._server is not None and restarts:
+            self._listening = self._server.keep()
+        elif self._server is not None:
             self._server.close()
         self.robot.stop()
         stuck = self.host.stop()

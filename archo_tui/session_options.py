@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from archo_tui import engine
 from archo_tui.errors import ArchoError
+from archo_tui.handover import Handover
 from archo_tui.recording.box import BUDGET
 from archo_tui.shutdown import CANCEL, LEAVE
 
@@ -44,6 +45,7 @@ class Options(NamedTuple):
     recordings_limit: int = BUDGET  # Bytes of all recordings together.
     record: Path | None = None  # The folder to which everything is recorded.
     remote: bool = False  # Open a socket for other programs of this user.
+    handover: Handover | None = None  # What the process before has left, after a restart.
 
 
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.

@@ -117,6 +117,14 @@ class Shutdown:
         if self._task is None:
             self._task = asyncio.create_task(self._end_in_order(code))
 
+    def call_off(self) -> None:
+        """Go on with the console, for which `begin` may be called again; goals may be sent again.
+
+        Call it in `end`, in place of the end.
+        """
+        self._robot.allow_sending_goals()
+        self._task = None
+
     async def _end_in_order(self, code: int) -> None:
         """Cancel or leave the running goal, wait for the answers of commands for 1 s, and end.
 

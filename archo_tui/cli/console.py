@@ -19,6 +19,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import TextIO
 
+    from archo_tui.handover import Handover
     from archo_tui.session import Session
     from archo_tui.session_options import Launch
 
@@ -48,6 +49,22 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     """
     if options.version:
         return _print_version(options.engine)
+    from archo_tui.handover import take
+    from archo_tui.shutdown import RESTART
+
+    left, code = take(), FAILED
+    try:
+        code = _run(options, ros_args, launch, left)
+    finally:
+        if left is not None and code != RESTART:  # It may not have come to its screen.
+            left.restore_terminal()
+    return code
+
+
+def _run(
+    options: Namespace, ros_args: list[str], launch: Launch | None, left: Handover | None
+) -> int:
+    """Do what `run_console` does, with what the process before a restart has left."""
     from pathlib import Path
 
     if options.node or options.run or launch:
@@ -57,7 +74,7 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     from archo_tui.hosting.node_output import HarmlessOutput
     from archo_tui.session import Session
     from archo_tui.session_options import Options
-    from archo_tui.shutdown import ignore_signals
+    from archo_tui.shutdown import RESTART, ignore_signals
 
     if options.plain and sys.stdout is None:
         raise ArchoError("--plain needs a standard output, and it is closed")
@@ -84,23 +101,48 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
             recordings_limit=options.recordings_limit * 1_000_000,
             record=Path(options.record) if options.record is not None else None,
             remote=not options.no_remote,
+            handover=_with_typed_stop(left, stdin),
         )
     )
     stuck: list[str] = []
+    code = FAILED
     try:
         is_plain = options.plain
         code = _run_plain(session, options, stdin) if is_plain else _run_screen(session, stdin)
     finally:
         ignore_signals()
-        stuck = session.close()
-    if session.station.next_namespace:
-        use_namespace(session.station.next_namespace)
+        stuck = session.close(restarts=code == RESTART)
+    if code == RESTART:
+        _restart(session, stdin)
     if session.unrecorded:
         complain(session.unrecorded)
     for name in stuck:
         complain(f"{name} did not stop: its callback does not return")
     lost = options.record is not None and session.unrecorded  # Only --record makes it a failure.
     return code or (FAILED if stuck or lost else 0)
+
+
+def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | None:
+    """Return the record of the process before with a STOP that was typed since."""
+    if sys.platform != "win32" and left is not None and stdin is not None:
+        from archo_tui.terminal.driver import stop_was_typed
+
+        return left._replace(stop=left.stop or stop_was_typed(stdin.fileno(), left.stop_key))
+    return left
+
+
+def _restart(session: Session, stdin: TextIO | None) -> None:
+    """Leave the record for the next process, which operates the robot that was chosen.
+
+    After a STOP that was read meanwhile it is the same robot.
+    """
+    from archo_tui.handover import give
+
+    left = _with_typed_stop(session.hand_over(), stdin)
+    assert left is not None
+    give(left)
+    if session.station.next_namespace and not left.stop:
+        use_namespace(session.station.next_namespace)
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
@@ -160,12 +202,14 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
     from archo_tui.app import ArchoApp
     from archo_tui.commands import keymap, registry
+    from archo_tui.handover import Handover
     from archo_tui.paths import config_file
-    from archo_tui.shutdown import heed_signals, let_go
+    from archo_tui.shutdown import RESTART, heed_signals, let_go
     from archo_tui.terminal import themes
     from archo_tui.terminal.stderr import guarded_stderr, log_file
 
     station, clock = session.station, session.station.clock
+    left = session.options.handover
     commands = registry(session.file)
     keys, others = keymap.load_keymap(config_file("keymap.yaml"), commands)
     heed_signals()
@@ -173,11 +217,20 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     if others:
         station.robot.note("WARN", "console", others)
     failed, failures = "", 0
+    late = _with_typed_stop(left and left._replace(stop=False), stdin)
+    if late is not None and late.stop:
+        station.robot.stops.register()
+        session.send_stop()
     while True:
         app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
+        app.settings_before = None if left is None else left.terminal
         with guarded_stderr(log_file()):
             app.run()
         if not app.failure:
+            if app.return_code == RESTART:
+                why, before = station.waiting_restart, app.settings_before
+                session.restart = Handover(why, stop_key=app.stop_key, terminal=before)
+                complain(f"{why}: the console restarts; {app.shown_keys['stop']} is STOP meanwhile")
             return app.return_code or 0
         failed, failures = app.failure, 1 if app.was_operated else failures + 1
         last = failed.strip().splitlines()[-1]

@@ -76,6 +76,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         parameters.LoadKey(verbs["load"]),
         nodes.StartStop(),
         nodes.CopyNode(),
+        nodes.Restart(),
         nodes.ShowNode(),
         events.NextLevel(),
         events.SearchEvents(),

@@ -88,7 +88,7 @@ class OperateOtherRobot(Command):
     """The command that restarts the console for the robot of another namespace, chosen in a list.
 
     The command is disabled unless the console was started with `--attach` and another namespace has
-    nodes, and while a goal runs or waits or a STOP is not confirmed.
+    nodes, and while a goal runs or waits or a STOP is not released.
     """
 
     id = "other_robot"
@@ -98,8 +98,8 @@ class OperateOtherRobot(Command):
         station, snapshot = console.station, console.station.robot.snapshot
         if not station.attached:
             return "only a console with --attach changes robots"
-        if snapshot.open_stop is not None or not station.robot.stops.are_answered:
-            return "the STOP is not confirmed"
+        if station.restart_blocker:
+            return station.restart_blocker
         if station.running_goal is not None:
             return "a goal runs: cancel it first"
         if station.queue.waiting or station.queue.is_going:

@@ -61,6 +61,20 @@ class CopyNode(_NodeCommand):
         return self.run_verb(console, "copy", self._selected(console))
 
 
+class Restart(Command):
+    where, panel = IN_PANEL, NODES
+    id, key = "restart", "ctrl+r"
+    help = "Restart for what was saved during a STOP"
+
+    def disabled_reason(self, console: Console) -> str:
+        if not console.station.waiting_restart:
+            return "no restart waits"
+        return console.station.restart_blocker
+
+    def run(self, console: Console) -> None:
+        console.station.restart(console.station.waiting_restart)
+
+
 class ShowNode(Command):
     where, panel = IN_PANEL, NODES
     id, key = "details", "enter"

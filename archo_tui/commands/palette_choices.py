@@ -48,6 +48,7 @@ _SEARCH_WORDS = {
     "load": "import open read yaml",
     "start_stop": "kill restart launch",
     "copy": "duplicate another instance",
+    "restart": "reload saved again",
     "details": "info inspect traceback crash",
     "level": "severity debug warn error",
     "search": "find filter grep",

@@ -114,12 +114,16 @@ class Host:
             self._on_event(level, hosted.name.lstrip("/"), hosted.lateness_text())
 
     def start(self) -> None:
-        """Spin every node that is made; late nodes start by themselves from now on."""
+        """Spin every node that is made; late nodes start by themselves from now on.
+
+        A STOP that was read before is carried out first.
+        """
         with self._changing:
             self._has_started = True
             for hosted in self.nodes:
                 if hosted.is_made:
-                    hosted.start()
+                    self._restore_parameters(hosted)
+                    self._start(hosted)
 
     def wait_longer(self, seconds: float) -> list[str]:
         """Wait for the nodes that are late.

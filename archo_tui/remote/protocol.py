@@ -22,6 +22,7 @@ NOT_REACHED = "unreached"  # A client's own word, never on a socket.
 NOT_MEANT = "not_meant"  # This STOP is meant for another console.
 WATCHING = "watching"  # An outcome's code: the console sends no command.
 GONE = "the console is gone; the robot may still be moving"
+RESTARTS = "the console restarts; the robot may still be moving"
 EXITS = {
     "done": DONE,
     "accepted": DONE,

@@ -13,7 +13,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow, follow_goal
-from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
+from archo_tui.remote.protocol import GONE, LOST, RESTARTS, is_stop, words_of
 from archo_tui.remote.server import ClientSession
 from archo_tui.remote.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
 from archo_tui.robot import messages
@@ -228,7 +228,8 @@ class RequestHandler:
             result = _result(number, Outcome(Code.CANCELLED, text))
             # Else the screen ends or restarts, and the console keeps the goal.
             if not session.is_called_off:
-                result = {"id": number, "code": LOST, "text": GONE}
+                text = RESTARTS if self._station.is_restarting else GONE
+                result = {"id": number, "code": LOST, "text": text}
         finally:
             if session.requester.waits and not session.is_assistant:
                 self._station.goals.take_out(session.requester)
@@ -353,6 +354,8 @@ class RequestHandler:
             session.client.reply({"id": number, "said": outcome.text})
             feedback = request.get("feedback") is True
             outcome = await self._wait_for_ends(session, number, feedback=feedback)
+            if self._station.is_restarting and outcome.code != Code.ARRIVED:
+                outcome = outcome._replace(text=f"{outcome.text}: the console restarts")
         result = {**_result(number, outcome), "tells": verb.tells}
         data = data_of(outcome)
         if data is None and outcome.ok:

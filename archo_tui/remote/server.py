@@ -325,6 +325,8 @@ class Server:
         self.hello = hello
         self._listening: socket.socket | None = None
         self._path = ""
+        self._is_kept = False  # True if the listening socket outlives the thread.
+        self._early: list[socket.socket] = []  # Connected before this process.
         self._loop: asyncio.AbstractEventLoop | None = None
         self._clients: dict[Client, None] = {}  # In the order in which they came.
         self._serving: set[asyncio.Task[None]] = set()
@@ -342,17 +344,55 @@ class Server:
         If no socket can be opened, only `notify` is called with the reason.
         """
         # A process in another container may have the same number: the name needs more.
-        name = f"{os.getpid()}-{secrets.token_hex(4)}"
-        self.hello = {**self.hello, "name": name}
-        try:
-            self._listening, self._path = _open_socket(self.hello)
-        except OSError as error:
-            self._notify(f"no socket for other programs: {error.strerror or error}")
-            return
-        _link_from_home(self._path)
+        if self._listening is None:
+            name = f"{os.getpid()}-{secrets.token_hex(4)}"
+            self.hello = {**self.hello, "name": name}
+            try:
+                self._listening, self._path = _open_socket(self.hello)
+            except OSError as error:
+                self._notify(f"no socket for other programs: {error.strerror or error}")
+                return
+            _link_from_home(self._path)
         self._loop = asyncio.new_event_loop()
         self._accepting = self._loop.create_task(self._accept_clients(self._listening))
         self._thread.start()
+
+    def adopt(self, descriptor: int, path: str) -> None:
+        """Listen on the socket of the process before a restart, once `start` is called.
+
+        A STOP that was sent to it meanwhile is counted now, and carried out then.
+        """
+        os.set_inheritable(descriptor, False)
+        self._listening, self._path = socket.socket(fileno=descriptor), path
+        self._listening.setblocking(False)
+        name = os.path.basename(path).removesuffix(socket_files.SUFFIX)
+        self.hello = {**self.hello, "name": name}
+        with contextlib.suppress(OSError):  # No more wait.
+            _write_card(path, self.hello, os.O_TRUNC)
+            while len(self._early) < MAX_CONNECTIONS:
+                connected, _ = self._listening.accept()
+                self._early.append(connected)
+        for connected in self._early:
+            with contextlib.suppress(OSError):
+                connected.setblocking(False)
+                sent = connected.recv(_FIRST_READ, socket.MSG_PEEK)
+                for data in lines.LineSplitter().feed(sent + b"\n"):
+                    request = _stop_in(data, self.stops)
+                    if request is not None and is_meant(request, self.hello):
+                        self.stops.register()
+
+    def keep(self) -> tuple[int, str] | None:
+        """Disconnect all clients, and return the socket for the process that follows, and its path.
+
+        The socket still listens; who connects waits for that process. None if it never listened.
+        """
+        if self._listening is None:
+            return None
+        self._is_kept = True
+        self.close()
+        descriptor = self._listening.detach()
+        os.set_inheritable(descriptor, True)
+        return descriptor, self._path
 
     def close(self) -> None:
         """End listening, remove the socket and its card, and disconnect all clients.
@@ -360,9 +400,13 @@ class Server:
         Waits up to 1 s while what the clients have sent is still read. Does nothing if it never
         listened.
         """
+        if self._path and not self._is_kept:
+            socket_files.remove(self._path)
         if self._loop is None or self._accepting is None:  # It never listened.
+            for adopted in (self._listening, *self._early):
+                if adopted is not None:
+                    adopted.close()
             return
-        socket_files.remove(self._path)
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._accepting.cancel)
         self._thread.join(1.0)
@@ -376,7 +420,8 @@ class Server:
             with contextlib.suppress(asyncio.CancelledError):
                 loop.run_until_complete(self._accepting)
         finally:
-            self._listening.close()
+            if not self._is_kept:
+                self._listening.close()
             for client in list(self._clients):  # What each has sent is still read.
                 client.drop()
             if self._serving:
@@ -392,7 +437,10 @@ class Server:
         loop = asyncio.get_running_loop()
         while True:
             try:
-                connected, _ = await loop.sock_accept(listening)
+                if self._early:
+                    connected = self._early.pop(0)
+                else:
+                    connected, _ = await loop.sock_accept(listening)
             except OSError:  # No descriptor is free: the client waits.
                 await asyncio.sleep(_RETRY)
                 continue
@@ -467,10 +515,7 @@ def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     socket_files.make_folder(folder)
     path = os.path.join(folder, f"{hello['name']}{socket_files.SUFFIX}")
     # Creating the card exclusively reserves the name: no other console can have it.
-    exclusively = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-    card = path.removesuffix(socket_files.SUFFIX) + socket_files.CARD_SUFFIX
-    with os.fdopen(os.open(card, exclusively, 0o600), "w", encoding="utf-8") as file:
-        json.dump(hello, file)
+    _write_card(path, hello, os.O_EXCL)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
     # Bound under another name until it listens: clients remove a socket that refuses them.
@@ -490,6 +535,13 @@ def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     finally:
         os.close(held)
     return made, path
+
+
+def _write_card(path: str, hello: dict[str, Any], flag: int) -> None:
+    card = path.removesuffix(socket_files.SUFFIX) + socket_files.CARD_SUFFIX
+    descriptor = os.open(card, os.O_WRONLY | os.O_CREAT | flag, 0o600)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        json.dump(hello, file)
 
 
 def _link_from_home(path: str) -> None:

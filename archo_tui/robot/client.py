@@ -410,6 +410,10 @@ class Robot:
 
         await self._thread.run(there, services.DEADLINE)
 
+    def allow_sending_goals(self) -> None:
+        """Undo `stop_sending_goals`: the console does not end after all."""
+        self._goals.sending_has_ended = False
+
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
         """Call the service of a command in the robot file: see `ServiceVerbs`.
 

@@ -43,15 +43,27 @@ class Base(Screen[ScreenResultType]):
         the field handles its Focus event, after keys that were typed in the meantime.
 
         Args:
-            widget: The widget; None for no focus.
+            widget: The widget; None for no focus while the terminal has none, else for
+                `nearest_focus`: a click hit no widget, or what had the focus was hidden.
             scroll_visible: True to scroll to the widget.
             from_app_focus: True to select nothing: the terminal got the focus back, or typing goes
                 on.
         """
+        if widget is None and self.app.app_focus:
+            widget = self.nearest_focus
         is_new = widget is not self.focused and not from_app_focus
         super().set_focus(widget, scroll_visible, from_app_focus)
         if is_new and isinstance(widget, Field):
             widget.action_select_all()
+
+    @property
+    def nearest_focus(self) -> Widget | None:
+        """The widget with the focus if it is shown, or if none is, as in a terminal of one cell.
+
+        Else the first one that can have the focus.
+        """
+        chain = self.focus_chain
+        return self.focused if self.focused in chain else next(iter(chain), self.focused)
 
     def _compositor_refresh(self) -> None:
         """Draw what has changed; behind a dialog, have the dialog draw that.

@@ -219,6 +219,13 @@ class MainScreen(Base[None]):
         return sorted(super().focus_chain, key=_tab_order)
 
     @property
+    def nearest_focus(self) -> Widget | None:
+        """The widget with the focus if it is shown, else the list of parameters if that is."""
+        found, parameters = super().nearest_focus, self.parameters.focus_target
+        is_other = found is not self.focused and parameters in self.focus_chain
+        return parameters if is_other else found
+
+    @property
     def focused_panel(self) -> int:
         """The number of the panel with the focus; 0 if no panel has it."""
         return 0 if self.focused is None else _panel_number(self.focused)
@@ -358,7 +365,7 @@ class MainScreen(Base[None]):
     def _after_layout(self) -> None:
         self._draw_from_now_on()
         # The widget that had the focus has no room any more.
-        if self.focused is None and self.app.app_focus:
+        if self.app.app_focus and self.focused not in self.focus_chain:
             self.focus_panel(4)
         self._show_focused()
 

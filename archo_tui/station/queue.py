@@ -117,6 +117,11 @@ class GoalQueue:
         self.waiting = [goal for goal in self.waiting if not is_meant(goal)]
         return removed
 
+    def restore(self, goals: Sequence[QueuedGoal]) -> None:
+        """Take over the goals of the process before a restart; they are held."""
+        self.waiting = [*goals]
+        self.hold("restart")
+
     def hold(self, reason: str) -> None:
         """Hold the queue: no further goal is sent until it is resumed.
 

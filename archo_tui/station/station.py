@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Goal, Snapshot
+from archo_tui.robot.state import Goal, Latch, Snapshot
+from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
 from archo_tui.station.alarm_bell import AlarmBell
 from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.alarm_conditions import conditions
@@ -61,6 +62,10 @@ class Station:
         earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
             is none.
         next_namespace: The namespace of the robot to operate after a restart; "" for the same one.
+        waiting_restart: Why a restart waits for the release of a STOP and then for a key; "" if
+            none does.
+        is_restarting: True once the process is about to start again.
+        stops_before_restart: STOPs that had been read when the screen began to end for a restart.
         edits: The parameter changes that can be undone.
         goals: Sends goals, one after the other, and cancels them.
         ledger: The requests without an answer.
@@ -110,7 +115,8 @@ class Station:
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
         self._may_offer = attached and file_is_default
-        self.next_namespace = ""
+        self.next_namespace = self.waiting_restart = ""
+        self.is_restarting, self.stops_before_restart = False, 0
         self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.requests = requests = ApprovalRequests()
@@ -194,14 +200,24 @@ class Station:
     def restart(self, why: str) -> None:
         """Have the frontend, if there is one, start the process again with the same arguments.
 
-        The screen does; `--plain` only logs that the changes count from the next start on. May be
-        called on any thread.
+        The screen does, or lets it wait while there is a `restart_blocker`; `--plain` only logs
+        that the changes count from the next start on. May be called on any thread.
 
         Args:
             why: The reason in words, for the operator.
         """
         if self._frontend is not None:
             self._frontend.restart(why)
+
+    @property
+    def restart_blocker(self) -> str:
+        """Why the process must not start again now, since a STOP would be lost; "" if it may."""
+        snapshot = self.robot.snapshot
+        if snapshot.open_stop is not None or not self.robot.stops.are_answered:
+            return UNCONFIRMED
+        if snapshot.latch is Latch.UNCERTAIN:
+            return UNCERTAIN
+        return HOLDS if snapshot.is_stopped else ""
 
     def operate(self, namespace: str) -> None:
         """Set `next_namespace`, and have the frontend, if there is one, start the process again.
@@ -348,4 +364,6 @@ class Station:
             changing=self.edits.is_changing,
             clients=self.clients,
             requests=self.requests.waiting,
+            restart_waits=bool(self.waiting_restart) and not self.is_restarting,
+            is_restarting=self.is_restarting,
         )

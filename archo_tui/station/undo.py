@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.robot.outcome import Code, Outcome
@@ -41,6 +41,15 @@ class UndoList:
     def is_changing(self) -> bool:
         """True while a change or an undo has no answer, although its event may have arrived."""
         return self._unanswered > 0
+
+    @property
+    def edits(self) -> Sequence[Edit]:
+        """The changes that can be undone, the oldest first."""
+        return self._done
+
+    def restore(self, edits: Iterable[Edit]) -> None:
+        """Take over the changes of the process before a restart."""
+        self._done = [*edits]
 
     @property
     def last(self) -> Edit | None:

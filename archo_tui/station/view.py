@@ -31,6 +31,9 @@ class View:
         changing: True while a change of parameters from here has no answer.
         clients: The programs that are connected, by their names for people.
         requests: The requests of assistants that wait for a person, the oldest first.
+        restart_waits: True while a restart of the console waits for the release of a STOP, and
+            then for a key.
+        is_restarting: True once the console is about to start again.
         replay: In a replay, words that say so; "" if the robot itself is shown.
     """
 
@@ -49,6 +52,8 @@ class View:
     changing: bool = False
     clients: tuple[str, ...] = ()
     requests: tuple[ApprovalRequest, ...] = ()
+    restart_waits: bool = False
+    is_restarting: bool = False
     replay: str = ""
 
     @property

@@ -27,7 +27,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.safe_text import safe_in_place
-from archo_tui.shutdown import RESTART, Shutdown
+from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
@@ -100,6 +100,8 @@ class TerminalApp(App[None]):
         failure: The traceback of the first error that ended the screen; "" for none.
         theme_variables: What `get_css_variables` has returned last.
         stop_key: Textual's name of the key of STOP; "" until a subclass sets it.
+        settings_before: The settings that the terminal gets back at the end, as `termios` has them;
+            None for those that it has at the start.
     """
 
     _main_loop: asyncio.AbstractEventLoop
@@ -117,12 +119,13 @@ class TerminalApp(App[None]):
         self.station = station
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
+        self.settings_before: Sequence[Any] | None = None
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
             station.clock,
             station.on_disconnect,
-            lambda code: self.exit(return_code=code),
+            lambda code: self.end(code),
             self.wait_for_answers,
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
@@ -284,17 +287,15 @@ class TerminalApp(App[None]):
         timer._skip = False
         return timer
 
-    def restart(self, why: str) -> None:
-        """End the process and start it again with the same options, with an event that says so.
+    def keep_keys(self) -> None:
+        """Leave the terminal raw at the end, and what is typed from now on to the next process."""
+        keep_keys = getattr(self._driver, "keep_keys", None)  # Not Windows', or a test's.
+        if keep_keys is not None:
+            self.settings_before = keep_keys()
 
-        Any thread, once mounted. The call does not wait for the end.
-
-        Args:
-            why: The reason, in a few words for the event.
-        """
-        what = "the console restarts" if self.station.attached else "all nodes restart"
-        self.station.robot.note("YOU", "console", f"{why}: {what}")
-        self._main_loop.call_soon_threadsafe(self._ending.begin, RESTART)
+    def end(self, code: int) -> None:
+        """Leave the app with an exit code, after `Shutdown` has done its work."""
+        self.exit(return_code=code)
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone."""

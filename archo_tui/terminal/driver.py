@@ -12,17 +12,19 @@ from __future__ import annotations
 import contextlib
 import os
 import selectors
+import signal
 import sys
 import termios
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol, cast
 
 from textual import constants
 from textual.drivers.linux_driver import LinuxDriver
+from textual.events import Key
 from textual.message import Message
 
 from archo_tui.terminal.keyboard import Keyboard
@@ -43,6 +45,7 @@ class DriverApp(StopKeyOwner, Protocol):
     """The methods of the app that the driver calls."""
 
     stop_key: str  # Textual's name of the key of STOP.
+    settings_before: Sequence[Any] | None  # Of the terminal before a restart; None: as they are.
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone for good."""
@@ -177,6 +180,7 @@ class SteadyDriver(LinuxDriver):
         self._writer: TerminalWriter | None = None
         self._started = False
         self._is_setting_modes = True  # Such writes are never dropped.
+        self._keeps_keys = False
         super().__init__(*args, **options)
 
     # LinuxDriver creates its thread within start_application_mode; the setter replaces it.
@@ -197,6 +201,8 @@ class SteadyDriver(LinuxDriver):
         self._is_setting_modes = True
         # In the background Textual returns without starting, and without a writer.
         super().start_application_mode()  # type: ignore[no-untyped-call]
+        before = cast(DriverApp, self._app).settings_before
+        self.attrs_before = self.attrs_before if before is None else [*before]
         if not constants.DISABLE_KITTY_KEY:
             self.write(_ALTERNATE_KEYS)
         self._started, self._is_setting_modes = self._writer is not None, False
@@ -205,6 +211,32 @@ class SteadyDriver(LinuxDriver):
         self._is_setting_modes = True
         super().stop_application_mode()
         self._started = False
+
+    def keep_keys(self) -> list[Any] | None:
+        """Leave the terminal raw at the end: what is typed waits for the process that follows.
+
+        Returns:
+            The settings that it had before the start, for that process, as numbers only; see
+            `termios.tcgetattr`. None if they are not known.
+        """
+        self._keeps_keys = True
+        settings, self.attrs_before = self.attrs_before, None
+        if settings is None:
+            return None
+        *numbers, characters = settings
+        return [*numbers, [c if isinstance(c, int) else ord(c) for c in characters]]
+
+    def disable_input(self) -> None:
+        if not self._keeps_keys:
+            super().disable_input()
+            return
+        # As Textual does it, but what waits to be read is not thrown away.
+        signal.signal(signal.SIGWINCH, signal.SIG_DFL)
+        self._disable_mouse_support()
+        self.exit_event.set()
+        if self._key_thread is not None:
+            self._key_thread.join()
+        self.exit_event.clear()
 
     def close(self) -> None:
         super().close()
@@ -274,3 +306,15 @@ class SteadyDriver(LinuxDriver):
     def _call_on_loop(self, function: Callable[[], None]) -> None:
         with contextlib.suppress(RuntimeError):  # The loop may be closed.
             self._loop.call_soon_threadsafe(function)
+
+
+def stop_was_typed(descriptor: int, stop_key: str) -> bool:
+    """Drop what was typed while no console read it; return True if a STOP was among it."""
+    with selectors.DefaultSelector() as selector:
+        selector.register(descriptor, selectors.EVENT_READ)
+        typed = b""
+        with contextlib.suppress(OSError):
+            while selector.select(0) and (part := os.read(descriptor, _MAX_READ)):
+                typed += part
+    messages = Keyboard(stop_key).feed(typed, time.monotonic()) if typed else []
+    return any(isinstance(message, Key) and message.key == stop_key for message in messages)

@@ -301,8 +301,11 @@ def contact(view: View) -> str:
 
     `✗ no contact, 12 s` stands for silence of battery and motion, `▲ /odom silent, 12 s` for one of
     them, or for the action of a lost goal. Before the first reading of battery or motion the text
-    is `? waiting for data`, or says in which namespaces robots were seen.
+    is `? waiting for data`, or says in which namespaces robots were seen. `? the console restarts`
+    goes before all of them.
     """
+    if view.is_restarting:
+        return "? the console restarts"
     snapshot, robot = view.snapshot, view.snapshot.file
     readings: dict[str, Battery | Motion] = {}
     if robot.battery is not None:

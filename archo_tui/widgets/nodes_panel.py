@@ -21,6 +21,7 @@ _MARK_WIDTH, _AGE_WIDTH = 2, 6  # Cells.
 _RATE_WIDTH, _SHORT_RATE_WIDTH = 9, 7  # Cells of ` 1.0 Hz` and of ` 1.0Hz`, with blanks before.
 _NAME_WIDTH, _MIN_NAME_WIDTH = 16, 8  # Cells of a name; of one beside which a rate is shown.
 _NARROW = 30  # Such a panel is also low: a crashed node must not hide the others.
+_KEYS = (("start_stop", "start/stop"), ("copy", "copy"))
 _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
@@ -118,7 +119,7 @@ class NodesPanel(Panel):
     """
 
     number, title_text = 5, "Nodes"
-    keys = (("start_stop", "start/stop"), ("copy", "copy"))
+    keys: Sequence[tuple[str, str]] = _KEYS
 
     def __init__(self) -> None:
         super().__init__()
@@ -158,7 +159,9 @@ class NodesPanel(Panel):
         return self._rows
 
     def show(self, view: ScreenState) -> None:
+        self.keys = (("restart", "restart"), *_KEYS) if view.restart_waits else _KEYS
         self.show_keys(view)
+        self.show_narrowed("restart waits" if view.restart_waits else "")
         if view.replay:
             self._rows.empty = NONE_RECORDED
         # Ages change once a second only, so that many messages cause little traffic.

@@ -125,7 +125,7 @@ class Panel(Container, QuietFocus):
             self._title = self.border_title = title
 
     def show_narrowed(self, *what: str) -> None:
-        """Say in the title, in colour, what hides rows of this panel; without texts, say nothing.
+        """Say in the title, in colour, what hides rows or waits; without texts, say nothing.
 
         Args:
             what: Plain texts, of which empty ones are left out.

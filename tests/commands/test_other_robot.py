@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
 
-from archo_tui.robot.state import OpenStop
+from archo_tui.robot.state import Latch, OpenStop
+from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
 from tests.support.quiet import Quiet
-from tests.support.states import NORMAL
+from tests.support.states import MOTOR, NORMAL
 from tests.support.stub import stub_app
 
 
@@ -35,11 +37,15 @@ async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
     robot: Any = app.station.robot
     assert command.disabled_reason(app) == ""
     robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
-    assert command.disabled_reason(app) == "the STOP is not confirmed"
+    assert command.disabled_reason(app) == UNCONFIRMED
     robot.snapshot = elsewhere
     robot.stops.register()  # A STOP that no snapshot shows yet.
-    assert command.disabled_reason(app) == "the STOP is not confirmed"
+    assert command.disabled_reason(app) == UNCONFIRMED
     robot.stops.answered = robot.stops.count
+    robot.snapshot = elsewhere._replace(motion=replace(MOTOR, stopped=True))
+    assert command.disabled_reason(app) == HOLDS
+    robot.snapshot = elsewhere._replace(latch=Latch.UNCERTAIN)
+    assert command.disabled_reason(app) == UNCERTAIN
     robot.snapshot = NORMAL._replace(other_namespaces=())
     assert command.disabled_reason(app) == "no other namespace has nodes"
 
@@ -58,4 +64,20 @@ async def test_a_stop_behind_the_list_keeps_the_console_with_its_robot() -> None
             await pilot.press("enter")
             await quiet.settle()
     assert restarts == []
+    assert app.station.next_namespace == ""
+
+
+async def test_a_stop_just_behind_the_choice_keeps_the_console_with_its_robot_for_good() -> None:
+    app = stub_app(NORMAL._replace(other_namespaces=("/tb1", "/tb2")))
+    app.station.attached = True
+    async with app.run_test() as pilot:
+        robot: Any = app.station.robot
+        app.station.operate("/tb2")
+        robot.snapshot = robot.snapshot._replace(open_stop=OpenStop(0.0))
+        await Quiet(app).settle()
+        assert app.is_running
+        robot.put(NORMAL)
+        await pilot.press("5", "ctrl+r")
+        await Quiet(app).settle()
+        assert app.is_running
     assert app.station.next_namespace == ""

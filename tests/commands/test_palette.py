@@ -51,6 +51,7 @@ TYPED = {
     "Load a ROS parameter file": ("load", "import", "open yaml"),
     "Start or stop the selected node": ("start node", "kill", "restart"),
     "Start another copy": ("copy node", "another", "duplicate"),
+    "Restart for what was saved": ("reload", "restart saved", "saved"),
     "Show the selected node": ("details", "traceback", "crash"),
     "Choose the lowest level": ("level", "debug", "severity"),
     "Search the events": ("search", "find events", "grep"),

@@ -49,7 +49,7 @@ KEYS = {
         "backspace": "restore",
         "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
     },
-    "in Nodes": {"s": "start_stop", "plus": "copy", "enter": "details"},
+    "in Nodes": {"s": "start_stop", "plus": "copy", "ctrl+r": "restart", "enter": "details"},
     "in Events": {
         "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
         "slash": "search", "ctrl+s": "save_events",
@@ -181,12 +181,12 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
                     while isinstance(app.focused, Input):
                         send(app, "escape")
                         await quiet.settle()
-                    clock.passed += HELD
+                    clock.passed += 2 * HELD
                     panel = await go_to(app, quiet, place)
                     there = (app.screen, app.focused)
                     app.action_command = record  # type: ignore[assignment,method-assign]
                 ran.clear()
-                clock.passed += HELD  # another press of the same key
+                clock.passed += 2 * HELD  # another press of the same key
                 if isinstance(app.focused, Input) and "shelf" in place:
                     app.focused.value = "5" if "begun" in place else ""
                     await quiet.settle()

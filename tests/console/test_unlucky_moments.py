@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from contextvars import Context
+from unittest.mock import patch
 
 import pytest
 from textual import events
+from textual.errors import NoWidget
 from textual.geometry import Size
 from textual.widgets import Input
 
@@ -201,6 +203,15 @@ async def test_escape_leads_to_no_panel_that_has_no_room_any_more() -> None:
         await op.pilot.resize_terminal(80, 24)
         await op.press("escape")
         assert op.focused_panel == 4
+
+
+async def test_a_click_where_a_terminal_of_a_few_cells_shows_nothing_takes_no_focus_away() -> None:
+    async with console(*FAST) as op:
+        await op.press("5")
+        with patch.object(op.app.main, "get_widget_at", side_effect=NoWidget):
+            click(op.app, 3, 3)
+            await op.settle()
+        assert op.focused_panel == 5
 
 
 async def test_a_click_beside_a_terminal_that_has_just_shrunk_takes_no_focus_away() -> None:

@@ -71,6 +71,26 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
 
 @pytest.mark.real_time
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
+def test_of_the_keys_typed_while_it_restarts_only_stop_counts(tmp_path: Path) -> None:
+    source = package(tmp_path, "float32 temperature")
+    terminal = Terminal("--interfaces", str(source))
+    terminal.until("wheel_radius")
+    package(tmp_path, "float32 humidity")
+    terminal.until("the console restarts; ^x is STOP meanwhile")
+    terminal.write("g7\r\x18")
+    terminal.until("STOP was read while the console restarted: sent now")
+    terminal.until("✗ STOPPED")
+    assert "No goal yet" in said("status").out
+    package(tmp_path, "float32 pressure")
+    terminal.until("the restart waits: release the STOP, then press ^r in Nodes")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+    terminal.close()
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
 def test_in_plain_a_saved_interface_counts_from_the_next_start_and_that_is_said(
     tmp_path: Path,
 ) -> None:

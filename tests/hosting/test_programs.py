@@ -21,6 +21,7 @@ import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
+from archo_tui.handover import Handover
 from archo_tui.hosting import hosted_program
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.robot.outcome import Code
@@ -28,6 +29,7 @@ from archo_tui.robot.state import Hosted, Life
 from archo_tui.robot.stop_verbs import HELD_BY_NOBODY
 from archo_tui.session import Session
 from archo_tui.session_options import Options
+from archo_tui.station.undo import Edit
 from tests.support import chosen
 from tests.support.waiting import wait_until
 
@@ -269,6 +271,26 @@ def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
         assert session.host.stop_node("/talker").ok
         assert session.host.start_node("/talker") == (Code.REFUSED, f"/talker {refused}")
         assert said() == ["made", "interrupted", "left"]
+
+
+def test_a_stop_while_the_console_restarted_ends_a_program_at_its_first_node() -> None:
+    with running(talker(), handover=Handover("interfaces were saved", stop=True)) as session:
+        refused = "talker.py is not started behind a STOP that is not released: release it first"
+        wait_until(lambda: refused in texts(session))
+        assert not any(node.name == "/talker" for node in session.robot.snapshot.nodes)
+
+
+def test_a_value_set_by_hand_on_the_node_of_a_program_is_lost_by_a_restart_and_that_is_said() -> (
+    None
+):
+    with running(talker()) as session:
+        wait_until(lambda: "/talker" in states(session))
+        session.station.edits.restore([Edit("/talker", {"speed": 1.0}, {"speed": 2.0})])
+        left = session.hand_over()
+        assert not left.edits
+        assert left.lost == ["/talker: speed was set by hand, and is lost"]
+    with running(handover=left) as session:
+        wait_until(lambda: "/talker: speed was set by hand, and is lost" in texts(session))
 
 
 WAITS = """

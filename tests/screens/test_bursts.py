@@ -303,14 +303,20 @@ async def test_what_was_typed_for_a_dialog_that_stop_closed_acts_nowhere_else() 
 
 
 @pytest.mark.night
-async def test_many_stops_amid_and_behind_keys() -> None:
-    seed = random.randrange(10**6)
-    await stop_behind(seed, number=150, gaps=GAPS)
-    await stop_amid_a_dialog(seed, number=150, gaps=(*GAPS, 0.3))
+@pytest.mark.parametrize("_part", range(3))
+async def test_many_stops_behind_keys(_part: int) -> None:
+    await stop_behind(random.randrange(10**6), number=50, gaps=GAPS)
 
 
 @pytest.mark.night
-async def test_many_bursts_end_as_the_same_keys_do_with_pauses() -> None:
+@pytest.mark.parametrize("_part", range(3))
+async def test_many_stops_amid_keys(_part: int) -> None:
+    await stop_amid_a_dialog(random.randrange(10**6), number=50, gaps=(*GAPS, 0.3))
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("_part", range(10))
+async def test_many_bursts_end_as_the_same_keys_do_with_pauses(_part: int) -> None:
     seed = random.randrange(10**6)
-    found = await compare(seed, number=500, gaps=GAPS)
+    found = await compare(seed, number=50, gaps=GAPS)
     assert not found, f"seed {seed}:\n" + "\n".join(found)

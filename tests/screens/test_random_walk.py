@@ -106,6 +106,11 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-async def test_a_walk_of_keys_at_random(request: pytest.FixtureRequest) -> None:
-    far = request.config.getoption("--night")
-    await walk(seed=random.randrange(10**6) if far else 7, keys=20_000 if far else 200)
+async def test_a_walk_of_keys_at_random() -> None:
+    await walk(seed=7, keys=200)
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("_part", range(10))
+async def test_a_long_walk_of_keys_at_random(_part: int) -> None:
+    await walk(seed=random.randrange(10**6), keys=2000)

@@ -18,6 +18,7 @@ from textual.pilot import Pilot
 from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
+from archo_tui.handover import Handover
 from archo_tui.keyed_app import HELD
 from archo_tui.robot.state import Snapshot
 from archo_tui.session import Session
@@ -212,6 +213,7 @@ async def console(
     remote: bool = False,
     record: Path | None = None,
     in_field: bool = False,
+    handover: Handover | None = None,
 ) -> AsyncIterator[Console]:
     """The console with ARCHO's nodes (or others), on a graph of its own.
 
@@ -230,6 +232,7 @@ async def console(
         watch=watch,
         remote=remote,
         record=record,
+        handover=handover,
     )
     with Session(options, clock.current) as session:
         if wait and clock.current is not None:

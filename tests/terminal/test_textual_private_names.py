@@ -40,7 +40,8 @@ KNOWN = {
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
     "_get_renders _regions_to_spans",
-    "terminal/driver.py": "_app _auto_restart _debug _loop _sigcont_application _writer_thread",
+    "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
+    "_sigcont_application _writer_thread",
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
     "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",

@@ -1,0 +1,66 @@
+"""The record that a console leaves to the process that takes its place when it restarts."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+_VARIABLE = "ARCHO_TUI_HANDOVER"  # Names the file with the record.
+
+
+class Handover(NamedTuple):
+    """What the next process needs to know of this one. All of it is plain JSON.
+
+    Attributes:
+        why: The reason of the restart.
+        stop: True if a STOP was read that the robot has not been released from.
+        stop_key: Textual's name of the key of STOP.
+        goals: The goals of the queue: id, title, action, type, and values by path.
+        edits: The parameter changes that can be undone: node, values before, values after.
+        lost: Lines about what is not taken along.
+        listening: The descriptor of the socket for other programs, and its path; None for none.
+        terminal: The settings of the terminal from before the first start, as `termios` has them.
+    """
+
+    why: str = ""
+    stop: bool = False
+    stop_key: str = ""
+    goals: Sequence[Sequence[Any]] = ()
+    edits: Sequence[Sequence[Any]] = ()
+    lost: Sequence[str] = ()
+    listening: Sequence[Any] | None = None
+    terminal: Sequence[Any] | None = None
+
+    def restore_terminal(self) -> None:
+        """Give the terminal the settings that it had before the first start, if they are known."""
+        if sys.platform != "win32" and self.terminal is not None:
+            import termios
+
+            with contextlib.suppress(termios.error):
+                termios.tcsetattr(0, termios.TCSANOW, [*self.terminal])
+
+
+def give(handover: Handover) -> None:
+    """Write a record to a file that only this user can read, for the process that `exec` starts."""
+    descriptor, path = tempfile.mkstemp(prefix="archo-tui-")
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        json.dump(handover._asdict(), file)
+    os.environ[_VARIABLE] = path
+
+
+def take() -> Handover | None:
+    """Return the record that the process before has left, and remove it; None if there is none."""
+    path = os.environ.pop(_VARIABLE, "")
+    if not path:
+        return None
+    with contextlib.suppress(OSError, ValueError, TypeError):
+        with open(path, encoding="utf-8") as file:
+            left = Handover(**json.load(file))
+        os.unlink(path)
+        return left
+    return None
