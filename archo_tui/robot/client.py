@@ -56,6 +56,7 @@ from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.service_verbs import ServiceVerbs
 from archo_tui.robot.services import QUESTION_TIMEOUT, Services
+from archo_tui.robot.sim_clock import SimClock
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import (
     Diagnostic,
@@ -145,6 +146,7 @@ class Robot:
             node, clock, self._unexplained_changes, on_event, self._snapshots.send_soon
         )
         self._clock_offsets = ClockOffsets()
+        self._sim_clock = SimClock(node, clock, self._snapshots.send_soon)
         self._telemetry = Telemetry(
             node,
             file,
@@ -649,6 +651,8 @@ class Robot:
         self._earlier_log.report_if_due()
         self._poller.poll_if_due()
         self._handlers.forget_clocks()
+        simulated = self.snapshot.simulated_nodes
+        self._sim_clock.poll(is_needed=self._graph.has_clock and bool(simulated))
 
     def _on_goal_change(self, is_new_phase: bool) -> None:
         self._stop.begin_ticking()
@@ -724,6 +728,7 @@ class Robot:
             duplicate_nodes=self._graph.duplicate_nodes,
             duplicate_servers=self._graph.duplicates,
             has_clock=self._graph.has_clock,
+            clock_still_since=self._sim_clock.still_since,
             clock_offsets=self._clock_offsets.large,
             other_namespaces=self._graph.other_namespaces,
             consoles=self._graph.consoles,

@@ -82,7 +82,7 @@ def conditions(
     found = {
         **dict(_stop_conditions(snapshot, now, earlier_stop)),
         **dict(_console_conditions(journal_failure, recorder_trouble)),
-        **dict(_graph_conditions(snapshot, hosted, unseen)),
+        **dict(_graph_conditions(snapshot, now, hosted, unseen)),
     }
     if _is_contact_lost(snapshot, now):
         last = max(snapshot.battery.received or 0.0, snapshot.motion.received or 0.0)
@@ -158,18 +158,26 @@ def _console_conditions(journal_failure: str, recorder_trouble: str) -> _Conditi
         yield RECORDING_TROUBLE, recorder_trouble
 
 
-def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: str) -> _Conditions:
+def _graph_conditions(
+    snapshot: Snapshot, now: float, hosted: tuple[Hosted, ...], unseen: str
+) -> _Conditions:
     has_nodes = bool(
         _has_reported(snapshot) or hosted or snapshot.nodes or snapshot.other_namespaces
     )
     if unseen and not has_nodes:
         yield NO_NODES, f"NO NODES {unseen}"
-    waiting = [p.node for p in snapshot.parameters if p.name == "use_sim_time" and p.value is True]
+    waiting, still = snapshot.simulated_nodes, snapshot.clock_still_since
     if waiting and not snapshot.has_clock:
         yield (
             NO_CLOCK,
             f"NO CLOCK for {', '.join(waiting)}: use_sim_time is true and nobody publishes /clock: "
             "start the simulator, or set it to false",
+        )
+    elif waiting and still is not None:
+        yield (
+            NO_CLOCK,
+            f"CLOCK STANDS STILL for {now - still:.0f} s, which {', '.join(waiting)} goes by: "
+            "resume the simulator",
         )
     if snapshot.clock_offsets:
         worst = sorted(snapshot.clock_offsets.items(), key=lambda item: -abs(item[1]))

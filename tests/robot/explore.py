@@ -261,7 +261,7 @@ def hear_peer(world: World) -> World:
         stop = stop.stopped_elsewhere("peer", next_turn(world), 0.0, served(world), ())
         stops_read += 1
     else:
-        stop = stop.released_elsewhere("peer", next_turn(world))
+        stop = stop.released_elsewhere("peer", next_turn(world), 0.0)
     passed = 0 if what == "stop" else world.passed
     return world._replace(stop=stop, peer_says=tuple(rest), stops_read=stops_read, passed=passed)
 
@@ -348,13 +348,13 @@ def _older(stop: Any) -> Any:
         cancels=stop.cancels and (stop.cancels[0], age(stop.cancels[1])),
         due=None if stop.due is None else age(stop.due),
         moves_since=None if stop.moves_since is None else age(stop.moves_since),
-        released=None if stop.released is None else age(stop.released),
+        undone=age(stop.undone),
     )
 
 
 def normal(world: World) -> World:
     """The world with turns by rank, and without what decides nothing any more."""
-    stop = world.stop._replace(held=0.0, seen_stopped=float("-inf"))
+    stop = world.stop._replace(held=0.0, released=None, seen_stopped=float("-inf"))
     if stop.open is None:
         stop = stop._replace(first_turn=0, answered_turn=0, answered=0.0, all_cancelled=0)
     if stop.all_cancelled != stop.first_turn:

@@ -69,7 +69,7 @@ def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() ->
     nodes.move(Motion(stopped=True))  # A robot that reports its stops.
     nodes.unended = []
     assert nodes.look()
-    nodes.stop = nodes.stop.released_elsewhere("other", 9)
+    nodes.stop = nodes.stop.released_elsewhere("other", 9, 9.0)
     assert not nodes.look()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -39,7 +40,14 @@ class Clocked(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("simulator", **options)
-        self.create_publisher(Clock, "/clock", 1)
+        clock = self.create_publisher(Clock, "/clock", 1)
+        self.goes, self._time = True, 0
+
+        def tick() -> None:
+            self._time += self.goes
+            clock.publish(Clock(clock=Time(sec=self._time)))
+
+        self.create_timer(0.5, tick)
 
 
 class Waiting(Node):
@@ -64,8 +72,15 @@ async def test_with_a_clock_simulated_time_is_no_alarm() -> None:
         await op.until(lambda: len(op.app.view.snapshot.parameters) >= 2)
         assert (await op.session.robot.set_parameters("/waiting", {"use_sim_time": True})).ok
         await op.until(lambda: op.app.view.snapshot.has_clock)
-        await op.at(op.app.station.clock.monotonic() + 8.0)
+        await op.at(op.app.station.clock.monotonic() + 18.0)
         assert names(op) == []
+        nodes = [hosted.node for hosted in op.session.host.nodes]
+        (clocked,) = (node for node in nodes if isinstance(node, Clocked))
+        clocked.goes = False
+        await op.until("s, which /waiting goes by: resume the simulator")
+        assert names(op) == [NO_CLOCK]
+        clocked.goes = True
+        await op.until("was: CLOCK STANDS STILL")
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,8 @@ class Snapshot(NamedTuple):
         clock_offsets: The clocks that differ from this computer's: theirs minus ours in seconds, by
             node or topic.
         has_clock: True if a node publishes simulated time on /clock.
+        clock_still_since: Since when /clock stands still, in monotonic seconds; None while it does
+            not, or no node goes by it.
         other_namespaces: The other namespaces that have nodes.
         consoles: The other consoles in this namespace: `user_host_pid`.
         forms: The fields of each goal's form, by the goal's id, where its type is installed here.
@@ -98,6 +100,7 @@ class Snapshot(NamedTuple):
     duplicate_nodes: tuple[str, ...] = ()
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False
+    clock_still_since: float | None = None
     clock_offsets: Mapping[str, float] = _NOTHING
     other_namespaces: tuple[str, ...] = ()
     consoles: tuple[str, ...] = ()
@@ -112,6 +115,13 @@ class Snapshot(NamedTuple):
         """True while the robot reports that it is stopped, or a STOP holds, is open or in doubt."""
         in_doubt = self.open_stop is not None or self.latch is Latch.UNCERTAIN
         return in_doubt or self.says_stopped or self.stop_holds
+
+    @property
+    def simulated_nodes(self) -> tuple[str, ...]:
+        """The nodes that go by simulated time."""
+        return tuple(
+            p.node for p in self.parameters if p.name == "use_sim_time" and p.value is True
+        )
 
     @property
     def has_stop(self) -> bool:

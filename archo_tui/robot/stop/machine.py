@@ -129,6 +129,8 @@ class Stop(NamedTuple):
     first_turn: int = 0  # Of the open STOP's first call; answers to earlier calls do not count.
     answered_turn: int = 0  # Of the last call whose answer is shown.
     last_turn: int = 0  # Of the last call; 0 if a release or a goal was accepted behind it.
+    undone: float = -math.inf  # When a release was last reported, of whatever it was.
+    undone_by: str = ""  # The console that released; "" for this one.
     past_turn: int = 0  # A call from before it may have been undone by the time of its yes.
     peer_turn: int = 0  # When another console reported its last STOP.
     answered: float = -math.inf  # When the last answer came, or was over.
@@ -265,15 +267,22 @@ class Stop(NamedTuple):
 
         Then no call so far confirms the STOP, which must be sent again.
         """
+        before = self._replace(undone=now, undone_by="")
         if not self.is_behind(turn) and turn > self.peer_turn:
-            return self._end(turn, now)
+            return before._end(turn, now)
         first = self.first_turn if self.open is None else turn_now
-        after = self._replace(past_turn=turn_now, first_turn=first)
+        after = before._replace(past_turn=turn_now, first_turn=first)
         return after._fire(Event.MAY_BE_RELEASED, "a release from before it was answered behind it")
 
     def _end(self, turn: int, now: float) -> Stop:
         after = self._fire(Event.ACCEPTED)
-        return after._replace(last_turn=0, past_turn=turn, others_before=0, released=now, open=None)
+        return after._replace(
+            last_turn=0,
+            past_turn=max(self.past_turn, turn),
+            others_before=0,
+            released=now,
+            open=None,
+        )
 
     # The confirmed STOP.
 
@@ -334,17 +343,17 @@ class Stop(NamedTuple):
         after = after._replace(peer_turn=turn, due=now)
         if self.state is State.HELD:
             return after
-        # The report takes some time: what was released just now may have been so after it.
-        is_past = self.released is not None and now - self.released < SETTLED
+        # The report takes some time: what another console released just now may have been later.
+        is_past = now - self.undone < SETTLED and self.undone_by != console
         event = Event.YES_TO_PAST if is_past else Event.PEER_STOPPED
         return after._hold(event, now, servers, here, console)
 
-    def released_elsewhere(self, console: str, turn: int) -> Stop:
+    def released_elsewhere(self, console: str, turn: int, now: float) -> Stop:
         """Take another console's report that the robot released a STOP.
 
         The robot may have done that last: earlier calls of the open STOP confirm it no more.
         """
-        after = self._replace(past_turn=turn)
+        after = self._replace(past_turn=turn, undone=now, undone_by=console)
         if self.open is not None:
             after = after._replace(first_turn=turn)
         is_its_own = self.peer == console and self.state is State.HELD

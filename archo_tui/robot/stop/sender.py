@@ -222,8 +222,8 @@ class StopSender:
 
     def on_released_elsewhere(self, console: str) -> None:
         """Record that another console reports that it released the STOP."""
-        turn = self._services.next_turn()
-        self._become(self.stop.released_elsewhere(console, turn))
+        turn, now = self._services.next_turn(), self._clock.monotonic()
+        self._become(self.stop.released_elsewhere(console, turn, now))
 
     def on_early_stop(self, node: str) -> None:
         """Record that a starting node of this process has carried the STOP out."""

@@ -1,0 +1,74 @@
+"""The look at /clock: does simulated time go on? ROS thread only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+from archo_tui.clock import Clock
+from archo_tui.robot.listener import Listener
+
+_PERIOD = 5.0  # Seconds between two looks: a simulator may send it a thousand times a second.
+
+
+class SimClock:
+    """The last looks at /clock, one message each.
+
+    Attributes:
+        still_since: Monotonic time since when it shows the same time, or nothing is heard of it;
+            None while it goes on, or nothing needs it.
+    """
+
+    def __init__(self, node: Listener, clock: Clock, on_change: Callable[[], None]) -> None:
+        self._node, self._clock, self._on_change = node, clock, on_change
+        self._subscription: Any = None  # While a look lasts.
+        self._begun = -_PERIOD  # When the last look began.
+        self._message = b""
+        self._changed: float | None = None  # When the message was found first.
+        self.still_since: float | None = None
+
+    def poll(self, *, is_needed: bool) -> None:
+        """Begin a look, if one is due. Call it each second.
+
+        Args:
+            is_needed: True if a node publishes /clock and another one goes by it.
+        """
+        now = self._clock.monotonic()
+        if not is_needed:
+            self._end_look()
+            self._changed = None
+            self._set_still(None)
+            return
+        self._changed = now if self._changed is None else self._changed
+        if now - self._begun < _PERIOD:
+            return
+        if self._subscription is not None:  # Nothing has come.
+            self._set_still(self._changed)
+            return
+        self._begun = now
+        qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._subscription = self._node.listen_raw(ClockMessage, "/clock", self._take, qos)
+
+    def _take(self, message: bytes) -> None:
+        if self._subscription is None or self._changed is None:
+            return
+        if message != self._message:
+            self._message, self._changed = message, self._clock.monotonic()
+            self._set_still(None)
+        else:
+            self._set_still(self._changed)
+        if self._node.executor is not None:  # A subscription must outlast its own callback.
+            self._node.executor.create_task(self._end_look)
+
+    def _set_still(self, since: float | None) -> None:
+        if since != self.still_since:
+            self.still_since = since
+            self._on_change()
+
+    def _end_look(self) -> None:
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
