@@ -22,6 +22,7 @@ from archo_tui.remote.verb_help import verbs_of_file
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.robot_file.typed_yaml import NONE_WORDS
+from tests.stop_picture import picture, table
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -209,7 +210,7 @@ def words() -> str:
     return "\n".join((*rows, ""))
 
 
-_PARTS = {"robot_file": robot_file, "keys": keys, "verbs": words}
+_PARTS = {"robot_file": robot_file, "keys": keys, "verbs": words, "stop_table": table}
 
 
 def files() -> dict[Path, str]:
@@ -220,6 +221,7 @@ def files() -> dict[Path, str]:
 
     pages = {page: page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")}
     made = {page: _PART.sub(part, text) for page, text in pages.items() if _PART.search(text)}
+    made[DOCS / "pictures" / "stop_states.svg"] = picture()
     return made | {SCHEMA: json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"}
 
 

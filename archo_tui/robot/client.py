@@ -664,7 +664,7 @@ class Robot:
         Args:
             turn: The number of the request in the order in which requests leave.
         """
-        if self._stop.stop.is_behind(turn):
+        if self._stop.stop.must_follow(turn):
             self._thread.submit(self._stop.send_after_late_answer)
 
     def _forget_periods(self, node: str, old: object, new: object) -> None:

@@ -60,7 +60,7 @@ class World(NamedTuple):
 
     servers: tuple[Server, ...]
     stop: Any  # machine.Stop
-    reports: bool  # The robot reports its motion, and whether it is stopped.
+    reports: str  # "": nothing; "motion"; "stop": its motion, and whether it is stopped.
     stops_left: int = 2
     releases_left: int = 1
     restarts_left: int = 1
@@ -75,6 +75,9 @@ class World(NamedTuple):
     other_is_asked: bool = False
     is_polled: bool = True  # The console knows which nodes there are.
     passed: int = 0  # Ticks since the last STOP was read.
+    outsiders_left: int = 0  # Releases that no console makes, and only the robot's reports tell.
+    is_reported: bool = True  # The robot has reported its motion since.
+    is_past: bool = False  # The STOP was given up or released: nothing follows it any more.
 
 
 class Broken(AssertionError):
@@ -82,7 +85,7 @@ class Broken(AssertionError):
 
 
 def begin(
-    servers: int = 2, *, reports: bool = False, module: ModuleType = the_machine, **limits: Any
+    servers: int = 2, *, reports: str = "", module: ModuleType = the_machine, **limits: Any
 ) -> World:
     """Return a world in which nothing has happened."""
     return World(tuple(Server() for _ in range(servers)), module.Stop(), reports, **limits)
@@ -172,7 +175,7 @@ def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool =
 
 def read_stop(world: World) -> World:
     world = world._replace(
-        stops_left=world.stops_left - 1, stops_read=world.stops_read + 1, passed=0
+        stops_left=world.stops_left - 1, stops_read=world.stops_read + 1, passed=0, is_past=False
     )
     return _call(world)
 
@@ -207,7 +210,7 @@ def deliver(number: int, world: World) -> World:
     if "n" not in request.answers:
         stop = stop.release_accepted(request.turn, 0.0, next_turn(world))
     world = world._replace(stop=stop)
-    return _call(world) if stop.is_behind(request.turn) else world
+    return _call(world) if stop.must_follow(request.turn) else world
 
 
 def time_out(number: int, world: World) -> World:
@@ -223,7 +226,7 @@ def release(world: World) -> World:
 
 
 def give_up(world: World) -> World:
-    return world._replace(stop=world.stop.given_up())
+    return world._replace(stop=world.stop.given_up(), is_past=True)
 
 
 def leave(place: int, world: World) -> World:
@@ -269,8 +272,19 @@ def hear_peer(world: World) -> World:
 def report(world: World) -> World:
     """The robot reports its motion."""
     moves = runs(world) and may_move(world)
-    motion = Motion(moving=moves, stopped=not may_move(world), received=0.0)
-    return world._replace(stop=world.stop.moved(motion, 0.0, served(world), ()))
+    stopped = not may_move(world) if world.reports == "stop" else None
+    motion = Motion(moving=moves, stopped=stopped, received=0.0)
+    before = world.stop
+    stop = before.moved(motion, 0.0, served(world), ())
+    if before.says_stopped and stopped is False:
+        _promise(stop.latch is not Latch.HELD, "the robot's own report ends a STOP")
+    return world._replace(stop=stop, is_reported=True)
+
+
+def outside(world: World) -> World:
+    servers = tuple(server._replace(stopped=False) for server in world.servers)
+    left = world.outsiders_left - 1
+    return world._replace(servers=servers, outsiders_left=left, is_reported=False)
 
 
 def type_goal(world: World) -> World:
@@ -327,7 +341,7 @@ def pass_time(world: World) -> World:
                 if goal.phase == "moving" and goal.turn < turn:
                     world = _with_goal(world, place, is_asked=True)
         else:
-            _promise(bool(stop.others_before), "goals of others are cancelled for a STOP only")
+            _promise(not world.is_past, "what follows a STOP ends when it is given up")
             world = world._replace(other_is_asked=True)
     return world
 
@@ -437,6 +451,8 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
         yield "hear peer", hear_peer
     if world.reports and world.is_polled and len(served(world)) == 1:
         yield "report", report
+    if world.outsiders_left and served(world):
+        yield "somebody releases", outside
     if world.goals_left:
         yield "type goal", type_goal
     for place, goal in enumerate(world.goals):
@@ -461,8 +477,10 @@ def _promise(holds: bool, what: str) -> None:
 def check(world: World) -> None:
     """Check the promises of docs/stop.md."""
     stop = world.stop
-    is_quiet = not (world.requests or world.peer_says) and world.is_polled
-    if stop.latch is Latch.HELD and stop.open is None and is_quiet:
+    is_quiet = not (world.requests or world.peer_says) and world.is_polled and world.is_reported
+    # A robot that reports its stop is shown as it reports.
+    is_shown = stop.says_stopped if stop.reports else True
+    if stop.latch is Latch.HELD and stop.open is None and is_quiet and is_shown:
         _promise(not may_move(world), "a robot that may move is not shown as STOPPED")
     awaited = [r for r in world.requests if r.is_stop and not r.is_over]
     _promise(stop.awaited == len(awaited), "each call is awaited until it is answered or over")
@@ -554,26 +572,69 @@ def follow(world: World, *way: str) -> World:
     return world
 
 
-WORLDS: dict[str, Callable[[], World]] = {
-    "two servers, which report no motion": lambda: begin(
-        2, peer_left=(), goals_left=0, releases_left=1
+_ALONE: dict[str, Any] = {"stops_left": 1, "peer_left": (), "goals_left": 0, "restarts_left": 0}
+SMALL: dict[str, Callable[..., World]] = {
+    "a release": partial(begin, 1, **{**_ALONE, "sends_left": 0}),
+    "a goal and a release": partial(begin, 1, **{**_ALONE, "goals_left": 1, "sends_left": 0}),
+    "a peer and a restart": partial(
+        begin, 1, stops_left=1, releases_left=0, goals_left=0, sends_left=0
+    ),
+    "a robot that reports its stop, and a restart": partial(
+        begin,
+        1,
+        reports="stop",
+        outsiders_left=1,
+        **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
     ),
 }
+# Further worlds, for the night: minutes in all.
+LARGE: dict[str, Callable[..., World]] = {
+    "two servers and a release": partial(begin, 2, **_ALONE),
+    "two servers and a restart": partial(
+        begin, 2, **{**_ALONE, "restarts_left": 1, "releases_left": 0}
+    ),
+    "two STOPs and a release": partial(begin, 1, **{**_ALONE, "stops_left": 2, "sends_left": 0}),
+    "two goals": partial(
+        begin, 1, **{**_ALONE, "goals_left": 2, "releases_left": 0, "sends_left": 0}
+    ),
+    "a restart and a release": partial(begin, 1, **{**_ALONE, "restarts_left": 1}),
+    "a peer and a release": partial(
+        begin, 1, stops_left=1, restarts_left=0, goals_left=0, sends_left=0
+    ),
+    "a robot that reports its motion": partial(begin, 1, reports="motion", **_ALONE),
+    "a robot that reports its stop, and a release": partial(begin, 1, reports="stop", **_ALONE),
+    "a peer of a robot that reports its stop": partial(
+        begin, 1, reports="stop", stops_left=1, restarts_left=0, releases_left=0, goals_left=0
+    ),
+    "a restart of a robot that reports its motion": partial(
+        begin, 1, reports="motion", **{**_ALONE, "restarts_left": 1, "releases_left": 0}
+    ),
+}
+WORLDS = {**SMALL, **LARGE}
 
 
 def main() -> int:
     """Explore each world, and print what was found."""
-    worst = 0
+    worst, states = 0, 0
+    cells: set[tuple[str, str]] = set()
     for name, make in WORLDS.items():
         began = time.process_time()
         found = explore(make())
         took = time.process_time() - began
+        states, cells = states + found.states, cells | found.cells
         said = found.broken or "all promises hold"
-        print(f"{name}: {found.states:,} states in {took:.0f} s; {said}")
+        print(f"{name}: {found.states:,} states in {took:.0f} s; {said}", flush=True)
         if found.broken:
             worst = 1
-            print(f"    follow(begin(...), {', '.join(map(repr, found.way))})")
+            print(f"    follow(WORLDS[{name!r}](), {', '.join(map(repr, found.way))})")
+    print(f"{states:,} states; cells of the table that were not visited: {unvisited(cells)}")
     return worst
+
+
+def unvisited(cells: set[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the cells of the table that no world has visited."""
+    every = {(e.name, s.name) for e in the_machine.Event for s in the_machine.State}
+    return sorted(every - cells)
 
 
 if __name__ == "__main__":

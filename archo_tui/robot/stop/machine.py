@@ -128,6 +128,7 @@ class Stop(NamedTuple):
     seen_stopped: float = -math.inf
     first_turn: int = 0  # Of the open STOP's first call; answers to earlier calls do not count.
     answered_turn: int = 0  # Of the last call whose answer is shown.
+    is_given_up: bool = False  # The STOP that was opened last.
     last_turn: int = 0  # Of the last call; 0 if a release or a goal was accepted behind it.
     undone: float = -math.inf  # When a release was last reported, of whatever it was.
     undone_by: str = ""  # The console that released; "" for this one.
@@ -183,7 +184,8 @@ class Stop(NamedTuple):
         after = self._replace(awaited=self.awaited + 1)
         if self.open is not None:
             return after
-        return after._replace(open=OpenStop(now), first_turn=turn)._cancel_before(turn, now)
+        opened = after._replace(open=OpenStop(now), first_turn=turn, is_given_up=False)
+        return opened._cancel_before(turn, now)
 
     def leaving(self, turn: int, servers: Servers) -> Stop:
         """Take down that a call leaves now, and to which nodes."""
@@ -250,16 +252,20 @@ class Stop(NamedTuple):
         return held._replace(open=None, due=due)
 
     def given_up(self) -> Stop:
-        """Close the open STOP though it is not confirmed, and leave goals of others alone."""
-        return self._replace(open=None, others_before=0)
+        """Close the open STOP though it is not confirmed: nothing is sent for it any more."""
+        return self._replace(open=None, others_before=0, is_given_up=True)
 
-    def is_behind(self, turn: int) -> bool:
+    def must_follow(self, turn: int) -> bool:
+        """Return True if STOP must be sent again, now that a request from before it is answered."""
+        return self._is_behind(turn) and not self.is_given_up
+
+    def _is_behind(self, turn: int) -> bool:
         """Return True if a STOP left after a request: the robot may obey that request last."""
         return (self.open is not None and turn < self.first_turn) or turn <= self.last_turn
 
     def goal_accepted(self, turn: int, now: float) -> Stop:
         """Take the yes to a goal; one from before a STOP changes nothing."""
-        is_past = self.is_behind(turn) or turn <= self.peer_turn
+        is_past = self._is_behind(turn) or turn <= self.peer_turn
         return self if is_past else self._end(turn, now)
 
     def release_accepted(self, turn: int, now: float, turn_now: int) -> Stop:
@@ -268,7 +274,7 @@ class Stop(NamedTuple):
         Then no call so far confirms the STOP, which must be sent again.
         """
         before = self._replace(undone=now, undone_by="")
-        if not self.is_behind(turn) and turn > self.peer_turn:
+        if not self._is_behind(turn) and turn > self.peer_turn:
             return before._end(turn, now)
         first = self.first_turn if self.open is None else turn_now
         after = before._replace(past_turn=turn_now, first_turn=first)

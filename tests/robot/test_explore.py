@@ -1,0 +1,85 @@
+"""STOP, explored to the last state of small worlds; and each rule broken on purpose is found."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from archo_tui.robot.stop import machine
+from tests.robot.explore import SMALL, WORLDS, explore, unvisited
+
+SOURCE = Path(machine.__file__).read_text()
+
+RELEASE, RESTART = "two servers and a release", "two servers and a restart"
+STOPS, PEER = "two STOPs and a release", "a peer and a release"
+REPORTS = "a robot that reports its stop, and a restart"
+# A rule, what it says instead, and the world in which that is found.
+BROKEN = [
+    # A yes to a call before the open STOP confirms nothing.
+    ("            if is_earlier:\n", "            if False:\n", STOPS),
+    # A late yes behind a release is not certain.
+    ("YES_TO_PAST:    (_D,", "YES_TO_PAST:    (_H,", RELEASE),
+    # A release that may have come last leaves a doubt, and earlier calls confirm nothing.
+    ("MAY_BE_RELEASED: (_N, _D,", "MAY_BE_RELEASED: (_N, _H,", RELEASE),
+    ("self.first_turn if self.open is None else turn_now", "self.first_turn", RELEASE),
+    ("past_turn=turn_now, first", "first", RELEASE),
+    # Nodes that came since the call left have not confirmed it.
+    ("turn, now, turn_now, asked, here)", "turn, now, turn_now, servers, here)", RESTART),
+    (
+        "            return held.served_by(servers, here, now)\n",
+        "            return held\n",
+        RESTART,
+    ),
+    # A restart of its node makes a STOP uncertain.
+    ("SERVERS_DIFFER: (_N, _U,", "SERVERS_DIFFER: (_N, _H,", "a peer and a restart"),
+    # The robot's own report ends a STOP.
+    ("SAYS_RELEASED:  (_N, _N,", "SAYS_RELEASED:  (_N, _H,", REPORTS),
+    # Another console's STOP that crosses a release is not certain.
+    (" and self.undone_by != console", " and False", PEER),
+    ("turn > self.peer_turn:", "True:", PEER),
+    # Never two calls at once; a refusal is asked again.
+    ("or self.awaited or", "or", RELEASE),
+    ("open.answer is StopAnswer.UNCONFIRMED and", "open.answer is StopAnswer.REFUSED or", RELEASE),
+    # Goals from before a STOP are cancelled, whatever it is answered; those of others, too.
+    ("opened._cancel_before(turn, now)", "opened", "a goal and a release"),
+    ("return now - stop.asked >= CANCEL_OTHERS_AFTER", "return False", RELEASE),
+    # All of that ends when the STOP is given up.
+    ("open=None, others_before=0, is_given_up=True", "open=None, is_given_up=True", RELEASE),
+    ("and not self.is_given_up", "", RELEASE),
+]
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_every_promise_holds_in_every_state(name: str) -> None:
+    found = explore(WORLDS[name]())
+    assert found.broken == "", found.way
+
+
+@pytest.mark.night
+def test_every_promise_holds_in_every_state_of_larger_worlds_too() -> None:
+    cells: set[tuple[str, str]] = set()
+    for make in WORLDS.values():
+        found = explore(make())
+        assert found.broken == "", found.way
+        cells |= found.cells
+    assert unvisited(cells) == []
+
+
+def _broken(before: str, after: str) -> ModuleType:
+    assert SOURCE.count(before) == 1, before
+    spec = spec_from_loader("broken_machine", None)
+    assert spec is not None
+    module = sys.modules["broken_machine"] = module_from_spec(spec)
+    exec(compile(SOURCE.replace(before, after), "broken_machine", "exec"), module.__dict__)
+    return module
+
+
+@pytest.mark.night
+@pytest.mark.parametrize(("before", "after", "name"), BROKEN)
+def test_a_broken_rule_is_found(before: str, after: str, name: str) -> None:
+    found = explore(WORLDS[name](module=_broken(before, after)))
+    assert found.broken not in ("", "not all was visited")
