@@ -14,7 +14,7 @@ _VARIABLE = "ARCHO_TUI_HANDOVER"  # Names the file with the record.
 
 
 class Handover(NamedTuple):
-    """What the next process needs to know of this one. All of it is plain JSON.
+    """The record for the next process. All of it is plain JSON.
 
     Attributes:
         why: The reason of the restart.

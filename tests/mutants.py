@@ -68,7 +68,7 @@ FAULTS = [
     Fault("remote/server.py", "read, last = _read_at_once(connected), -_FLOOD_PAUSE", "read, last = b'', -_FLOOD_PAUSE", WHICH),
     Fault("remote/server.py", "            self._is_cut_off = True\n        finally", "            self._socket.close()\n        finally", WHICH),
     Fault("remote/server.py", "        if request is not None and not is_meant(request, self._server.hello):", "        if False:", WHICH),
-    Fault("remote/server.py", " | os.O_EXCL", "", WHICH),
+    Fault("remote/server.py", "hello, os.O_EXCL", "hello, os.O_TRUNC", WHICH),
     Fault("remote/server.py", "        _link_from_home(self._path)", "        pass", WHICH),
     Fault("remote/server.py", "for data in splitter.feed(b\"\\n\"):", "for data in ():", WHICH),
     Fault("remote/socket_files.py", "found.append(os.path.join(_RUNTIME", "(os.path.join(_RUNTIME", WHICH),

@@ -30,7 +30,7 @@ RESERVED = frozenset(
         *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
         *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
-        *("start_stop", "details", "resource"),
+        *("start_stop", "restart", "details", "resource"),
         *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
         *("shorter", "longer"),
         *("help_everywhere", "palette", "quiet_alarms", "suspend", "quit_everywhere"),

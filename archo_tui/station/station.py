@@ -211,7 +211,7 @@ class Station:
 
     @property
     def restart_blocker(self) -> str:
-        """Why the process must not start again now, since a STOP would be lost; "" if it may."""
+        """The reason not to start the process again: a STOP would be lost; "" if there is none."""
         snapshot = self.robot.snapshot
         if snapshot.open_stop is not None or not self.robot.stops.are_answered:
             return UNCONFIRMED

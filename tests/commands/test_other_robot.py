@@ -67,7 +67,7 @@ async def test_a_stop_behind_the_list_keeps_the_console_with_its_robot() -> None
     assert app.station.next_namespace == ""
 
 
-async def test_a_stop_just_behind_the_choice_keeps_the_console_with_its_robot_for_good() -> None:
+async def test_a_stop_just_behind_the_choice_keeps_the_robot_for_good() -> None:
     app = stub_app(NORMAL._replace(other_namespaces=("/tb1", "/tb2")))
     app.station.attached = True
     async with app.run_test() as pilot:

@@ -143,7 +143,7 @@ async def test_the_queue_is_held_and_values_set_by_hand_are_set_again() -> None:
         await op.until(lambda: "Arrived at shelf 5" in op.text)
 
 
-async def test_a_stop_of_the_gap_is_carried_out_before_a_node_spins_and_then_confirmed() -> None:
+async def test_a_stop_of_the_gap_is_carried_out_before_a_node_spins() -> None:
     left = LEFT._replace(stop=True)
     options = Options(
         engine=chosen.ENGINE, domain_id=chosen.next_domain(), ros_args=AT_ONCE, handover=left
@@ -184,9 +184,7 @@ async def test_what_a_waiting_client_wants_is_not_taken_along() -> None:
         assert not left.stop
 
 
-async def test_a_stop_while_the_screen_goes_is_handed_on_though_nobody_waits_for_its_answer() -> (
-    None
-):
+async def test_a_stop_while_the_screen_goes_is_handed_on() -> None:
     async with console(*FAST) as op:
         assert not op.session.hand_over().stop
         stops = op.session.robot.stops

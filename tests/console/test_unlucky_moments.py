@@ -205,7 +205,7 @@ async def test_escape_leads_to_no_panel_that_has_no_room_any_more() -> None:
         assert op.focused_panel == 4
 
 
-async def test_a_click_where_a_terminal_of_a_few_cells_shows_nothing_takes_no_focus_away() -> None:
+async def test_a_click_where_a_tiny_terminal_shows_nothing_keeps_the_focus() -> None:
     async with console(*FAST) as op:
         await op.press("5")
         with patch.object(op.app.main, "get_widget_at", side_effect=NoWidget):

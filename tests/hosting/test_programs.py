@@ -280,9 +280,7 @@ def test_a_stop_while_the_console_restarted_ends_a_program_at_its_first_node() -
         assert not any(node.name == "/talker" for node in session.robot.snapshot.nodes)
 
 
-def test_a_value_set_by_hand_on_the_node_of_a_program_is_lost_by_a_restart_and_that_is_said() -> (
-    None
-):
+def test_a_value_set_on_the_node_of_a_program_is_lost_and_said() -> None:
     with running(talker()) as session:
         wait_until(lambda: "/talker" in states(session))
         session.station.edits.restore([Edit("/talker", {"speed": 1.0}, {"speed": 2.0})])

@@ -37,6 +37,7 @@ ACTS = {
         "undo",
         "load",
         "start_stop",
+        "restart",
     ),
     *("copy", "keep", "recordings", "quiet_alarms", "charge", "reset"),
 }

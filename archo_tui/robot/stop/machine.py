@@ -32,7 +32,7 @@ NOBODY: Servers = frozenset()
 
 
 class Event(Enum):
-    """What may happen to the last confirmed STOP."""
+    """An event of the last confirmed STOP."""
 
     YES = auto()  # All servers said yes, however late, but not to a call from before the open one.
     YES_TO_PAST = auto()  # The same to a call behind which something was accepted before.
@@ -48,7 +48,7 @@ class Event(Enum):
 
 
 class State(Enum):
-    """What is known of the last confirmed STOP. The last two are both shown as uncertain."""
+    """The knowledge of the last confirmed STOP. The last two are both shown as uncertain."""
 
     NONE = auto()
     HELD = auto()
@@ -86,7 +86,7 @@ class Result(NamedTuple):
 
 
 class Facts(NamedTuple):
-    """What `tick` has to know of the robot."""
+    """The facts about the robot that `tick` goes by."""
 
     moves: bool  # A goal runs, or a motion is reported.
     is_heard: bool
@@ -94,7 +94,7 @@ class Facts(NamedTuple):
 
 
 class Do(Enum):
-    """What is to be done now, with the turn of a STOP."""
+    """A thing to be done now, with the turn of a STOP."""
 
     SEND = auto()  # Call the servers, again or for the first time.
     CANCEL_OWN = auto()  # Cancel the goals of this console from before the turn.
@@ -162,7 +162,7 @@ class Stop(NamedTuple):
 
     @property
     def shown(self) -> tuple[object, ...]:
-        """What the operator is shown of it."""
+        """The part that the operator is shown."""
         return self.open, self.latch, self.doubt, self.holders_have_ended, self.is_not_obeyed
 
     def _fire(self, event: Event, doubt: str = "") -> Stop:

@@ -37,7 +37,7 @@ _SAYS_NO_MORE = ("", "done", "ok", "stop", "stopped", "success")  # Texts of a p
 
 
 class Answers(NamedTuple):
-    """What the servers said to one call: for whoever sent it, and for the machine."""
+    """The answers to one call: for whoever sent it, and for the machine."""
 
     outcome: Outcome
     result: Result
