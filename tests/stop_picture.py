@@ -15,8 +15,8 @@ _PLACES = {  # The middle of each box.
     State.DOUBTED: (130, 330),
 }
 _WIDTH, _HEIGHT = 150, 44
-# The middle of each arrow, where its events stand.
-_LABELS = {
+# Where each arrow bends to.
+_BENDS = {
     (State.NONE, State.HELD): (400, 30),
     (State.HELD, State.NONE): (400, 100),
     (State.HELD, State.UNCERTAIN): (775, 175),
@@ -24,9 +24,9 @@ _LABELS = {
     (State.UNCERTAIN, State.DOUBTED): (400, 375),
     (State.NONE, State.DOUBTED): (55, 175),
     (State.DOUBTED, State.NONE): (185, 240),
-    (State.HELD, State.DOUBTED): (470, 250),
-    (State.DOUBTED, State.HELD): (330, 165),
-    (State.UNCERTAIN, State.NONE): (300, 285),
+    (State.HELD, State.DOUBTED): (540, 270),
+    (State.DOUBTED, State.HELD): (330, 140),
+    (State.UNCERTAIN, State.NONE): (220, 300),
 }
 
 
@@ -37,7 +37,10 @@ def table() -> str:
     heads = " | ".join(state.name for state in State)
     rows = [f"| event | what has happened | {heads} |", f"|---|---|{'---|' * len(State)}"]
     for event, states in LATCH.items():
-        cells = ["" if to is before else to.name for before, to in zip(State, states, strict=True)]
+        cells = [
+            "-" if to is None else "" if to is before else to.name
+            for before, to in zip(State, states, strict=True)
+        ]
         rows.append(f"| `{event.name}` | {said[event.name]} | {' | '.join(cells)} |")
     return "\n".join((*rows, ""))
 
@@ -47,7 +50,7 @@ def steps() -> dict[tuple[State, State], list[Event]]:
     found: dict[tuple[State, State], list[Event]] = {}
     for event, states in LATCH.items():
         for before, to in zip(State, states, strict=True):
-            if before is not to:
+            if to is not None and before is not to:
                 found.setdefault((before, to), []).append(event)
     return found
 
@@ -61,14 +64,16 @@ def picture() -> str:
         '<rect width="860" height="400" fill="#fff"/>',
     ]
     for before, to in sorted(steps(), key=str):
-        (x1, y1), (x2, y2), (x, y) = _PLACES[before], _PLACES[to], _LABELS[before, to]
+        (x1, y1), (x2, y2), (x, y) = _PLACES[before], _PLACES[to], _BENDS[before, to]
         (x1, y1), (x2, y2) = _edge(x1, y1, x, y), _edge(x2, y2, x, y)
         lines.append(
             f'<path d="M{x1},{y1} Q{x},{y} {x2},{y2}" fill="none" stroke="#777" '
             'marker-end="url(#end)"/>'
         )
     for (before, to), events in sorted(steps().items(), key=lambda step: str(step[0])):
-        x, y = _LABELS[before, to]
+        (x1, y1), (x2, y2), (x, y) = _PLACES[before], _PLACES[to], _BENDS[before, to]
+        (x1, y1), (x2, y2) = _edge(x1, y1, x, y), _edge(x2, y2, x, y)
+        x, y = (x1 + 2 * x + x2) // 4, (y1 + 2 * y + y2) // 4  # The middle of the curve.
         for row, event in enumerate(events):
             top = y + 12 * row - 6 * len(events) + 8
             lines.append(

@@ -31,6 +31,7 @@ class Server(NamedTuple):
     alive: bool = True
     lives: int = 0  # How often it was restarted.
     stopped: bool = False
+    is_suspended: bool = False  # It has left the graph, and comes back as it was.
     waiting: tuple[int, ...] = ()  # The requests that it has not handled, by their numbers.
 
 
@@ -64,6 +65,7 @@ class World(NamedTuple):
     stops_left: int = 2
     releases_left: int = 1
     restarts_left: int = 1
+    pauses_left: int = 0  # How often a server may be suspended.
     peer_left: tuple[str, ...] = ("stop", "release")
     goals_left: int = 2
     sends_left: int = 1  # Calls that the machine may make by itself; later ones are left out.
@@ -118,7 +120,7 @@ def next_turn(world: World) -> int:
 
 def may_move(world: World) -> bool:
     """True unless every server that is there is stopped."""
-    here = [server for server in world.servers if server.alive]
+    here = [server for server in world.servers if server.alive or server.is_suspended]
     return not here or not all(server.stopped for server in here)
 
 
@@ -241,6 +243,23 @@ def come_back(place: int, world: World) -> World:
     server = server._replace(alive=True, lives=server.lives + 1)
     servers = (*world.servers[:place], server, *world.servers[place + 1 :])
     return world._replace(servers=servers, is_polled=False)
+
+
+def suspend(place: int, world: World) -> World:
+    return _with_server(world, place, alive=False, is_suspended=True)._replace(
+        pauses_left=world.pauses_left - 1, is_polled=False
+    )
+
+
+def resume(place: int, world: World) -> World:
+    there = _with_server(world, place, alive=True, is_suspended=False)
+    return there._replace(is_polled=False)
+
+
+def _with_server(world: World, place: int, **changes: Any) -> World:
+    servers = list(world.servers)
+    servers[place] = servers[place]._replace(**changes)
+    return world._replace(servers=tuple(servers))
 
 
 def poll(world: World) -> World:
@@ -374,7 +393,9 @@ def normal(world: World) -> World:
     if stop.all_cancelled != stop.first_turn:
         stop = stop._replace(all_cancelled=0)
     if stop.state.name == "NONE":
-        stop = stop._replace(holders=frozenset(), servers_changed=float("-inf"))
+        stop = stop._replace(
+            holders=frozenset(), servers_changed=float("-inf"), seen_servers=frozenset()
+        )
     if stop.state.name != "HELD":
         stop = stop._replace(peer="")
     handled = {number for server in world.servers for number in server.waiting}
@@ -430,13 +451,17 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
         yield "release", release
     for place, server in enumerate(world.servers):
         name = "ab"[place]
-        for number in server.waiting:
+        for number in () if server.is_suspended else server.waiting:
             yield f"{name} yes {number}", partial(handle, place, number, "y")
             if next(r for r in world.requests if r.number == number).is_stop:
                 yield f"{name} no {number}", partial(handle, place, number, "n")
         if server.alive and world.restarts_left and not world.peer_says:
             yield f"{name} leaves", partial(leave, place)
-        if not server.alive:
+        if server.alive and world.pauses_left:
+            yield f"{name} is suspended", partial(suspend, place)
+        if server.is_suspended:
+            yield f"{name} is resumed", partial(resume, place)
+        elif not server.alive:
             yield f"{name} returns", partial(come_back, place)
     for request in world.requests:
         if len(request.answers) == request.asked:
@@ -449,7 +474,7 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
         yield f"peer {world.peer_left[0]}", partial(peer_does, world.peer_left[0])
     if world.peer_says:
         yield "hear peer", hear_peer
-    if world.reports and world.is_polled and len(served(world)) == 1:
+    if world.reports and len(served(world)) == 1:
         yield "report", report
     if world.outsiders_left and served(world):
         yield "somebody releases", outside
@@ -606,6 +631,19 @@ LARGE: dict[str, Callable[..., World]] = {
     "a peer of a robot that reports its stop": partial(
         begin, 1, reports="stop", stops_left=1, restarts_left=0, releases_left=0, goals_left=0
     ),
+    "two STOPs and a restart of a robot that reports its stop": partial(
+        begin,
+        1,
+        reports="stop",
+        outsiders_left=1,
+        **{**_ALONE, "stops_left": 2, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
+    ),
+    "a peer and a restart of a robot that reports its stop": partial(
+        begin, 1, reports="stop", stops_left=1, releases_left=0, goals_left=0, sends_left=0
+    ),
+    "a suspended server and a release": partial(
+        begin, 1, pauses_left=1, **{**_ALONE, "sends_left": 0}
+    ),
     "a restart of a robot that reports its motion": partial(
         begin, 1, reports="motion", **{**_ALONE, "restarts_left": 1, "releases_left": 0}
     ),
@@ -633,7 +671,12 @@ def main() -> int:
 
 def unvisited(cells: set[tuple[str, str]]) -> list[tuple[str, str]]:
     """Return the cells of the table that no world has visited."""
-    every = {(e.name, s.name) for e in the_machine.Event for s in the_machine.State}
+    every = {
+        (event.name, before.name)
+        for event, states in the_machine.LATCH.items()
+        for before, to in zip(the_machine.State, states, strict=True)
+        if to is not None
+    }
     return sorted(every - cells)
 
 

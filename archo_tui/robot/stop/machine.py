@@ -57,19 +57,20 @@ class State(Enum):
 
 
 _N, _H, _U, _D = State
-LATCH: Mapping[Event, tuple[State, State, State, State]] = {
+_X = None  # Cannot happen there: the methods below do not ask.
+LATCH: Mapping[Event, tuple[State | None, ...]] = {
     # From:                NONE HELD UNCERTAIN DOUBTED
     Event.YES:            (_H, _H, _H, _H),
     Event.YES_TO_PAST:    (_D, _H, _D, _D),
-    Event.SAYS_STOPPED:   (_H, _H, _H, _H),
-    Event.SAYS_RELEASED:  (_N, _N, _U, _D),
+    Event.SAYS_STOPPED:   (_H, _X, _H, _H),
+    Event.SAYS_RELEASED:  (_X, _N, _U, _X),
     Event.MOVES:          (_N, _D, _D, _D),
     Event.ACCEPTED:       (_N, _N, _N, _N),
-    Event.PEER_STOPPED:   (_H, _H, _H, _H),
+    Event.PEER_STOPPED:   (_H, _X, _H, _H),
     Event.PEER_UNDID:     (_N, _N, _N, _N),
     Event.MAY_BE_RELEASED: (_N, _D, _D, _D),
-    Event.SERVERS_SAME:   (_N, _H, _H, _D),
-    Event.SERVERS_DIFFER: (_N, _U, _U, _D),
+    Event.SERVERS_SAME:   (_X, _H, _H, _D),
+    Event.SERVERS_DIFFER: (_X, _U, _U, _D),
 }  # fmt: skip
 
 
@@ -144,6 +145,7 @@ class Stop(NamedTuple):
     is_held_here: bool = False  # Only nodes of this process have served it since.
     stopped_early: frozenset[str] = frozenset()  # Nodes that carried it out before they spun.
     servers_changed: float = -math.inf
+    seen_servers: Servers = NOBODY  # By the last look.
     peer: str = ""  # The console that sent it; "" for this one.
     reports: bool = False  # The robot reports whether it is stopped.
     says_stopped: bool = False
@@ -168,6 +170,7 @@ class Stop(NamedTuple):
     def _fire(self, event: Event, doubt: str = "") -> Stop:
         """Make the step that LATCH tells. The first lasting doubt stays."""
         state = LATCH[event][list(State).index(self.state)]
+        assert state is not None, (event, self.state)
         if state in (State.NONE, State.HELD):
             doubt = ""
         elif self.state is State.DOUBTED or not doubt:
@@ -244,9 +247,10 @@ class Stop(NamedTuple):
         Without an open one, the yes is to a STOP that was given up or is past: the robot may have
         carried it out just now.
         """
-        event, due = Event.YES, self.due if self.open is None else self.open.asked
+        due = self.due if self.open is None else self.open.asked
+        is_past = self.open is None and turn < self.past_turn
+        event = Event.YES_TO_PAST if is_past else Event.YES
         if self.open is None and self.state is not State.HELD:
-            event = Event.YES_TO_PAST if turn < self.past_turn else Event.YES
             turn, due = turn_now, now
         held = self._expect_obeyed(turn, now)._hold(event, now, asked, here)
         return held._replace(open=None, due=due)
@@ -323,9 +327,8 @@ class Stop(NamedTuple):
         after = self._replace(
             is_held_here=is_held_here,
             holders_have_ended=is_held_here and not servers and not may_return,
+            seen_servers=servers,
         )
-        if self.state is State.DOUBTED:
-            return after
         now_served = dict(servers)
         early = {node: now_served[node] for node in self.stopped_early if node in now_served}
         expected = {**before, **early}
@@ -334,7 +337,8 @@ class Stop(NamedTuple):
             return after._replace(holders=servers, stopped_early=left)._fire(Event.SERVERS_SAME)
         others = sorted(node for node, ids in now_served.items() if ids != expected.get(node))
         if others:
-            after = after._replace(servers_changed=now)
+            if servers != self.seen_servers:
+                after = after._replace(servers_changed=now)
             return after._fire(Event.SERVERS_DIFFER, f"{others[0]} was started since")
         gone = min(expected.keys() - now_served.keys())
         return after._fire(Event.SERVERS_DIFFER, f"{gone} has left")
