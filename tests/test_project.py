@@ -64,13 +64,55 @@ def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> Non
     assert len(recorded) < recording.MOST
 
 
-def test_every_fault_that_can_be_planted_finds_its_line() -> None:
-    stale = [
-        f"{fault.file}: {fault.line}"
-        for fault in mutants.FAULTS
-        if fault.line not in mutants.path_of(fault).read_text(encoding="utf-8")
+def test_random_faults_are_planted_in_what_runs_only() -> None:
+    text = b"""
+@dataclass(frozen=True)
+class Way:
+    shelf: Literal[3]
+
+    def __repr__(self) -> str:
+        return "no"
+
+    def left(self, now: float = 1.5) -> float | None:
+        if TYPE_CHECKING:
+            return 1
+        if "\xc3\xa9" in self.notes or now < self.end is not None:
+            self.tell(f"{now + 1}")
+        while not self.over:
+            self.get_logger().info("over", True)
+        self.count += 2
+        return self.end - now
+
+    async def drive(self) -> None:
+        await self.go(quickly=True)
+        return None if self.over else print(self.name + "!")
+"""
+    found = mutants.mutants(text)
+    planted = [ast.unparse(ast.parse(mutant.planted_in(text))) for mutant in found]
+    assert len({*planted, ast.unparse(ast.parse(text))}) == len(found) + 1
+    assert [mutant.after for mutant in found] == [
+        "2.5",
+        "not ('é' in self.notes or now < self.end is not None)",
+        "('é' in self.notes and now < self.end is not None)",
+        "('é' not in self.notes)",
+        "(now <= self.end is not None)",
+        "(now < self.end is None)",
+        "pass",
+        "not (not self.over)",
+        "self.count -= 2",
+        "3",
+        "None",
+        "(self.end + now)",
+        "pass",
+        "False",
+        "not (self.over)",
     ]
-    assert stale == []
+
+
+def test_each_room_has_tests_that_are_to_notice_its_faults() -> None:
+    tests = {test for room in mutants.rooms(ROOT) for test in mutants.tests_of(room)}
+    assert {test for test in tests if not (ROOT / test).exists()} == set()
+    assert set(mutants.TESTS) <= set(mutants.rooms(ROOT))
 
 
 def test_the_names_of_tests_are_sentences_that_are_read_at_once() -> None:
