@@ -635,11 +635,13 @@ LARGE: dict[str, Callable[..., World]] = {
         begin,
         1,
         reports="stop",
-        outsiders_left=1,
         **{**_ALONE, "stops_left": 2, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
     ),
     "a peer and a restart of a robot that reports its stop": partial(
         begin, 1, reports="stop", stops_left=1, releases_left=0, goals_left=0, sends_left=0
+    ),
+    "a peer's release and ours of a robot that reports its stop": partial(
+        begin, 1, reports="stop", **{**_ALONE, "peer_left": ("release",), "sends_left": 0}
     ),
     "a suspended server and a release": partial(
         begin, 1, pauses_left=1, **{**_ALONE, "sends_left": 0}
