@@ -192,8 +192,7 @@ def test_a_program_that_fails_before_its_node_is_an_error_at_the_start(
     text: str, error: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "stdin", io.StringIO())
-    limit = 0.3 if chosen.ENGINE == "embedded" else 10.0
-    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 10.0)
     with pytest.raises(ArchoError, match=f"^{error}"), running(written("bad.py", text)):
         pass
 
@@ -595,6 +594,7 @@ rclpy.init()
 node = rclpy.create_node("sleeper")
 while not Path("end").exists():
     try:
+        Path("said.txt").write_text("asleep")
         time.sleep(1.5)
     except BaseException:
         pass
@@ -605,7 +605,7 @@ def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.Monke
     monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 0.2)
     monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3, 0.5))
     with running(written("sleeper.py", SLEEPS)) as session:
-        wait_until(lambda: "/sleeper" in states(session))
+        wait_until(lambda: said() == ["asleep"])  # else an interrupt before the loop ends it
         outcome = session.host.stop_node("/sleeper")
         if chosen.ENGINE == "embedded":  # A thread cannot be ended while it sleeps.
             assert outcome.code == Code.TIMEOUT
