@@ -33,7 +33,7 @@ from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
 from archo_tui.robot.goal_watcher import GoalWatcher
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
 from archo_tui.robot.inspection import Inspection
@@ -254,7 +254,7 @@ class Robot:
             file, self._graph, self._stop, self._telemetry, lambda: self._poller.faults
         )
         for kind in file.goals:
-            self._goals.track_action(kind)
+            self._goals.actions.track(kind)
         self._thread = RosThread(node, context, clock, self._reporter.error)
         self._runner = VerbRunner(
             self._thread, clock, stops, self._reporter, self._snapshots, watching=watching
@@ -319,7 +319,7 @@ class Robot:
         """
         self._snapshots.mailbox.close()
         if self._thread.stop():
-            self._goals.close()
+            self._goals.actions.close()
 
     @property
     def snapshot(self) -> Snapshot:

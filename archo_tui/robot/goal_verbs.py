@@ -8,7 +8,7 @@ from typing import Any
 from archo_tui.robot import ros2_command
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_watcher import GoalWatcher
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.lifecycle import Lifecycles
@@ -131,7 +131,7 @@ class GoalVerbs:
     async def cancel_all(self) -> Outcome:
         """Request the cancel of every goal of the actions that are tracked here, whoever sent it.
 
-        The outcome is that of `GoalCanceller.cancel_all`.
+        The outcome is that of `Goals.cancel_all`.
         """
         return await self._runner.run(
             "cancel",

@@ -6,13 +6,13 @@ from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
+from archo_tui.robot.goals.machine import FARTHEST
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import linked_number
 from archo_tui.robot.telemetry import Telemetry
-from archo_tui.robot.tracked_goal import FARTHEST
 from archo_tui.robot_file.model import GoalKind, ParameterRef
 
 WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.
@@ -72,8 +72,7 @@ class GoalWatcher:
         if not self._goals.running:
             self._timer.cancel()
             return
-        self._goals.update_lengths(self.way_length)
-        self._goals.check(self._clock.monotonic(), self._telemetry.motion)
+        self._goals.check(self._clock.monotonic(), self._telemetry.motion, self.way_length)
 
     def way_length(self, kind: GoalKind) -> float | None:
         """Return the length of the whole way for a kind of goal, by the robot file.

@@ -14,7 +14,7 @@ from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.robot.consoles import author
 from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.events import ROUTINE
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.outcome import Code

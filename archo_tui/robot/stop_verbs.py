@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.clock import Clock
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome

@@ -8,9 +8,9 @@ from contextlib import asynccontextmanager
 import pytest
 
 from archo_tui.robot.client import Robot
+from archo_tui.robot.goals.machine import NEVER_TAKEN
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
-from archo_tui.robot.tracked_goal import NEVER_TAKEN
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.hesitant import Hesitant

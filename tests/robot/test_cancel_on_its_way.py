@@ -73,9 +73,7 @@ async def test_one_that_the_robot_refuses_meanwhile_leaves_nothing_to_cancel(
         going = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].seen)
         cancelling = asyncio.ensure_future(it.cancel())
-        await until(
-            lambda: it._goals._register.ours is not None and it._goals._register.ours.is_cancelled
-        )
+        await until(lambda: it._goals.ours is not None and it._goals.ours.is_cancelled)
         made[0].answer(taken=False)
         await until(lambda: going.done() and cancelling.done())
         said = "the goal was not driven: refused, no reason given"
@@ -137,8 +135,8 @@ async def test_a_shells_cancel_ends_when_that_goals_cancel_is_answered(
         going = asyncio.ensure_future(typed("go", "12", "--wait"))
         await really(lambda: made and made[0].seen)
         cancelling = asyncio.ensure_future(typed("cancel"))
-        ours = person._plain._robot._goals
-        await really(lambda: ours._register.ours is not None and ours._register.ours.is_cancelled)
+        goals = person._plain._robot._goals
+        await really(lambda: goals.ours is not None and goals.ours.is_cancelled)
         assert not cancelling.done()
         made[0].answer()
         assert (await cancelling).code == 0

@@ -13,7 +13,7 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 from rclpy.qos import qos_profile_action_status_default
 
-from archo_tui.robot.goal_register import HISTORY
+from archo_tui.robot.goals.client import HISTORY
 from archo_tui.robot.state import Phase
 from tests.support import clock
 from tests.support.archo import go

@@ -23,9 +23,9 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.goals.machine import Event, TrackedGoal
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
-from archo_tui.robot.tracked_goal import TrackedGoal
 from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from tests.support import clock
 from tests.support.archo import go
@@ -34,7 +34,7 @@ from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
 from tests.support.robot import robot
 from tests.support.states import goal
-from tests.support.stub import StandingClock, stub_app
+from tests.support.stub import stub_app
 
 
 class Unset(Node):
@@ -366,10 +366,9 @@ def test_the_words_for_the_end_may_stand_in_a_message_in_the_result() -> None:
     moving = goal(Phase.MOVING).goal
     assert moving is not None
     kind = replace(moving.kind, message="end.words")
-    one: Any = TrackedGoal(moving._replace(kind=kind), b"", None, StandingClock(), lambda *_: None)
     result = SimpleNamespace(end=SimpleNamespace(words="parked"))
-    one._on_result(SimpleNamespace(status=GoalStatus.STATUS_SUCCEEDED, result=result))
-    assert (one.goal.phase, one.goal.message) == (Phase.ARRIVED, "parked")
+    after = TrackedGoal(moving._replace(kind=kind)).answered(0, Event.ARRIVED, result, 0.0).goal
+    assert (after.phase, after.message) == (Phase.ARRIVED, "parked")
 
 
 class Counter(Node):

@@ -10,7 +10,6 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
-from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.stop.gate import NOT_SENT
@@ -26,6 +25,7 @@ class Slow(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("slow", **options)
         self.asked, self.cancels = 0, 0
+        self.goal_id: Any = None
         self.takes: Future[bool] = Future()
         self.never: Future[bool] = Future()
         impl: Any = MoveToShelf.Impl
@@ -41,8 +41,9 @@ class Slow(Node):
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
 
-    async def accept(self, _: Any, response: Any) -> Any:
+    async def accept(self, request: Any, response: Any) -> Any:
         self.asked += 1
+        self.goal_id = request.goal_id
         await self.takes
         response.accepted = True
         return response
@@ -86,7 +87,7 @@ async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancell
         await until(lambda: made[0].asked == 1)
         it.stops.register()
         moves = MoveToShelf.Impl.FeedbackMessage()
-        moves.goal_id = UUID(uuid=list(it._goals._register.ours.id))  # type: ignore[union-attr]
+        moves.goal_id = made[0].goal_id
         assert (await ended(task)).code is Code.TIMEOUT
         begin(made[0], made[0].feedback.publish, moves)
         await until(lambda: made[0].cancels >= 1)

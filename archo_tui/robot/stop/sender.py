@@ -16,7 +16,7 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes, services
 from archo_tui.robot.fields import filled
-from archo_tui.robot.goals import Goals
+from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome

@@ -1,0 +1,1 @@
+"""Goals: the machine of their rules, and the client of their actions."""

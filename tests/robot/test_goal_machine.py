@@ -1,0 +1,524 @@
+"""The machine of a goal: each of its rules, and every state that it can reach."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+
+from archo_tui.robot.goals.machine import (
+    NEVER_TAKEN,
+    PHASES,
+    Do,
+    Event,
+    TrackedGoal,
+    feedback_changes,
+    found,
+    is_missed,
+)
+from archo_tui.robot.period import Period
+from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.robot.state.goal import RUNNING
+from archo_tui.words.goal import goal_line
+from archo_tui.words.state import plain_text
+from tests.support.archo import SHELF
+
+NOW = 1000.0
+NEVER = -math.inf
+SUCCESS = MoveToShelf.Result(success=True, final_message="there")
+
+
+def sent() -> TrackedGoal:
+    return TrackedGoal(Goal(SHELF, {"shelf_number": 3}, Phase.SENT, NOW, 0.0), turn=5)
+
+
+def accepted() -> TrackedGoal:
+    return sent().accepted(NOW, is_void=False)._replace(todo=())
+
+
+def fed(goal: TrackedGoal, *at: float, left: float = 5.0) -> TrackedGoal:
+    for now in at:
+        goal = goal.fed(SimpleNamespace(distance_remaining=left), now, is_void=False)
+    return goal
+
+
+def phases(goal: TrackedGoal, *at: float, motion: Motion | None = None) -> list[Phase]:
+    """Return its phase at these times, of which each comes without the others."""
+    return [goal.tick(now, motion or Motion(), NEVER, is_served=True).goal.phase for now in at]
+
+
+# Silence.
+
+
+@pytest.mark.parametrize(
+    ("period", "longest"), [(0.5, 3.0), (2.0, 6.0)], ids=["three seconds", "three periods"]
+)
+def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
+    period: float, longest: float
+) -> None:
+    goal, last = fed(accepted(), *(NOW + period * n for n in range(3))), NOW + 2 * period
+    for passed, phase in ((longest - 0.1, Phase.MOVING), (longest + 0.1, Phase.LOST)):
+        now = last + passed
+        assert phases(goal, now, motion=Motion(received=now, period=0.2)) == [phase]
+
+
+def test_after_its_first_feedback_it_may_be_silent_for_15_s() -> None:
+    goal = fed(accepted(), NOW)
+    assert phases(goal, NOW + 14.9, NOW + 15.1) == [Phase.MOVING, Phase.LOST]
+
+
+def test_without_feedback_and_motion_its_server_alone_decides() -> None:
+    assert phases(accepted(), NOW + 100.0) == [Phase.MOVING]
+
+
+def test_a_goal_that_is_being_cancelled_may_send_no_feedback_for_15_s() -> None:
+    goal = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4).cancelling(NOW + 1.0)
+    assert phases(goal, NOW + 15.9, NOW + 16.1) == [Phase.CANCELLING, Phase.LOST]
+
+
+def test_a_parameter_that_is_its_period_counts_at_once() -> None:
+    goal = fed(accepted(), NOW, NOW + 0.5, NOW + 1.0).period_changed(0.5, 5.0)
+    assert phases(goal, NOW + 15.9, NOW + 16.1) == [Phase.MOVING, Phase.LOST]
+
+
+def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
+    goal, resumed = fed(accepted(), NOW, NOW + 0.2, NOW + 0.4), NOW + 60.0
+    for passed, phase in ((0.0, Phase.MOVING), (2.9, Phase.MOVING), (3.1, Phase.LOST)):
+        after = goal.tick(resumed + passed, Motion(), resumed, is_served=True)
+        assert after.goal.phase is phase
+
+
+def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> None:
+    motion = Motion(received=NOW, period=0.2)
+    seen = phases(fed(accepted(), NOW), NOW + 2.9, NOW + 3.1, motion=motion)
+    assert seen == [Phase.MOVING, Phase.LOST]
+
+
+def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:
+    silent = accepted().fire(Event.SILENT, NOW)
+    assert silent.robot_heard(NOW).goal.phase is Phase.UNKNOWN
+    assert fed(accepted(), NOW).fire(Event.SILENT, NOW).robot_heard(NOW).goal.phase is Phase.LOST
+
+
+def test_without_a_server_it_is_gone_after_a_second_without_news() -> None:
+    goal = accepted().tick(NOW + 5.0, Motion(), NEVER, is_served=False)
+    assert goal.tick(NOW + 5.9, Motion(), NEVER, is_served=False).is_running
+    assert goal.tick(NOW + 6.0, Motion(), NEVER, is_served=False).goal.phase is Phase.GONE
+    heard = fed(goal, NOW + 5.5)
+    assert heard.tick(NOW + 6.0, Motion(), NEVER, is_served=False).is_running
+    resumed = NOW + 5.5
+    assert goal.tick(NOW + 6.0, Motion(), resumed, is_served=False).is_running
+
+
+# Its way.
+
+
+def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
+    goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0)
+    for left, longest in ((15.0, 15.0), (12.0, 15.0), (16.0, 16.0)):
+        feedback = MoveToShelf.Feedback(distance_remaining=left)
+        goal = goal._replace(**feedback_changes(goal, feedback, 0.0))
+        assert (goal.length, goal.remaining) == (longest, left)
+    told = TrackedGoal(goal).with_length(18.0).with_length(19.0).goal
+    feedback = MoveToShelf.Feedback(distance_remaining=20.0)
+    assert told._replace(**feedback_changes(told, feedback, 0.0)).length == 18.0
+
+
+def driven(speeds: Iterable[tuple[float, float]], left: float, each: float) -> list[float | None]:
+    """Return the seconds left at each feedback of a goal that drives so fast for so long.
+
+    Args:
+        speeds: Pairs of speed in m/s and seconds.
+        left: The whole way in m.
+        each: Seconds between two feedbacks.
+    """
+    goal, now, seen = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0), 0.0, list[float | None]()
+    for speed, seconds in speeds:
+        for _ in range(round(seconds / each)):
+            feedback = MoveToShelf.Feedback(distance_remaining=left)
+            goal = goal._replace(heard=now, **feedback_changes(goal, feedback, now))
+            seen.append(goal.seconds_left(now))
+            now, left = now + each, left - speed * each
+    return seen
+
+
+@pytest.mark.parametrize("each", [0.02, 0.1, 0.5, 1.5])
+def test_the_time_that_is_left_is_that_of_the_present_speed_or_none(each: float) -> None:
+    before, after = 12.0, 12.0
+    seen = driven([(0.8, before), (0.2, after)], 9.6 + 5.6, each)
+    assert seen[round(before / each) - 1] == pytest.approx(5.6 / 0.8 + each)
+    assert seen[-1] == pytest.approx((5.6 - 0.2 * after) / 0.2 + each, rel=0.01)
+    changed = round(before / each)
+    for number, seconds in enumerate(seen[changed:]):
+        true = (5.6 - 0.2 * number * each) / 0.2
+        if number * each > 0.3:
+            assert seconds is None or seconds == pytest.approx(true, rel=0.25)
+    at_last = [number * each for number, seconds in enumerate(seen[changed:]) if seconds]
+    assert at_last[1] < max(2.5, 4 * each)
+
+
+def test_a_goal_that_stands_or_is_late_has_no_time_left() -> None:
+    assert driven([(0.8, 5.0), (0.0, 5.0)], 10.0, 0.1)[-1] is None
+    assert driven([(-0.2, 5.0)], 10.0, 0.1)[-1] is None
+    assert driven([(0.8, 5.0)], 10.0, 0.1)[:2] == [None] * 2
+
+
+def underway() -> TrackedGoal:
+    return found(SHELF, Phase.MOVING, 300.0, NOW, 7, 1)
+
+
+def test_the_time_left_of_a_goal_found_underway_is_judged_by_what_was_seen() -> None:
+    goal = underway().with_length(18.0)
+    assert goal.goal.seconds_left(NOW) is None
+    for seconds, left in ((2.0, 12.0), (4.0, 11.0), (6.0, 10.0)):
+        goal = fed(goal, NOW + seconds, left=left)
+    assert goal.goal.seconds_left(NOW + 6.0) == 20.0  # 2 m in 4 s
+
+
+def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
+    goal = found(SHELF, Phase.MOVING, 2.0, NOW, 7, 1)
+    for seconds, left in ((0.0, 12.0), (2.0, 11.0), (4.0, 10.0)):
+        goal = fed(goal, NOW + seconds, left=left)
+    assert goal.goal.length is None
+    shown = goal_line(Snapshot(goal=goal.goal), NOW + 4.0, "")
+    assert plain_text(shown).endswith("   10.0 m left   6.0 s so far, about 20.0 s left")
+
+
+# Its result.
+
+
+def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
+    goal = sent().fire(Event.NO_ANSWER, NOW).ask(NOW)
+    first = goal.questions
+    goal = goal.accepted(NOW, is_void=False)
+    assert goal.answered(first, None, None, NOW) is goal
+    assert goal.answered(goal.questions, None, None, NOW).goal.phase is Phase.ABORTED
+
+
+def test_a_goal_that_is_not_taken_may_still_be_so_for_20_s() -> None:
+    goal = sent().fire(Event.NO_ANSWER, NOW).ask(NOW)
+    question = goal.questions
+    assert goal.answered(question, None, None, NOW + NEVER_TAKEN) is goal
+    after = goal.answered(question, None, None, NOW + NEVER_TAKEN + 0.1)
+    assert after.goal.message.endswith("it did not take it in 20 s")
+
+
+def test_an_end_by_the_status_waits_2_s_for_the_result() -> None:
+    goal = accepted().reported(Event.ARRIVED, NOW, is_canceling=False)
+    goal = goal.reported(Event.ABORTED, NOW + 1.0, is_canceling=False)
+    assert phases(goal, NOW + 2.0, NOW + 2.1) == [Phase.MOVING, Phase.ARRIVED]
+    after = goal.answered(goal.questions, Event.ARRIVED, SUCCESS, NOW + 1.0).goal
+    assert (after.phase, after.message, after.remaining) == (Phase.ARRIVED, "there", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("end", "success", "text"),
+    [
+        (Event.ARRIVED, False, "the action says succeeded, its result says not"),
+        (Event.CANCELLED, True, "the action says cancelled, its result says success"),
+    ],
+)
+def test_an_action_whose_result_says_otherwise_is_disputed(
+    end: Event, success: bool, text: str
+) -> None:
+    goal = accepted()
+    result = MoveToShelf.Result(success=success)
+    after = goal.answered(goal.questions, end, result, NOW).goal
+    assert (after.phase, after.message) == (Phase.DISPUTED, text)
+
+
+# STOP and cancel.
+
+
+def test_a_goal_that_returns_keeps_its_turn_and_a_stop_since_then_cancels_it() -> None:
+    gone = accepted().node_left(NOW)
+    back = found(SHELF, Phase.MOVING, 0.0, NOW + 9.0, 90, 2)
+    assert gone.is_back(NOW + 1.0, is_served=True)
+    assert not gone.is_back(NOW + 0.9, is_served=True)
+    assert not gone.is_back(NOW + 9.0, is_served=False)
+    again = gone.again(back, is_void=True)
+    assert (again.turn, again.goal.mine, again.goal.name) == (5, True, "shelf 3")
+    assert again.todo == (Do.ASK, Do.CANCEL)
+    assert gone.again(back, is_void=False).todo == (Do.ASK,)
+
+
+def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None:
+    goal = accepted().behind_stop(6, NOW)
+    assert (goal.todo, goal.goal.phase) == ((Do.CANCEL_UNASKED,), Phase.MOVING)
+    goal = goal._replace(todo=())
+    assert goal.behind_stop(6, NOW + 2.0).todo == ()
+    assert goal.behind_stop(6, NOW + 2.1).todo == (Do.CANCEL_UNASKED,)
+    assert accepted().behind_stop(5, NOW).todo == ()  # It was sent behind the STOP.
+    assert sent().behind_stop(6, NOW).todo == ()  # It is void, and cancelled when accepted.
+    assert accepted().cancelled_with_all(NOW).behind_stop(6, NOW + 1.0).todo == ()
+
+
+def test_a_stop_behind_its_acceptance_is_left_to_the_robot_first() -> None:
+    goal = accepted().fed(SimpleNamespace(distance_remaining=5.0), NOW, is_void=True)
+    assert goal.todo == ()
+
+
+@pytest.mark.parametrize("before", [Phase.MOVING, Phase.UNKNOWN, Phase.LOST])
+def test_a_cancel_that_failed_returns_to_the_phase_before(before: Phase) -> None:
+    goal = accepted()
+    goal = goal._replace(goal=goal.goal._replace(phase=before)).cancelling(NOW)
+    assert (goal.goal.phase, goal.goal.cancel_asked) == (Phase.CANCELLING, NOW)
+    failed = goal.cancel_failed(NOW, is_rejected=False).goal
+    assert (failed.phase, failed.cancel_asked) == (before, None)
+    assert goal.cancel_failed(NOW, is_rejected=True).todo == (Do.ASK,)
+    twice = goal.cancelling(NOW).cancel_failed(NOW, is_rejected=False)
+    assert twice.goal.phase is Phase.CANCELLING  # The other one is still awaited.
+    assert twice.cancel_failed(NOW, is_rejected=False).goal.phase is before
+    assert twice.cancel_accepted().goal.phase is Phase.CANCELLING
+
+
+def test_a_cancel_that_failed_changes_nothing_if_the_server_says_that_it_cancels() -> None:
+    goal = accepted().cancelling(NOW).reported(None, NOW, is_canceling=True)
+    assert goal.cancel_failed(NOW, is_rejected=True).goal.phase is Phase.CANCELLING
+
+
+# Goals of others.
+
+
+@pytest.mark.parametrize(
+    ("age", "tracked_for", "was_reported", "is_news"),
+    [
+        (3.0, 5.0, None, True),
+        (7.0, 5.0, None, False),  # It ended before the console began.
+        (7.0, 5.0, False, True),
+        (3.0, 5.0, True, False),
+    ],
+)
+def test_a_goal_that_began_and_ended_between_two_messages_is_history(
+    age: float, tracked_for: float, was_reported: bool | None, is_news: bool
+) -> None:
+    assert is_missed(age, tracked_for, was_reported) is is_news
+
+
+@pytest.mark.parametrize(
+    ("age", "is_first", "begun", "is_found"),
+    [
+        (0.5, True, NOW - 0.5, False),
+        (300.0, True, NOW - 300.0, True),
+        (300.0, False, NOW - 300.0, False),
+        (-5.0, True, NOW, True),  # The robot's clock is ahead,
+        (1e6, True, NOW, True),  # or began with the robot.
+    ],
+)
+def test_a_found_goal_began_when_its_server_says_unless_that_cannot_be(
+    age: float, is_first: bool, begun: float, is_found: bool
+) -> None:
+    goal = found(SHELF, Phase.MOVING, age, NOW, 7, 1, is_first=is_first).goal
+    assert (goal.sent, goal.started, goal.is_found, goal.mine) == (begun, begun, is_found, False)
+
+
+# Every state of a goal, breadth first.
+
+
+class World(NamedTuple):
+    """A goal, and what is known of it besides."""
+
+    goal: TrackedGoal
+    is_void: bool = False
+    came_from: Phase | None = None  # The phase before a cancel.
+    is_confirmed: bool = False  # Its server is known to carry a cancel out.
+
+
+def _age(then: Any, *classes: float) -> Any:
+    """Return the time of the oldest class that an age has reached."""
+    if then is None:
+        return None
+    return NOW - max(age for age in (0.0, *classes) if NOW - then >= age)
+
+
+def normal(world: World) -> World:
+    """The world with ages by class, and without what decides nothing any more."""
+    state = world.goal
+    shown = state.goal._replace(
+        time=0.0,
+        ended=None,
+        lost=None,
+        message="",
+        result=None,
+        remaining=None,
+        length=None,
+        length_is_guessed=False,
+        way=(),
+    )
+    if not state.is_running:
+        shown = shown._replace(sent=NOW, heard=None, cancel_asked=None)
+        ended = TrackedGoal(shown, is_cancelled=state.is_cancelled, questions=1)
+        return World(ended, world.is_void)
+    heard = _age(shown.heard, 2.6, 5.2, 16.0)
+    shown = shown._replace(
+        sent=NOW if heard is not None else _age(shown.sent, 2.6, 16.0, 20.1),
+        heard=heard,
+        started=None if shown.started is None else NOW,
+        cancel_asked=_age(shown.cancel_asked, 16.0),
+    )
+    period = state.period
+    if period.last is not None:
+        period = Period(last=NOW, known=0.2 if period.intervals or period.known else None)
+    is_cancelling = shown.phase is Phase.CANCELLING
+    state = state._replace(
+        goal=shown,
+        todo=(),
+        asked=_age(state.asked, 2.6, 5.2),
+        questions=1,
+        period=period,
+        unserved=_age(state.unserved, 1.0),
+        before=state.before if is_cancelling else Phase.MOVING,
+        is_cancelled=state.is_cancelled and not state.must_not_run,
+    )
+    came_from = world.came_from if is_cancelling and not world.is_confirmed else None
+    return World(state, world.is_void, came_from, world.is_confirmed and is_cancelling)
+
+
+FEEDBACK = SimpleNamespace(distance_remaining=5.0)
+
+
+def _later(state: TrackedGoal, seconds: float, **facts: Any) -> TrackedGoal:
+    """The goal after some seconds, in which nothing else happened, at NOW."""
+    goal, seconds = state.goal, seconds if state.is_running else 0.0
+    times = {name: getattr(goal, name) for name in ("sent", "heard", "started", "cancel_asked")}
+    earlier: dict[str, Any] = {
+        name: None if at is None else at - seconds for name, at in times.items()
+    }
+    unserved = None if state.unserved is None else state.unserved - seconds
+    state = state._replace(
+        goal=goal._replace(**earlier),
+        asked=state.asked - seconds,
+        unserved=unserved,
+    )
+    motion = facts.get("motion", Motion())
+    return state.tick(NOW, motion, NEVER, is_served=facts.get("is_served", True))
+
+
+def events(world: World) -> Iterator[tuple[str, TrackedGoal]]:
+    """Yield all that can happen next, by its name."""
+    goal, void = world.goal, world.is_void
+    yield "accepted", goal.accepted(NOW, is_void=void)
+    yield "refused", goal.fire(Event.REFUSED, NOW)
+    yield "refused late", goal.refused_late(NOW)
+    yield "no answer", goal.fire(Event.NO_ANSWER, NOW)
+    yield "checked", goal.cancelled_if_unwanted(is_void=void)
+    yield "feedback", goal.fed(FEEDBACK, NOW, is_void=void)
+    yield "says canceling", goal.reported(None, NOW, is_canceling=True)
+    yield "called off", goal.called_off()
+    if goal.awaited < (2 if goal.goal.phase is Phase.CANCELLING else 1):
+        yield "cancel", goal.cancelling(NOW)
+    if goal.awaited:
+        yield "cancel accepted", goal.cancel_accepted()
+    yield "cancel failed", goal.cancel_failed(NOW, is_rejected=False)
+    yield "cancel rejected", goal.cancel_failed(NOW, is_rejected=True)
+    yield "robot heard", goal.robot_heard(NOW)
+    yield "node left", goal.node_left(NOW)
+    yield "forgotten", goal.forgotten(NOW)
+    for end in (Event.ARRIVED, Event.CANCELLED, Event.ABORTED):
+        yield f"result {end.name}", goal.answered(goal.questions, end, None, NOW)
+    yield "result disputed", goal.answered(goal.questions, Event.ABORTED, SUCCESS, NOW)
+    yield "result not known", goal.answered(goal.questions, None, None, NOW)
+    yield "earlier result", goal.answered(goal.questions - 1, Event.ARRIVED, None, NOW)
+    silent = Motion(received=NOW - 4.0)
+    for seconds in (2.6, 16.0):
+        yield f"{seconds} s", _later(goal, seconds)
+        yield f"{seconds} s without motion", _later(goal, seconds, motion=silent)
+        yield f"{seconds} s without server", _later(goal, seconds, is_served=False)
+
+
+def check(world: World, name: str, after: TrackedGoal) -> World:
+    """Check the step that an event made, and return the world after it."""
+    before, goal = world.goal, after.goal
+    if not before.is_running:
+        assert after._replace(todo=()) == before, f"an ended goal never changes: {name}"
+        is_wanted = before.is_accepted and not (world.is_void or before.is_cancelled)
+        must_cancel = name == "accepted" and not is_wanted
+        assert after.todo == ((Do.CANCEL_ENDED,) if must_cancel else ())
+        return world
+    if name == "earlier result":
+        assert after is before, "an answer to an earlier question counts for nothing"
+    if after.is_running and (world.is_void or before.is_cancelled):
+        was_unknown = before.goal.phase is Phase.UNKNOWN and name == "feedback"
+        if name == "accepted" or was_unknown:
+            assert after.must_not_run, "a void goal that is accepted is cancelled"
+    assert (Do.CANCEL in after.todo) == (after.must_not_run and not before.must_not_run)
+    if name == "accepted":
+        assert Do.ASK in after.todo, "an accepted goal's result is asked for"
+    came_from, is_confirmed = world.came_from, world.is_confirmed
+    if name == "cancel" and before.goal.phase is not Phase.CANCELLING:
+        came_from, is_confirmed = before.goal.phase, False
+    if name == "cancel accepted" or name == "says canceling":
+        is_confirmed = True
+    if name in ("cancel failed", "cancel rejected") and before.goal.phase is Phase.CANCELLING:
+        stays = after.awaited or is_confirmed
+        expected = Phase.CANCELLING if stays else came_from
+        assert goal.phase is expected, "a failed cancel returns to the phase before"
+    if before.goal.phase is Phase.CANCELLING and goal.phase in (Phase.SENT, Phase.UNKNOWN):
+        assert name.startswith("cancel")
+    following = World(after, world.is_void, came_from, is_confirmed)
+    is_same = after is before and following == world
+    return world if is_same else normal(following)
+
+
+def check_state(world: World) -> None:
+    """Check what holds in each state."""
+    goal = world.goal
+    due = goal.behind_stop(goal.turn + 1, NOW)
+    may_run = goal.is_running and goal.goal.phase is not Phase.SENT
+    assert (due.todo == (Do.CANCEL_UNASKED,)) == may_run, "cancelled behind a STOP"
+    assert due.goal is goal.goal, "no phase tells a cancel that nobody asked for"
+    if goal.goal.phase in (Phase.UNKNOWN, Phase.LOST):
+        later = _later(goal, 2.6)
+        assert not later.is_running or Do.ASK in later.todo, "a doubtful goal is asked about"
+    if goal.goal.phase is Phase.CANCELLING:
+        assert goal.goal.cancel_asked is not None
+
+
+def explore() -> tuple[int, set[tuple[Event, Phase]]]:
+    """Visit every state that can be reached; return their number, and the cells of PHASES."""
+    cells: set[tuple[Event, Phase]] = set()
+    fire: Callable[..., TrackedGoal] = TrackedGoal.fire
+
+    def fire_and_note(goal: TrackedGoal, event: Event, *rest: Any, **more: Any) -> TrackedGoal:
+        if goal.is_running:
+            cells.add((event, goal.goal.phase))
+        return fire(goal, event, *rest, **more)
+
+    cancelling = found(SHELF, Phase.CANCELLING, 0.0, NOW, 5, 1)._replace(todo=())
+    frontier = deque([normal(World(sent())), normal(World(cancelling, is_confirmed=True))])
+    known = {hash(_key(world)) for world in frontier}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(TrackedGoal, "fire", fire_and_note)
+        while frontier:
+            world = frontier.popleft()
+            check_state(world)
+            following = [check(world, name, after) for name, after in events(world)]
+            if not world.is_void:
+                following.append(normal(world._replace(is_void=True)))
+            for there in following:
+                if there is not world and (key := hash(_key(there))) not in known:
+                    known.add(key)
+                    frontier.append(there)
+    return len(known), cells
+
+
+def _key(world: World) -> tuple[object, ...]:
+    shown = world.goal.goal
+    times = shown.phase, shown.sent, shown.heard, shown.started, shown.cancel_asked
+    return (*times, world.goal._replace(goal=None), *world[1:])  # type: ignore[arg-type]
+
+
+def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited() -> None:
+    states, cells = explore()
+    assert cells == {(event, phase) for event in PHASES for phase in RUNNING}
+    assert states > 1000, states
+
+
+def test_each_event_has_a_row_with_a_phase_for_each_that_runs() -> None:
+    assert set(PHASES) == set(Event)
+    assert {len(row) for row in PHASES.values()} == {len(RUNNING)}
