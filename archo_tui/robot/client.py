@@ -70,7 +70,7 @@ from archo_tui.robot.state import (
     TypedField,
 )
 from archo_tui.robot.stop.gate import Stops
-from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.stop_verbs import StopVerbs
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
@@ -719,7 +719,8 @@ class Robot:
             latch_doubt=self._stop.stop.doubt,
             latch_time=self._stop.time,
             released=self._stop.stop.released,
-            stop_held_by_nobody=self._stop.stop.is_held_by_nobody,
+            stop_held_by_nobody=self._stop.stop.is_held_by_nobody
+            or self._stop.stop.has_reached_nobody,
             stop_not_obeyed=self._stop.stop.is_not_obeyed,
             still_running_after_stop=self._stop.still_running,
             namespace=self._graph.namespace,

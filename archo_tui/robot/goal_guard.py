@@ -11,7 +11,7 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Latch, Snapshot
 from archo_tui.robot.stop.gate import HELD, HOLDS, UNCERTAIN, UNCONFIRMED, Gate
-from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind, RobotFile

@@ -16,7 +16,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import ACTION, values_text
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Void
-from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file.model import GoalKind, RobotFile
 

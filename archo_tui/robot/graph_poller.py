@@ -15,7 +15,7 @@ from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.snapshot_sender import SnapshotSender
-from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot_file import mismatch

@@ -23,7 +23,7 @@ from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event, Motion, level_word, logger_node
 from archo_tui.robot.stop.gate import Stops
-from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot_file.model import RobotFile
 

@@ -14,12 +14,13 @@ from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import Gate, Stops
-from archo_tui.robot.stop.sender import FIRST_FOUND, StopSender
+from archo_tui.robot.stop_sender import FIRST_FOUND, StopSender
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file.model import NO_STOP, RobotFile
 
 # The outcome of a release for which there is no server, and no need.
 HELD_BY_NOBODY = "every node that held the STOP has ended here; nothing was sent"
+REACHED_NOBODY = "no node has got the STOP, which is given up; nothing was sent"
 
 
 class StopVerbs:
@@ -109,6 +110,10 @@ class StopVerbs:
                 gate()
                 self._sender.on_release_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
+            if self._sender.stop.has_reached_nobody and name not in self._graph.offered:
+                gate()
+                self._sender.give_up()
+                return Outcome(Code.DONE, REACHED_NOBODY)
 
             def on_late_answer(outcome: Outcome) -> None:
                 if outcome.ok:

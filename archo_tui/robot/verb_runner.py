@@ -14,7 +14,7 @@ from archo_tui.robot.requester import current_requester
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Stops, Void
-from archo_tui.robot.stop.sender import ALL_ANSWERS, FIRST_FOUND
+from archo_tui.robot.stop_sender import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.robot.thread import RosThread
 from archo_tui.safe_text import harmless
 

@@ -74,6 +74,8 @@ class ReleaseStop(Verb):
         text = "Release the stop? Moves are allowed again; nothing resumes by itself."
         if station.robot.snapshot.stop_held_by_nobody:
             text = "Every node that held the stop has ended here. Forget the stop?"
+            if station.robot.snapshot.open_stop is not None:
+                text = "No node has got the STOP, since none serves it. Forget it?"
         return Question("Release", text, "Stay stopped", "Release")
 
 

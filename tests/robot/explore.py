@@ -112,7 +112,7 @@ def known(world: World) -> Any:
 def next_turn(world: World) -> int:
     stop = world.stop
     turns = [2, stop.first_turn, stop.answered_turn, stop.last_turn, stop.peer_turn]
-    turns.append(stop.past_turn)
+    turns += [stop.past_turn, stop.pressed_turn]
     turns += [pair[0] for pair in (stop.obeyed, stop.cancels) if pair]
     turns += [request.turn for request in world.requests] + [goal.turn for goal in world.goals]
     return int(max(turns)) + 1
@@ -147,10 +147,10 @@ def _request(world: World, *, is_stop: bool) -> World:
     return world._replace(servers=servers, requests=(*world.requests, request))
 
 
-def _call(world: World) -> World:
+def _call(world: World, *, is_pressed: bool = True) -> World:
     """Call STOP as `StopSender` does."""
     turn = next_turn(world)
-    world = world._replace(stop=world.stop.calling(turn, 0.0))
+    world = world._replace(stop=world.stop.calling(turn, 0.0, is_pressed=is_pressed))
     if not served(world):
         result = _result(world, StopAnswer.NOT_SENT)
         return _answer(world, result, turn, served(world))
@@ -354,7 +354,7 @@ def pass_time(world: World) -> World:
             _promise(stop.open is not None, "only an open STOP is sent again")
             _promise(not stop.awaited, "never two calls at once")
             if world.sends_left:
-                world = _call(world._replace(sends_left=world.sends_left - 1))
+                world = _call(world._replace(sends_left=world.sends_left - 1), is_pressed=False)
         elif what is module.Do.CANCEL_OWN:
             for place, goal in enumerate(world.goals):
                 if goal.phase == "moving" and goal.turn < turn:
@@ -389,9 +389,12 @@ def normal(world: World) -> World:
     """The world with turns by rank, and without what decides nothing any more."""
     stop = world.stop._replace(held=0.0, released=None, seen_stopped=float("-inf"))
     if stop.open is None:
-        stop = stop._replace(first_turn=0, answered_turn=0, answered=0.0, all_cancelled=0)
-    if stop.all_cancelled != stop.first_turn:
-        stop = stop._replace(all_cancelled=0)
+        stop = stop._replace(
+            first_turn=0, answered_turn=0, answered=0.0, pressed_turn=0, called=frozenset()
+        )
+    # Only whether the goals of others were cancelled for the last press counts.
+    is_done = stop.open is not None and stop.all_cancelled == stop.pressed_turn
+    stop = stop._replace(pressed_turn=1, all_cancelled=int(is_done))
     if stop.state.name == "NONE":
         stop = stop._replace(
             holders=frozenset(), servers_changed=float("-inf"), seen_servers=frozenset()
@@ -418,7 +421,6 @@ def normal(world: World) -> World:
         last_turn=rank(stop.last_turn),
         peer_turn=rank(stop.peer_turn),
         past_turn=rank(stop.past_turn),
-        all_cancelled=rank(stop.all_cancelled),
         others_before=min(stop.others_before, 1),
         obeyed=stop.obeyed and (rank(stop.obeyed[0]), 0.0),  # Nothing here asks for its time.
         cancels=stop.cancels and (rank(stop.cancels[0]), max(stop.cancels[1], 0.0)),
@@ -625,6 +627,9 @@ LARGE: dict[str, Callable[..., World]] = {
     "a restart and a release": partial(begin, 1, **{**_ALONE, "restarts_left": 1}),
     "a peer and a release": partial(
         begin, 1, stops_left=1, restarts_left=0, goals_left=0, sends_left=0
+    ),
+    "two servers, of which one is suspended": partial(
+        begin, 2, pauses_left=1, **{**_ALONE, "releases_left": 0}
     ),
     "a robot that reports its motion": partial(begin, 1, reports="motion", **_ALONE),
     "a robot that reports its stop, and a release": partial(begin, 1, reports="stop", **_ALONE),

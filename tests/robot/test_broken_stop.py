@@ -17,7 +17,7 @@ from rclpy.task import Future
 from std_srvs.srv import Empty
 
 from archo_tui.robot.consoles import author, goals_of_others
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state import Latch, Phase
 from archo_tui.robot_file.load import default_path
 from archo_tui.words.goal import goal_line
 from tests.support import clock
@@ -208,7 +208,7 @@ async def test_goals_of_other_clients_are_cancelled_a_second_after_a_stop_withou
         assert not (await ended(it.emergency_stop())).ok
         await until(lambda: it.snapshot.running == 0)
         assert 0.9 < made[0].cancelled[0] - sent < 1.5
-        said = "STOP is not confirmed: cancelling 3 goals of other clients"
+        said = "STOP was not confirmed in time: cancelling 3 goals of other clients"
         await until(lambda: said in texts(it))
         await pass_time(3.0)
         assert sum("goals of other clients" in text for text in texts(it)) == 1
@@ -280,7 +280,7 @@ async def test_a_stop_that_cannot_say_yes_is_judged_by_the_motion(moves: bool) -
         await until(lambda: it.snapshot.motion.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         await pass_time(4.5)
-        asked = [text for text in texts(it) if text.startswith("STOP is not confirmed: ")]
+        asked = [text for text in texts(it) if text.startswith("STOP was not confirmed in time: ")]
         assert len(asked) == int(moves)
         assert (len(made[0].stops) > 2) == moves  # sent again only while it moves
 
@@ -299,3 +299,61 @@ async def test_the_cancelling_for_a_stop_ends_when_it_is_given_up() -> None:
         before = len(made[0].cancelled)
         await pass_time(5.0)
         assert len(made[0].cancelled) <= before + 1  # one may have been on its way
+
+
+async def test_a_stop_that_is_pressed_again_cancels_what_others_have_sent_since() -> None:
+    made: list[Driver] = []
+    others: list[Other] = []
+    async with robot(making(made, Driver, "no"), making(others, Other)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 1)
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: it.snapshot.running == 0)
+        begin(others[0], others[0].go)
+        await until(lambda: it.snapshot.running == 1)
+        await pass_time(2.5)
+        assert it.snapshot.running == 1  # A repeat is no new word of the operator.
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: it.snapshot.running == 0)
+
+
+class Hangs(Node):
+    """Serves STOP, too, and never answers."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("hangs", **options)
+        self.never: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        self.served = self.create_service(
+            EmergencyStop, "emergency_stop", self.stop, callback_group=group
+        )
+
+    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        await self.never
+        return response
+
+    def leave(self) -> None:
+        self.destroy_service(self.served)
+
+
+async def test_a_server_that_leaves_without_an_answer_makes_the_stop_uncertain() -> None:
+    made: list[Hangs] = []
+    async with robot(lambda **o: Driver("yes", **o), making(made, Hangs)) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.duplicate_servers)
+        assert not (await ended(it.emergency_stop())).ok
+        begin(made[0], made[0].leave)
+        await until(lambda: it.snapshot.open_stop is None)
+        assert it.snapshot.latch is Latch.UNCERTAIN
+        assert it.snapshot.latch_doubt == "/hangs has left without an answer"
+        made[0].never.set_result(True)
+
+
+async def test_a_stop_that_reached_nobody_is_forgotten_by_a_release() -> None:
+    async with robot(lambda **options: Node("none", **options)) as it:
+        assert not (await ended(it.emergency_stop())).ok
+        assert it.snapshot.open_stop is not None
+        outcome = await ended(it.release_emergency_stop())
+        assert outcome.ok
+        assert outcome.text == "no node has got the STOP, which is given up; nothing was sent"
+        assert it.snapshot.open_stop is None

@@ -431,6 +431,30 @@ def events(world: World) -> Iterator[tuple[str, TrackedGoal]]:
         yield f"{seconds} s without server", _later(goal, seconds, is_served=False)
 
 
+# What each of these changes; in other phases it changes none.
+CHANGES: dict[str, dict[Phase, Phase]] = {
+    "refused": {Phase.SENT: Phase.REFUSED, Phase.UNKNOWN: Phase.REFUSED},
+    "refused late": {Phase.UNKNOWN: Phase.REFUSED},  # In time, its reason is waited for.
+    "no answer": {Phase.SENT: Phase.UNKNOWN},
+    "feedback": {Phase.UNKNOWN: Phase.MOVING, Phase.LOST: Phase.MOVING},
+    "says canceling": {Phase.MOVING: Phase.CANCELLING},
+    "cancel": dict.fromkeys((Phase.MOVING, Phase.UNKNOWN, Phase.LOST), Phase.CANCELLING),
+    "robot heard": {Phase.LOST: Phase.UNKNOWN},
+    **{name: {} for name in ("cancel accepted", "called off", "checked", "earlier result")},
+}
+
+
+def check_phase(name: str, before: TrackedGoal, phase: Phase) -> None:
+    """Check the phase to which an event leads."""
+    was, seconds = before.goal.phase, name.split()[-1] == "s" or " s without" in name
+    if name in CHANGES and not (name == "robot heard" and before.period.last is not None):
+        assert phase is CHANGES[name].get(was, was), f"{name} in {was}"
+    if name in ("cancel failed", "cancel rejected") and was is not Phase.CANCELLING:
+        assert phase is was, f"{name} in {was}"
+    if seconds and phase not in (was, Phase.GONE):  # Silence tells nothing of any other goal.
+        assert (was, phase) in ((Phase.MOVING, Phase.LOST), (Phase.CANCELLING, Phase.LOST))
+
+
 def check(world: World, name: str, after: TrackedGoal) -> World:
     """Check the step that an event made, and return the world after it."""
     before, goal = world.goal, after.goal
@@ -440,6 +464,7 @@ def check(world: World, name: str, after: TrackedGoal) -> World:
         must_cancel = name == "accepted" and not is_wanted
         assert after.todo == ((Do.CANCEL_ENDED,) if must_cancel else ())
         return world
+    check_phase(name, before, goal.phase)
     if name == "earlier result":
         assert after is before, "an answer to an earlier question counts for nothing"
     if after.is_running and (world.is_void or before.is_cancelled):
@@ -447,6 +472,9 @@ def check(world: World, name: str, after: TrackedGoal) -> World:
         if name == "accepted" or was_unknown:
             assert after.must_not_run, "a void goal that is accepted is cancelled"
     assert (Do.CANCEL in after.todo) == (after.must_not_run and not before.must_not_run)
+    if name == "cancel":
+        is_sent = before.goal.phase is Phase.SENT
+        assert (after is before) == is_sent, "a cancel leaves unless the goal has no answer yet"
     if name == "accepted":
         assert Do.ASK in after.todo, "an accepted goal's result is asked for"
     came_from, is_confirmed = world.came_from, world.is_confirmed

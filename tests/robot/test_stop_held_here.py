@@ -28,7 +28,7 @@ class Nodes:
     def confirm(self, **served: bytes | set[bytes]) -> None:
         """All nodes that serve STOP say yes to a call."""
         turn, servers = next(self._turns), _servers(served)
-        called = self.stop.calling(turn, 0.0).leaving(next(self._turns), servers)
+        called = self.stop.calling(turn, 0.0, is_pressed=True).leaving(next(self._turns), servers)
         yes = Result(StopAnswer.AWAITED)
         self.stop = called.answered_by(
             yes, turn, 0.0, next(self._turns), servers, servers, self.unended

@@ -50,7 +50,7 @@ _NOT_TAKEN = f"the robot does not know this goal: it did not take it in {NEVER_T
 
 
 class Event(Enum):
-    """What may happen to a goal that runs."""
+    """An event of a goal that runs."""
 
     ACCEPTED = auto()
     REFUSED = auto()  # By its server, or it was not sent at all.
@@ -90,7 +90,7 @@ PHASES: Mapping[Event, tuple[Phase | None, ...]] = {
 
 
 class Do(Enum):
-    """What is to be sent now."""
+    """A thing to be sent now."""
 
     ASK = auto()  # A question for the result, in place of an earlier one.
     CANCEL = auto()  # Its cancel, as an operator would ask for it.

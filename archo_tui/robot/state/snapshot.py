@@ -48,7 +48,8 @@ class Snapshot(NamedTuple):
         latch_time: The Unix time at which that STOP was confirmed; 0 before the first.
         released: When a release or a goal was last accepted, in monotonic seconds; None if none
             was.
-        stop_held_by_nobody: True if every node that confirmed that STOP ran in this process and
+        stop_held_by_nobody: True if the open STOP was never sent to any node, or, without an open
+            one, if every node that confirmed that STOP ran in this process and
             has ended, and no further STOP is open.
         stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
         still_running_after_stop: The names of goals that still run after a STOP was answered.

@@ -1,1 +1,1 @@
-"""STOP: the gate that voids what came before it, the machine of its rules, and its sender."""
+"""STOP: the gate that voids what came before it, and the machine of its rules."""

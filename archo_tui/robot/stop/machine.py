@@ -43,6 +43,7 @@ class Event(Enum):
     PEER_STOPPED = auto()  # Another console's STOP, of a robot that does not report its stops.
     PEER_UNDID = auto()  # Another console released its own STOP, or a robot that reports it.
     MAY_BE_RELEASED = auto()  # By another console, or by a release that may have come before.
+    LEFT_SILENT = auto()  # A node to which it was sent has left without an answer.
     SERVERS_SAME = auto()  # The nodes that confirmed it serve it, and none was restarted.
     SERVERS_DIFFER = auto()  # One of them has left or was restarted, or another one serves it.
 
@@ -69,6 +70,7 @@ LATCH: Mapping[Event, tuple[State | None, ...]] = {
     Event.PEER_STOPPED:   (_H, _X, _H, _H),
     Event.PEER_UNDID:     (_N, _N, _N, _N),
     Event.MAY_BE_RELEASED: (_N, _D, _D, _D),
+    Event.LEFT_SILENT:    (_X, _D, _X, _X),
     Event.SERVERS_SAME:   (_X, _H, _H, _D),
     Event.SERVERS_DIFFER: (_X, _U, _U, _D),
 }  # fmt: skip
@@ -99,7 +101,7 @@ class Do(Enum):
 
     SEND = auto()  # Call the servers, again or for the first time.
     CANCEL_OWN = auto()  # Cancel the goals of this console from before the turn.
-    CANCEL_ALL = auto()  # Cancel every goal of the tracked actions, once for an open STOP.
+    CANCEL_ALL = auto()  # Cancel every goal of the tracked actions, once for each press of STOP.
     CANCEL_OTHERS = auto()  # Cancel the goals of other clients from before the turn.
 
 
@@ -127,6 +129,7 @@ class Stop(NamedTuple):
     holders_have_ended: bool = False
     awaited: int = 0
     seen_stopped: float = -math.inf
+    pressed_turn: int = 0  # Of the last call that was not a repeat.
     first_turn: int = 0  # Of the open STOP's first call; answers to earlier calls do not count.
     answered_turn: int = 0  # Of the last call whose answer is shown.
     is_given_up: bool = False  # The STOP that was opened last.
@@ -138,8 +141,9 @@ class Stop(NamedTuple):
     answered: float = -math.inf  # When the last answer came, or was over.
     obeyed: tuple[int, float] | None = None  # The turn of the last STOP to be obeyed, since when.
     cancels: tuple[int, float] | None = None  # Goals from before the turn, from when on.
-    all_cancelled: int = 0  # The turn of the last open STOP for which CANCEL_ALL was done.
+    all_cancelled: int = 0  # The `pressed_turn` for which CANCEL_ALL was done last.
     others_before: int = 0  # Goals of others from before it are cancelled; 0: none are.
+    called: Servers = NOBODY  # All nodes to which the open STOP was sent.
     asked_servers: Servers = NOBODY  # They may be gone by the time of the yes.
     holders: Servers = NOBODY  # The nodes that confirmed it.
     is_held_here: bool = False  # Only nodes of this process have served it since.
@@ -163,6 +167,12 @@ class Stop(NamedTuple):
         return self.open is None and self.holders_have_ended
 
     @property
+    def has_reached_nobody(self) -> bool:
+        """True if the open STOP was never sent, since no node serves it, and none holds."""
+        is_unsent = self.open is not None and self.open.answer is StopAnswer.NOT_SENT
+        return is_unsent and not self.called and self.state is State.NONE
+
+    @property
     def shown(self) -> tuple[object, ...]:
         """The part that the operator is shown."""
         return self.open, self.latch, self.doubt, self.holders_have_ended, self.is_not_obeyed
@@ -182,17 +192,25 @@ class Stop(NamedTuple):
 
     # The open STOP.
 
-    def calling(self, turn: int, now: float) -> Stop:
-        """Begin a call: without an open STOP, open one."""
+    def calling(self, turn: int, now: float, *, is_pressed: bool) -> Stop:
+        """Begin a call: without an open STOP, open one.
+
+        Pressed again by an operator, it is meant for the goals that others have sent since, too.
+        """
         after = self._replace(awaited=self.awaited + 1)
+        if is_pressed or self.open is None:
+            after = after._replace(pressed_turn=turn)
         if self.open is not None:
             return after
-        opened = after._replace(open=OpenStop(now), first_turn=turn, is_given_up=False)
+        opened = after._replace(
+            open=OpenStop(now), first_turn=turn, is_given_up=False, called=NOBODY
+        )
         return opened._cancel_before(turn, now)
 
     def leaving(self, turn: int, servers: Servers) -> Stop:
         """Take down that a call leaves now, and to which nodes."""
-        return self._replace(last_turn=turn, asked_servers=servers)
+        called = self.called | servers
+        return self._replace(last_turn=turn, asked_servers=servers, called=called)
 
     def answered_by(
         self,
@@ -252,8 +270,12 @@ class Stop(NamedTuple):
         event = Event.YES_TO_PAST if is_past else Event.YES
         if self.open is None and self.state is not State.HELD:
             turn, due = turn_now, now
+        silent = sorted(dict(self.called).keys() - dict(asked).keys())
         held = self._expect_obeyed(turn, now)._hold(event, now, asked, here)
-        return held._replace(open=None, due=due)
+        held = held._replace(open=None, due=due)
+        if self.open is None or not silent:
+            return held
+        return held._fire(Event.LEFT_SILENT, f"{silent[0]} has left without an answer")
 
     def given_up(self) -> Stop:
         """Close the open STOP though it is not confirmed: nothing is sent for it any more."""
@@ -450,8 +472,9 @@ class Stop(NamedTuple):
         if self.cancels is not None and now >= self.cancels[1]:
             todo.append((Do.CANCEL_OWN, self.cancels[0]))
         if self._must_cancel_others(now, facts):
-            after = self._replace(all_cancelled=self.first_turn, others_before=self.first_turn)
-            todo.append((Do.CANCEL_ALL, self.first_turn))
+            turn = self.pressed_turn
+            after = self._replace(all_cancelled=turn, others_before=turn)
+            todo.append((Do.CANCEL_ALL, turn))
         elif self.others_before:
             todo.append((Do.CANCEL_OTHERS, self.others_before))
         if self._must_send(now, facts):
@@ -460,7 +483,7 @@ class Stop(NamedTuple):
 
     def _must_cancel_others(self, now: float, facts: Facts) -> bool:
         stop = self.open
-        if stop is None or not facts.moves or self.all_cancelled == self.first_turn:
+        if stop is None or not facts.moves or self.all_cancelled == self.pressed_turn:
             return False
         return now - stop.asked >= CANCEL_OTHERS_AFTER
 

@@ -98,7 +98,7 @@ class StopSender:
         The robot must have a STOP. If it is not confirmed, the text ends with the advice to use the
         hardware stop.
         """
-        outcome, _ = await self._call(self._begin_call())
+        outcome, _ = await self._call(self._begin_call(is_pressed=True))
         if outcome.ok:
             return outcome
         return outcome._replace(text=f"{outcome.text}: use the hardware stop")
@@ -116,9 +116,9 @@ class StopSender:
         elif outcome.code is Code.REFUSED:  # Equal ones are one event with a count.
             self._reporter.warn(f"STOP, sent again: {outcome.text}")
 
-    def _begin_call(self) -> int:
-        turn = self._services.next_turn()
-        self._become(self.stop.calling(turn, self._clock.monotonic()))
+    def _begin_call(self, *, is_pressed: bool = False) -> int:
+        turn, now = self._services.next_turn(), self._clock.monotonic()
+        self._become(self.stop.calling(turn, now, is_pressed=is_pressed))
         return turn
 
     async def _call(self, turn: int) -> tuple[Outcome, bool]:
@@ -288,8 +288,11 @@ class StopSender:
 
     async def _cancel_all(self) -> None:
         """Cancel every goal of the tracked actions, and report what came of it."""
+        runs_here = self._goals.ours is not None
         outcome = await self._goals.cancel_others()
-        text = f"STOP is not confirmed: {outcome.text}"
+        if outcome.code is Code.REFUSED and runs_here:
+            return  # Only a goal of this console ran, whose end is an event.
+        text = f"STOP was not confirmed in time: {outcome.text}"
         self._reporter.report_cancel_of_others(text, outcome.code)
 
 
