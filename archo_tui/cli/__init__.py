@@ -16,6 +16,7 @@ from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain
 from archo_tui.cli.restart import command_line
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
+from archo_tui.system import END_SIGNALS
 
 _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 
@@ -45,6 +46,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         with ShortPauses():
             code = run_words(words, ros_args)
         if code == _AGAIN:
+            for number in END_SIGNALS:  # An ignored one would be ignored after `exec`, too.
+                signal.signal(number, signal.SIG_DFL)
             os.execv(sys.executable, command_line(given))
         if sys.stdout is not None:
             sys.stdout.flush()

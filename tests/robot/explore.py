@@ -389,9 +389,7 @@ def normal(world: World) -> World:
     """The world with turns by rank, and without what decides nothing any more."""
     stop = world.stop._replace(held=0.0, released=None, seen_stopped=float("-inf"))
     if stop.open is None:
-        stop = stop._replace(
-            first_turn=0, answered_turn=0, answered=0.0, pressed_turn=0, called=frozenset()
-        )
+        stop = stop._replace(first_turn=0, answered_turn=0, answered=0.0, pressed_turn=0)
     # Only whether the goals of others were cancelled for the last press counts.
     is_done = stop.open is not None and stop.all_cancelled == stop.pressed_turn
     stop = stop._replace(pressed_turn=1, all_cancelled=int(is_done))
@@ -459,7 +457,8 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
                 yield f"{name} no {number}", partial(handle, place, number, "n")
         if server.alive and world.restarts_left and not world.peer_says:
             yield f"{name} leaves", partial(leave, place)
-        if server.alive and world.pauses_left:
+        # Of one that is suspended before no console knows anything.
+        if server.alive and world.pauses_left and world.stops_read:
             yield f"{name} is suspended", partial(suspend, place)
         if server.is_suspended:
             yield f"{name} is resumed", partial(resume, place)

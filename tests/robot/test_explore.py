@@ -38,7 +38,7 @@ BROKEN = [
     # A restart of its node makes a STOP uncertain.
     ("SERVERS_DIFFER: (_X, _U,", "SERVERS_DIFFER: (_X, _H,", "a peer and a restart"),
     # A node that left without an answer has not confirmed it.
-    ("        if self.open is None or not silent:\n", "        if True:\n", SUSPENDED),
+    ("        if held.state is not State.HELD or not silent:\n", "        if True:\n", SUSPENDED),
     # The robot's own report ends a STOP.
     ("SAYS_RELEASED:  (_X, _N,", "SAYS_RELEASED:  (_X, _H,", REPORTS),
     # Another console's STOP that crosses a release is not certain.

@@ -273,7 +273,7 @@ class Stop(NamedTuple):
         silent = sorted(dict(self.called).keys() - dict(asked).keys())
         held = self._expect_obeyed(turn, now)._hold(event, now, asked, here)
         held = held._replace(open=None, due=due)
-        if self.open is None or not silent:
+        if held.state is not State.HELD or not silent:
             return held
         return held._fire(Event.LEFT_SILENT, f"{silent[0]} has left without an answer")
 
