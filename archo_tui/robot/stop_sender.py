@@ -1,11 +1,12 @@
 """The sending of STOP: calls, servers and answers, and what `machine` asks for. ROS thread only.
 
-No rule is here: each event goes to the machine, and what it returns is carried out.
+Each event goes to the machine, and what it returns is carried out; `answers_of` alone judges.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -92,20 +93,20 @@ class StopSender:
 
     # Calls.
 
-    async def send(self) -> Outcome:
+    async def send(self, *, is_pressed: bool = True) -> Outcome:
         """Send STOP, and wait until all servers have answered or their time is over.
 
         The robot must have a STOP. If it is not confirmed, the text ends with the advice to use the
         hardware stop.
         """
-        outcome, _ = await self._call(self._begin_call(is_pressed=True))
+        outcome, _ = await self._call(self._begin_call(is_pressed=is_pressed))
         if outcome.ok:
             return outcome
         return outcome._replace(text=f"{outcome.text}: use the hardware stop")
 
     async def send_after_late_answer(self) -> None:
         """Send STOP again: the robot may have carried out a release from before it last."""
-        outcome = await self.send()
+        outcome = await self.send(is_pressed=False)
         text = f"STOP, sent again behind an earlier command: {outcome.text}"
         self._reporter.report_stop_result(text, outcome.code)
 
@@ -150,7 +151,10 @@ class StopSender:
             # Before it leaves: a server may confirm it and be gone at once. On a graph of 4,000
             # names this takes some 15 ms.
             asked = self._servers()
-            answers = await self._ask_servers(self._served, asked, on_late)
+            if self.stop.is_wanted(turn):
+                answers = await self._ask_servers(self._served, asked, on_late)
+            else:
+                answers = _not_sent(Code.CANCELLED, "it was released or given up before it left")
         except Exception as error:  # Whatever failed, nothing was stopped.
             answers = _not_sent(Code.REFUSED, in_one_line(error))
         is_news = record(answers)
@@ -196,7 +200,9 @@ class StopSender:
     def _servers(self) -> Servers:
         if self._served is None:
             return NOBODY
-        return frozenset(self._graph.holders(self._served.service).items())
+        with suppress(Exception):  # A STOP leaves, and is answered, whatever the graph says.
+            return frozenset(self._graph.holders(self._served.service).items())
+        return NOBODY
 
     # Events of others.
 

@@ -21,13 +21,13 @@ REPORTS = "a robot that reports its stop, and a restart"
 # A rule, what it says instead, and the world in which that is found.
 BROKEN = [
     # A yes to a call before the open STOP confirms nothing.
-    ("            if is_earlier:\n", "            if False:\n", STOPS),
+    ("if is_earlier or (", "if (", STOPS),
     # A late yes behind a release is not certain.
     ("YES_TO_PAST:    (_D,", "YES_TO_PAST:    (_H,", RELEASE),
     # A release that may have come last leaves a doubt, and earlier calls confirm nothing.
     ("MAY_BE_RELEASED: (_N, _D,", "MAY_BE_RELEASED: (_N, _H,", RELEASE),
-    ("self.first_turn if self.open is None else turn_now", "self.first_turn", RELEASE),
-    ("past_turn=turn_now, first", "first", RELEASE),
+    ("after._replace(first_turn=turn, open=", "after._replace(open=", RELEASE),
+    ("after = self._replace(past_turn=turn)", "after = self", RELEASE),
     # Nodes that came since the call left have not confirmed it.
     ("turn, now, turn_now, asked, here)", "turn, now, turn_now, servers, here)", RESTART),
     (
@@ -45,7 +45,7 @@ BROKEN = [
     (" and self.undone_by != console", " and False", PEER),
     ("turn > self.peer_turn:", "True:", PEER),
     # Never two calls at once; a refusal is asked again.
-    ("or self.awaited or", "or", RELEASE),
+    ("or self.awaited:", "or False:", RELEASE),
     ("open.answer is StopAnswer.UNCONFIRMED and", "open.answer is StopAnswer.REFUSED or", RELEASE),
     # Goals from before a STOP are cancelled, whatever it is answered; those of others, too.
     ("opened._cancel_before(turn, now)", "opened", "a goal and a release"),

@@ -30,6 +30,7 @@ class GoalAction:
         name: The full name of the action.
         reported: The ids of the goals in the last status message that came while the action had a
             single server; None before the first. Set by `Goals`.
+        is_exempt: True if no STOP cancels its goals.
         type: The class of the action; None if it is not installed here: then nothing is sent.
     """
 
@@ -41,8 +42,9 @@ class GoalAction:
         on_status: Callable[[GoalAction, Any], None],
         watching: bool,
         since: float,
+        is_exempt: bool,
     ) -> None:
-        self._node, self.kind, self.since = node, kind, since
+        self._node, self.kind, self.since, self.is_exempt = node, kind, since, is_exempt
         self.name = str(node.resolve_service_name(kind.action))
         self.reported: set[bytes] | None = None
         self.type = message_classes.load(kind.type)
@@ -150,7 +152,8 @@ class GoalActions:
         key = (kind.action, kind.type)
         if key not in self._actions:
             now = self._clock.now()
-            made = GoalAction(self._node, kind, *self._callbacks, self._watching, now)
+            is_exempt = str(self._node.resolve_service_name(kind.action)) in self.exempt
+            made = GoalAction(self._node, kind, *self._callbacks, self._watching, now, is_exempt)
             self._actions[key] = made
         return self._actions[key]
 

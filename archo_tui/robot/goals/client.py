@@ -55,8 +55,9 @@ class _Record:
 
     @property
     def is_void(self) -> bool:
-        """True if a STOP came after it was typed here, from this console or another one."""
-        return self.gate is not None and self.gate.is_shut
+        """True if a STOP came after it was typed here, and cancels it, wherever it is by then."""
+        is_shut = self.gate is not None and self.gate.is_shut
+        return is_shut and not self.action.is_exempt
 
 
 class Goals:
@@ -352,7 +353,7 @@ class Goals:
         """Cancel the goals from before a STOP: those of this console, or those of others."""
         now = self._clock.monotonic()
         for record in list(self._running.values()):
-            if record.state.goal.mine is mine and record.action.name not in self.actions.exempt:
+            if record.state.goal.mine is mine and not record.action.is_exempt:
                 self._become(record, record.state.behind_stop(turn, now))
 
     def names_from_before(self, turn: int) -> tuple[str, ...]:

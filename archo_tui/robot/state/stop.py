@@ -10,7 +10,7 @@ class StopAnswer(Enum):
     """The answer so far to a STOP that is not confirmed; the value is the word for it."""
 
     AWAITED = ""
-    NONE = "no answer"  # Not from every server in time: the STOP is sent again.
+    NONE = "no answer"  # Not from every server in time.
     NOT_SENT = "NOT SENT"
     REFUSED = "REFUSED"
     UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
@@ -35,4 +35,4 @@ class Latch(Enum):
 
     NONE = "none"  # There was none, or it was released.
     HELD = "held"
-    UNCERTAIN = "uncertain"  # It may no longer hold; `StopLatch.doubt` says why.
+    UNCERTAIN = "uncertain"  # It may no longer hold; `Snapshot.latch_doubt` says why.

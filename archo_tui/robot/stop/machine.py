@@ -62,7 +62,7 @@ _X = None  # Cannot happen there: the methods below do not ask.
 LATCH: Mapping[Event, tuple[State | None, ...]] = {
     # From:                NONE HELD UNCERTAIN DOUBTED
     Event.YES:            (_H, _H, _H, _H),
-    Event.YES_TO_PAST:    (_D, _H, _D, _D),
+    Event.YES_TO_PAST:    (_D, _X, _D, _D),
     Event.SAYS_STOPPED:   (_H, _X, _H, _H),
     Event.SAYS_RELEASED:  (_X, _N, _U, _X),
     Event.MOVES:          (_N, _D, _D, _D),
@@ -170,7 +170,7 @@ class Stop(NamedTuple):
     def has_reached_nobody(self) -> bool:
         """True if the open STOP was never sent, since no node serves it, and none holds."""
         is_unsent = self.open is not None and self.open.answer is StopAnswer.NOT_SENT
-        return is_unsent and not self.called and self.state is State.NONE
+        return is_unsent and self.last_turn < self.first_turn and self.state is State.NONE
 
     @property
     def shown(self) -> tuple[object, ...]:
@@ -188,7 +188,10 @@ class Stop(NamedTuple):
         after = self._replace(state=state, doubt=doubt)
         if state is not State.NONE:
             return after
-        return after._replace(due=None, is_not_obeyed=False, holders_have_ended=False)
+        others = 0 if self.open is None else self.others_before
+        return after._replace(
+            due=None, is_not_obeyed=False, holders_have_ended=False, others_before=others
+        )
 
     # The open STOP.
 
@@ -239,7 +242,9 @@ class Stop(NamedTuple):
         before = self._replace(answered=now, awaited=self.awaited - (not is_late))
         is_earlier = self.open is not None and turn < self.first_turn
         if result.is_yes:
-            if is_earlier:
+            # A call that another node has got as well is not confirmed by an earlier one.
+            more = dict(self.called).keys() & dict(servers).keys() - dict(asked).keys()
+            if is_earlier or (self.open is not None and asked and more):
                 return before
             held = before._confirmed(turn, now, turn_now, asked, here)
             return held.served_by(servers, here, now)
@@ -265,11 +270,12 @@ class Stop(NamedTuple):
         Without an open one, the yes is to a STOP that was given up or is past: the robot may have
         carried it out just now.
         """
-        due = self.due if self.open is None else self.open.asked
-        is_past = self.open is None and turn < self.past_turn
-        event = Event.YES_TO_PAST if is_past else Event.YES
-        if self.open is None and self.state is not State.HELD:
-            turn, due = turn_now, now
+        if self.open is None and self.state is State.HELD:
+            return self._expect_obeyed(turn, now)
+        event, due = Event.YES, now if self.open is None else self.open.asked
+        if self.open is None:
+            event = Event.YES_TO_PAST if turn < self.past_turn else Event.YES
+            turn = turn_now
         silent = sorted(dict(self.called).keys() - dict(asked).keys())
         held = self._expect_obeyed(turn, now)._hold(event, now, asked, here)
         held = held._replace(open=None, due=due)
@@ -302,9 +308,19 @@ class Stop(NamedTuple):
         before = self._replace(undone=now, undone_by="")
         if not self._is_behind(turn) and turn > self.peer_turn:
             return before._end(turn, now)
-        first = self.first_turn if self.open is None else turn_now
-        after = before._replace(past_turn=turn_now, first_turn=first)
+        after = before._unconfirmed_before(turn_now)
         return after._fire(Event.MAY_BE_RELEASED, "a release from before it was answered behind it")
+
+    def _unconfirmed_before(self, turn: int) -> Stop:
+        """Have calls from before a turn confirm nothing any more; an open STOP is due again."""
+        after = self._replace(past_turn=turn)
+        if self.open is None:
+            return after
+        return after._replace(first_turn=turn, open=OpenStop(self.open.asked))
+
+    def is_wanted(self, turn: int) -> bool:
+        """Return False for a call whose STOP was given up, or released, before it has left."""
+        return self.open is not None or not (self.is_given_up or turn < self.past_turn)
 
     def _end(self, turn: int, now: float) -> Stop:
         after = self._fire(Event.ACCEPTED)
@@ -330,8 +346,10 @@ class Stop(NamedTuple):
             peer=peer,
             holders=holders,
             is_held_here=bool(holders) and (was_here or _are_here(holders, here)),
-            stopped_early=frozenset(),
+            # Of a STOP that was open when they started, they are holders.
+            stopped_early=self.stopped_early if event is Event.YES else frozenset(),
             holders_have_ended=False,
+            is_given_up=False,
         )
 
     def carried_out_early(self, node: str) -> Stop:
@@ -385,9 +403,7 @@ class Stop(NamedTuple):
 
         The robot may have done that last: earlier calls of the open STOP confirm it no more.
         """
-        after = self._replace(past_turn=turn, undone=now, undone_by=console)
-        if self.open is not None:
-            after = after._replace(first_turn=turn)
+        after = self._replace(undone=now, undone_by=console)._unconfirmed_before(turn)
         is_its_own = self.peer == console and self.state is State.HELD
         if self.reports or is_its_own:
             return after._fire(Event.PEER_UNDID)
@@ -411,7 +427,8 @@ class Stop(NamedTuple):
         after = self
         # The report may be a last one of nodes that were replaced.
         is_settled = self.state is State.NONE or now - self.servers_changed >= SETTLED
-        if self.open is not None and motion.stopped and is_settled:
+        has_left = self.last_turn >= self.first_turn
+        if self.open is not None and motion.stopped and is_settled and has_left:
             after = after._expect_obeyed(self.first_turn, now)
             after = after._replace(seen_stopped=now, due=self.open.asked, open=None)
         is_released = self.says_stopped and motion.stopped is False
@@ -423,6 +440,7 @@ class Stop(NamedTuple):
         elif is_released and self.state is State.HELD:
             # A node that was started anew may report it.
             after = after.served_by(servers, here, now)._fire(Event.SAYS_RELEASED)
+            after = after._replace(past_turn=max(after.past_turn, after.last_turn))
         return after._judged_by(motion, is_released=is_released)
 
     def _judged_by(self, motion: Motion, *, is_released: bool) -> Stop:
@@ -489,10 +507,11 @@ class Stop(NamedTuple):
 
     def _must_send(self, now: float, facts: Facts) -> bool:
         """Return True if the open STOP is due again; never while a call is awaited."""
-        if self.open is None or self.awaited or not facts.is_heard:
+        if self.open is None or self.awaited:
             return False
-        if self.open.answer is StopAnswer.NOT_SENT:
-            return facts.is_offered
+        is_unsent = self.open.answer is StopAnswer.NOT_SENT
+        if not (facts.is_offered if is_unsent else facts.is_heard):
+            return False
         if self.open.answer is StopAnswer.UNCONFIRMED and not facts.moves:
             return False  # It can never be a yes; the motion tells.
         return now - self.answered >= REPEAT_AFTER
