@@ -172,7 +172,8 @@ def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool =
     )
     if result.is_yes and before.open is not None and turn < before.first_turn:
         _promise(stop.open is not None, "a yes to an earlier STOP confirms no later one")
-    return world._replace(stop=stop)
+    is_back = result.is_yes and stop.latch is Latch.HELD  # Though it was given up.
+    return world._replace(stop=stop, is_past=world.is_past and not is_back)
 
 
 def read_stop(world: World) -> World:
