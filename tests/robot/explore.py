@@ -172,7 +172,7 @@ def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool =
     )
     if result.is_yes and before.open is not None and turn < before.first_turn:
         _promise(stop.open is not None, "a yes to an earlier STOP confirms no later one")
-    is_back = result.is_yes and stop.latch is Latch.HELD  # Though it was given up.
+    is_back = result.is_yes and not stop.is_given_up  # A late yes to one that was given up.
     return world._replace(stop=stop, is_past=world.is_past and not is_back)
 
 

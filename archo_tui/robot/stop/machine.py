@@ -349,7 +349,7 @@ class Stop(NamedTuple):
             # Of a STOP that was open when they started, they are holders.
             stopped_early=self.stopped_early if event is Event.YES else frozenset(),
             holders_have_ended=False,
-            is_given_up=False,
+            is_given_up=self.is_given_up and event is not Event.YES,
         )
 
     def carried_out_early(self, node: str) -> Stop:
