@@ -64,15 +64,13 @@ def picture() -> str:
         '<rect width="860" height="400" fill="#fff"/>',
     ]
     for before, to in sorted(steps(), key=str):
-        (x1, y1), (x2, y2), (x, y) = _PLACES[before], _PLACES[to], _BENDS[before, to]
-        (x1, y1), (x2, y2) = _edge(x1, y1, x, y), _edge(x2, y2, x, y)
+        (x1, y1), (x, y), (x2, y2) = _arrow(before, to)
         lines.append(
             f'<path d="M{x1},{y1} Q{x},{y} {x2},{y2}" fill="none" stroke="#777" '
             'marker-end="url(#end)"/>'
         )
     for (before, to), events in sorted(steps().items(), key=lambda step: str(step[0])):
-        (x1, y1), (x2, y2), (x, y) = _PLACES[before], _PLACES[to], _BENDS[before, to]
-        (x1, y1), (x2, y2) = _edge(x1, y1, x, y), _edge(x2, y2, x, y)
+        (x1, y1), (x, y), (x2, y2) = _arrow(before, to)
         x, y = (x1 + 2 * x + x2) // 4, (y1 + 2 * y + y2) // 4  # The middle of the curve.
         for row, event in enumerate(events):
             top = y + 12 * row - 6 * len(events) + 8
@@ -90,6 +88,12 @@ def picture() -> str:
             f'<text x="{x}" y="{y + 5}" font-size="15" text-anchor="middle">{state.name}</text>'
         )
     return "\n".join((*lines, "</svg>", ""))
+
+
+def _arrow(before: State, to: State) -> tuple[tuple[int, int], ...]:
+    """Return where an arrow begins, bends to, and ends."""
+    bend = _BENDS[before, to]
+    return _edge(*_PLACES[before], *bend), bend, _edge(*_PLACES[to], *bend)
 
 
 def _edge(x: int, y: int, towards_x: int, towards_y: int) -> tuple[int, int]:

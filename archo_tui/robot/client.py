@@ -180,7 +180,7 @@ class Robot:
         self._services.on_answered = self._on_answer
         if file.stop is not None:
             stops.set_service(file.stop, checks.full(file.stop.service))
-        self._stop = StopSender(
+        self._stop_sender = StopSender(
             node,
             steady,
             file.stop,
@@ -213,7 +213,7 @@ class Robot:
             lifecycles,
             self._parameters,
             motion_publishers,
-            self._stop,
+            self._stop_sender,
             self._unexplained_changes,
             self._reporter,
             self._snapshots,
@@ -228,7 +228,7 @@ class Robot:
             self._graph,
             self._goals,
             stops,
-            self._stop,
+            self._stop_sender,
             motion_publishers,
             self._unexplained_changes,
             self._reporter,
@@ -251,7 +251,7 @@ class Robot:
             self._snapshots,
         )
         goal_guard = GoalGuard(
-            file, self._graph, self._stop, self._telemetry, lambda: self._poller.faults
+            file, self._graph, self._stop_sender, self._telemetry, lambda: self._poller.faults
         )
         for kind in file.goals:
             self._goals.actions.track(kind)
@@ -269,7 +269,7 @@ class Robot:
             checks,
             self._goals,
             stops,
-            self._stop,
+            self._stop_sender,
         )
         self._goal_verbs = GoalVerbs(
             file,
@@ -280,7 +280,7 @@ class Robot:
             self._goals,
             goal_guard,
             self._goal_watcher,
-            self._stop,
+            self._stop_sender,
             lifecycles,
         )
         self._service_verbs = ServiceVerbs(clock, self._runner, caller, checks, self._reporter)
@@ -365,7 +365,7 @@ class Robot:
         Args:
             node: The full name of the node.
         """
-        self._thread.submit(lambda: self._stop.on_early_stop(node))
+        self._thread.submit(lambda: self._stop_sender.on_early_stop(node))
 
     def on_parameters_restored(self, node: str, values: Mapping[str, Any]) -> None:
         """Report that a hosted node was constructed anew, and given these parameters. Any thread.
@@ -651,11 +651,11 @@ class Robot:
         self._earlier_log.report_if_due()
         self._poller.poll_if_due()
         self._handlers.forget_clocks()
-        simulated = self.snapshot.simulated_nodes
-        self._sim_clock.poll(is_needed=self._graph.has_clock and bool(simulated))
+        is_needed = self._graph.has_clock and bool(self.snapshot.simulated_nodes)
+        self._sim_clock.poll(is_needed=is_needed)
 
     def _on_goal_change(self, is_new_phase: bool) -> None:
-        self._stop.begin_ticking()
+        self._stop_sender.begin_ticking()
         self._goal_watcher.on_change(is_new_phase)
 
     def _on_answer(self, turn: int) -> None:
@@ -664,8 +664,8 @@ class Robot:
         Args:
             turn: The number of the request in the order in which requests leave.
         """
-        if self._stop.stop.must_follow(turn):
-            self._thread.submit(self._stop.send_after_late_answer)
+        if self._stop_sender.stop.must_follow(turn):
+            self._thread.submit(self._stop_sender.send_after_late_answer)
 
     def _forget_periods(self, node: str, old: object, new: object) -> None:
         """Measure the periods of topics and feedback again, because a parameter has changed.
@@ -714,15 +714,15 @@ class Robot:
             offered=self._graph.offered,
             events=self._reporter.log.all(),
             charge=self._telemetry.charge,
-            open_stop=self._stop.stop.open,
-            latch=self._stop.stop.latch,
-            latch_doubt=self._stop.stop.doubt,
-            latch_time=self._stop.time,
-            released=self._stop.stop.released,
-            stop_held_by_nobody=self._stop.stop.is_held_by_nobody
-            or self._stop.stop.has_reached_nobody,
-            stop_not_obeyed=self._stop.stop.is_not_obeyed,
-            still_running_after_stop=self._stop.still_running,
+            open_stop=self._stop_sender.stop.open,
+            latch=self._stop_sender.stop.latch,
+            latch_doubt=self._stop_sender.stop.doubt,
+            latch_time=self._stop_sender.time,
+            released=self._stop_sender.stop.released,
+            stop_held_by_nobody=self._stop_sender.stop.is_held_by_nobody
+            or self._stop_sender.stop.has_reached_nobody,
+            stop_not_obeyed=self._stop_sender.stop.is_not_obeyed,
+            still_running_after_stop=self._stop_sender.still_running,
             namespace=self._graph.namespace,
             faults=self._poller.faults,
             publishers=self._graph.publishers,

@@ -37,7 +37,7 @@ class GoalGuard:
             telemetry: Tells whether the robot reports that it is stopped.
             faults: Returns why actions are not used, by their names in the robot file.
         """
-        self._file, self._graph, self._sender = file, graph, stop
+        self._file, self._graph, self._stop_sender = file, graph, stop
         self._telemetry, self._faults = telemetry, faults
 
     def refusal(self, kind: GoalKind, gate: Gate, *, queued: bool) -> Outcome | None:
@@ -54,15 +54,17 @@ class GoalGuard:
         """
         stop_state = self._stop_state()
         if queued and (
-            self._sender.stop.open is not None or stop_state.says_stopped or stop_state.stop_holds
+            self._stop_sender.stop.open is not None
+            or stop_state.says_stopped
+            or stop_state.stop_holds
         ):
             return Outcome(Code.HELD, HELD)
         # The STOP may not have reached the robot, and would not be sent again behind a goal.
-        if self._sender.stop.open is not None and not gate.is_shut:
+        if self._stop_sender.stop.open is not None and not gate.is_shut:
             return Outcome(Code.REFUSED, UNCONFIRMED)
         # Its node may have been restarted since the last poll.
-        self._sender.check_holders()
-        if self._sender.stop.latch is Latch.UNCERTAIN and not gate.is_shut:
+        self._stop_sender.check_holders()
+        if self._stop_sender.stop.latch is Latch.UNCERTAIN and not gate.is_shut:
             return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
         if stop_state.stop_holds and not gate.is_shut:
             return Outcome(Code.REFUSED, HOLDS)
@@ -77,6 +79,6 @@ class GoalGuard:
         return Snapshot(
             file=self._file,
             motion=self._telemetry.motion,
-            latch=self._sender.stop.latch,
-            released=self._sender.stop.released,
+            latch=self._stop_sender.stop.latch,
+            released=self._stop_sender.stop.released,
         )

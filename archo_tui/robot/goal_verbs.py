@@ -54,7 +54,7 @@ class GoalVerbs:
         self._file, self._runner, self._services = file, runner, pending
         self._graph, self._checks, self._goals = graph, checks, goals
         self._goal_guard, self._goal_watcher = guard, watcher
-        self._stop, self._lifecycles = stop, lifecycles
+        self._stop_sender, self._lifecycles = stop, lifecycles
 
     async def send(
         self, kind: GoalKind, values: Mapping[str, Any], *, queued: bool = False
@@ -87,7 +87,7 @@ class GoalVerbs:
             except Void:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
-                self._stop.on_goal_accepted(turn)
+                self._stop_sender.on_goal_accepted(turn)
             return self._with_inactive_server(kind.action, outcome)
 
         ros2 = self._checks.goal_command(kind, values)

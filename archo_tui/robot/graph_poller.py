@@ -70,7 +70,7 @@ class GraphPoller:
         self._file, self._clock, self._graph = file, clock, graph
         self._checks, self._parameters, self._lifecycles = checks, parameters, lifecycles
         self._telemetry, self._recorded_topics = telemetry, recorded_topics
-        self._motion_publishers, self._stop, self._changes = motion_publishers, stop, changes
+        self._motion_publishers, self._stop_sender, self._changes = motion_publishers, stop, changes
         self._reporter, self._snapshots, self._own_nodes = reporter, snapshots, own_nodes
         self._next = float("-inf")  # When the next poll is due, in monotonic seconds.
         self._arrivals = Arrivals(clock.monotonic())
@@ -99,7 +99,7 @@ class GraphPoller:
         changed = self._graph.poll()
         self._next = begun + self._graph.rest - _EARLY
         self._motion_publishers.check()
-        self._stop.check_holders()
+        self._stop_sender.check_holders()
         self._changes.author = CONSOLE if self._graph.silent_consoles else CLIENT
         self._report_consoles()
         for text in self._arrivals.compare(

@@ -65,7 +65,7 @@ class MessageHandlers:
             own_nodes: Returns the nodes of this process, which share its clock.
         """
         self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
-        self._stops, self._stop, self._motion_publishers = stops, stop, motion_publishers
+        self._stops, self._stop_sender, self._motion_publishers = stops, stop, motion_publishers
         self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
         self._earlier_log, self._clock_offsets = earlier_log, clock_offsets
         self._own_nodes = own_nodes
@@ -98,7 +98,7 @@ class MessageHandlers:
         served = self._file.stop
         # One of several robots tells nothing about the others.
         if served is not None and served.service not in self._graph.duplicates:
-            self._stop.on_motion(motion)
+            self._stop_sender.on_motion(motion)
         self._changes.on_motion(
             motion, self._clock.monotonic(), self._motion_publishers.have_restarted
         )
@@ -185,7 +185,7 @@ class MessageHandlers:
         self._stops.sent_elsewhere += record.verb == "stop"
         self._stops.superseded |= record.verb != "stop"
         if record.code is Code.DONE and record.verb == "stop":
-            self._stop.on_stopped_elsewhere(console)
+            self._stop_sender.on_stopped_elsewhere(console)
         elif record.code is Code.DONE and record.verb == "release":
-            self._stop.on_released_elsewhere(console)
+            self._stop_sender.on_released_elsewhere(console)
         self._reporter.add(Event(self._clock.now(), "PEER", console, text, audit_record=record))

@@ -55,7 +55,7 @@ class StopVerbs:
         """
         self._file, self._runner, self._caller, self._services = file, runner, caller, pending
         self._graph, self._checks, self._goals = graph, checks, goals
-        self._stops, self._sender = stops, stop
+        self._stops, self._stop_sender = stops, stop
         self._begun = clock.monotonic()
 
     async def emergency_stop(self) -> Outcome:
@@ -72,7 +72,7 @@ class StopVerbs:
                 return await self._cancel_instead_of_stop()
             command = self._checks.call_command(stop.service, stop.request)
             return await self._runner.run(
-                "stop", {}, "STOP", command, lambda _: self._sender.send()
+                "stop", {}, "STOP", command, lambda _: self._stop_sender.send()
             )
         finally:
             self._stops.answered = self._stops.count
@@ -108,21 +108,21 @@ class StopVerbs:
             turn = self._services.next_turn()
             if self._is_held_by_nobody(name):
                 gate()
-                self._sender.on_release_accepted(turn)
+                self._stop_sender.on_release_accepted(turn)
                 return Outcome(Code.DONE, HELD_BY_NOBODY)
-            if self._sender.stop.has_reached_nobody and name not in self._graph.offered:
+            if self._stop_sender.stop.has_reached_nobody and name not in self._graph.offered:
                 gate()
-                self._sender.give_up()
+                self._stop_sender.give_up()
                 return Outcome(Code.DONE, REACHED_NOBODY)
 
             def on_late_answer(outcome: Outcome) -> None:
                 if outcome.ok:
-                    self._sender.on_release_accepted(turn)
+                    self._stop_sender.on_release_accepted(turn)
                 report_late(outcome)
 
             outcome = await self._caller.call_named(name, request, gate, on_late_answer)
             if outcome.ok:
-                self._sender.on_release_accepted(turn)
+                self._stop_sender.on_release_accepted(turn)
             return outcome
 
         ros2 = self._checks.call_command(name, request)
@@ -137,8 +137,8 @@ class StopVerbs:
         Args:
             release: The service that releases a STOP, as in the robot file.
         """
-        self._sender.check_holders()
-        return self._sender.stop.is_held_by_nobody and release not in self._graph.offered
+        self._stop_sender.check_holders()
+        return self._stop_sender.stop.is_held_by_nobody and release not in self._graph.offered
 
     async def give_up_stop(self) -> Outcome:
         """Give up the open STOP, which is not sent again though not confirmed, and report it.
@@ -149,7 +149,7 @@ class StopVerbs:
 
         async def call(gate: Gate) -> Outcome:
             gate()
-            self._sender.give_up()
+            self._stop_sender.give_up()
             return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
@@ -161,7 +161,7 @@ class StopVerbs:
             The full name of the STOP's service and the request; "" and {} if no STOP holds, is open
             or is on its way, or the robot has none.
         """
-        stop, known = self._file.stop, self._sender.stop
+        stop, known = self._file.stop, self._stop_sender.stop
         holds = known.open is not None or known.latch is not Latch.NONE
         if stop is None or (not holds and self._stops.are_answered):
             return "", {}
