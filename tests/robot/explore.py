@@ -211,7 +211,9 @@ def deliver(number: int, world: World) -> World:
         return _answer(world, result, request.turn, request.to, is_late=request.is_over)
     stop = world.stop
     if "n" not in request.answers:
-        stop = stop.release_accepted(request.turn, 0.0, next_turn(world))
+        before, stop = stop, stop.release_accepted(request.turn, 0.0, next_turn(world))
+        if before.latch is not Latch.NONE and request.turn <= before.peer_turn:
+            _promise(stop.latch is not Latch.NONE, "a release from before a STOP does not undo it")
     world = world._replace(stop=stop)
     return _call(world) if stop.must_follow(request.turn) else world
 
