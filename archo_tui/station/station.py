@@ -17,12 +17,11 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal, Latch, Snapshot
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
-from archo_tui.station.alarm_bell import AlarmBell
-from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import STOPPED, Alarm, holding
+from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
+from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
 from archo_tui.station.approval_requests import ApprovalRequests
 from archo_tui.station.approvals import Approvals
+from archo_tui.station.conditions import Situation
 from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.history import History
 from archo_tui.station.protocols import Frontend, Recorder
@@ -284,7 +283,7 @@ class Station:
         """
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
-        found = conditions(self._snapshot, now, self.host.states(), *troubles)
+        found = conditions(Situation(self._snapshot, now, self.host.states(), *troubles))
         # A confirmed release ends the alarm also while the robot reports nothing.
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)
         changed = self._board.update(found, now, self.clock.now(), known_over)
