@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import Hosted, Snapshot
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.approval_requests import ApprovalRequest
+from archo_tui.station.approvals import ApprovalRequest
 from archo_tui.station.history import History
 
 
