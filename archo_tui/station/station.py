@@ -21,11 +21,11 @@ from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
 from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
 from archo_tui.station.approvals import Approvals
 from archo_tui.station.conditions import Situation
+from archo_tui.station.frontend import Frontend
 from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.history import History
-from archo_tui.station.protocols import Frontend, Recorder
 from archo_tui.station.undo import Edit, UndoList
-from archo_tui.station.view import View
+from archo_tui.station.view import Recorder, View
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host

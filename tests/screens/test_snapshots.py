@@ -92,7 +92,7 @@ async def pictures(
     app = stub_app(snapshot, clock, hosted, size=first, in_field=not keys)
     if queue:  # none of them is sent while another one is on its way
         wanted = [QueuedGoal(SHELF, {"shelf_number": n}) for n in (1, *queue)]
-        waits = GoalQueue().submit(wanted, Snapshot())
+        waits = GoalQueue().seen(snapshot, 0.0, 0).submit(wanted, Snapshot())
         assert waits.coming is not None
         coming = waits.coming._replace(before=99, is_handed_over=True)  # No snapshot shows it.
         app.station.goals.queue = waits._replace(coming=coming, todo=())
