@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,6 +39,9 @@ from archo_tui.station.undo import Edit
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
+    from rclpy.context import Context
+    from rclpy.node import Node
+
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.hosting.package_shares import PackageShares
@@ -95,7 +99,8 @@ class Session:
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
-        self._overrides = files.load_files([*self._own_files, *options.params_files])
+        self._own_overrides = files.load_files(self._own_files)
+        self._user_overrides = files.load_files(options.params_files)
         self._launch_file = self._read_launch_file()
         self._node_names, self._workspaces = found_in_workspaces(options.node_files)
         if self._launch_file is not None:
@@ -448,7 +453,7 @@ class Session:
         try:
             for name, kind in _robots_nodes(self.options.use_sim).items():
                 if name not in taken:
-                    self.host.add(kind)
+                    self.host.add(partial(_make_own, kind, self._own_ros_args()))
         except expected as error:
             from archo_tui.hosting.explain import reason_of
 
@@ -491,7 +496,7 @@ class Session:
         args = ["--ros-args", "--disable-stdout-logs"]
         if self.options.namespace != "/":
             args += ["-r", f"__ns:={self.options.namespace}"]
-        for path in (*self._own_files, *self.options.params_files):
+        for path in self.options.params_files:
             args += ["--params-file", str(path)]
         return [*args, *self.options.ros_args]
 
@@ -501,7 +506,7 @@ class Session:
         If no parameter file gave it, the message is returned unchanged.
         """
         text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
-        for override in reversed(self._overrides):
+        for override in reversed([*self._own_overrides, *self._user_overrides]):
             # Otherwise it is one of --ros-args.
             if override.name == name and str(override.value) in text:
                 return f"{override.where}: {text}"
@@ -531,7 +536,8 @@ class Session:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():
             self.robot.note(note.level, LAUNCH, str(note))
-        users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
+        options = self.options
+        users = [*self._user_overrides, *files.parse_typed(options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
             for line in files.unknown_lines(users, declared):
@@ -540,10 +546,29 @@ class Session:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
 
-    def _user_overrides(self) -> list[Override]:
-        """Return the parameters of the files that the user named, not those of default files."""
-        own = {str(path) for path in self._own_files}
-        return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
+    def _own_ros_args(self) -> list[str]:
+        """Return the ROS arguments of ARCHO's own nodes: its parameter files, then the user's.
+
+        A node's own arguments win over those of its context, so they hold the user's once more.
+        """
+        files = [word for path in self._own_files for word in ("--params-file", str(path))]
+        return ["--ros-args", *files, *self._ros_args()[1:]]
+
+    def _note_own_defaults(self, declared: Mapping[str, set[str]], users: list[Override]) -> None:
+        """Say which parameters of the user's nodes ARCHO's own files do not set.
+
+        Such a node has taken the place of one of ARCHO's own, to which these files belong.
+        """
+        for hosted in self.host.nodes:
+            own = [o for o in self._own_overrides if matches(o.pattern, hosted.name)]
+            given = {o.name for o in users if matches(o.pattern, hosted.name)}
+            names = {o.name for o in own} & declared.get(hosted.name, set()) - given
+            if hosted.file is None or not names:
+                continue
+            files_named = ", ".join(sorted({Path(o.where.rpartition(":")[0]).name for o in own}))
+            text = f"{', '.join(sorted(names))}: the default of {hosted.file.path.name}; "
+            text += f"{files_named} is for ARCHO's own node, --params-file gives it to yours"
+            self.robot.note("INFO", hosted.name.lstrip("/"), text)
 
     def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.
@@ -579,6 +604,8 @@ class Session:
         self.close()
 
 
+        if not (options.only or options.attach):
+            self._note_own_defaults(declared, users)
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:
     """Return the classes of ARCHO's own nodes by their names; the simulation's if `use_sim`."""
     from archo_bringup.battery_monitor import BatteryMonitor
@@ -595,3 +622,11 @@ def _robots_nodes(use_sim: bool) -> dict[str, Any]:
 
         nodes["fake_battery_drain"] = FakeBatteryDrain
     return nodes
+def _make_own(
+    kind: Any, ros_args: Sequence[str], *, context: Context, cli_args: Sequence[str] = ()
+) -> Node:
+    """Make one of ARCHO's own nodes; `cli_args` are those of a copy, which has another name."""
+    node: Node = kind(context=context, cli_args=[*ros_args, *cli_args])
+    return node
+
+
