@@ -38,10 +38,10 @@ from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 
 if TYPE_CHECKING:
-    from archo_tui.hosting.host import Host
     from rclpy.context import Context
     from rclpy.node import Node
 
+    from archo_tui.hosting.host import Host
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.hosting.package_shares import PackageShares
@@ -460,6 +460,22 @@ class Session:
             text = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
 
+    def printer_of_children(self) -> Callable[[str], object] | None:
+        """Return what makes an event of a line that a child of the user's program prints.
+
+        None if several files or none could have started it.
+        """
+        given = [*self._node_files, *(program.file for program in self._programs)]
+        if len(given) != 1:
+            return None
+        output = NodeOutput(io.StringIO(), self.robot.note)
+
+        def print_line(line: str) -> None:
+            threading.current_thread().name = (self.host.users_names() or [given[0].path.stem])[0]
+            output.write(line)
+
+        return print_line
+
     def _make_program(self, *arguments: Any) -> HostedProgram:
         """Return a new program of the engine's kind: a thread, or on ROS 2 a child process.
 
@@ -500,6 +516,14 @@ class Session:
             args += ["--params-file", str(path)]
         return [*args, *self.options.ros_args]
 
+    def _own_ros_args(self) -> list[str]:
+        """Return the ROS arguments of ARCHO's own nodes: its parameter files, then the user's.
+
+        A node's own arguments win over those of its context, so they hold the user's once more.
+        """
+        files = [word for path in self._own_files for word in ("--params-file", str(path))]
+        return ["--ros-args", *files, *self._ros_args()[1:]]
+
     def _refusal_line(self, message: str) -> str:
         """Return a node's refusal of a parameter, with the file and line where the value was given.
 
@@ -539,20 +563,14 @@ class Session:
         options = self.options
         users = [*self._user_overrides, *files.parse_typed(options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
+        if not (options.only or options.attach):
+            self._note_own_defaults(declared, users)
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
             for line in files.unknown_lines(users, declared):
                 self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
-
-    def _own_ros_args(self) -> list[str]:
-        """Return the ROS arguments of ARCHO's own nodes: its parameter files, then the user's.
-
-        A node's own arguments win over those of its context, so they hold the user's once more.
-        """
-        files = [word for path in self._own_files for word in ("--params-file", str(path))]
-        return ["--ros-args", *files, *self._ros_args()[1:]]
 
     def _note_own_defaults(self, declared: Mapping[str, set[str]], users: list[Override]) -> None:
         """Say which parameters of the user's nodes ARCHO's own files do not set.
@@ -604,8 +622,14 @@ class Session:
         self.close()
 
 
-        if not (options.only or options.attach):
-            self._note_own_defaults(declared, users)
+def _make_own(
+    kind: Any, ros_args: Sequence[str], *, context: Context, cli_args: Sequence[str] = ()
+) -> Node:
+    """Make one of ARCHO's own nodes; `cli_args` are those of a copy, which has another name."""
+    node: Node = kind(context=context, cli_args=[*ros_args, *cli_args])
+    return node
+
+
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:
     """Return the classes of ARCHO's own nodes by their names; the simulation's if `use_sim`."""
     from archo_bringup.battery_monitor import BatteryMonitor
@@ -622,11 +646,3 @@ def _robots_nodes(use_sim: bool) -> dict[str, Any]:
 
         nodes["fake_battery_drain"] = FakeBatteryDrain
     return nodes
-def _make_own(
-    kind: Any, ros_args: Sequence[str], *, context: Context, cli_args: Sequence[str] = ()
-) -> Node:
-    """Make one of ARCHO's own nodes; `cli_args` are those of a copy, which has another name."""
-    node: Node = kind(context=context, cli_args=[*ros_args, *cli_args])
-    return node
-
-
