@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING, Any
 from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.handover import Handover
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
+from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
@@ -95,6 +96,7 @@ class Session:
             ArchoError: Something that the user can mend is wrong; nothing runs then.
         """
         check_options(options)
+        self._early_events: list[LaunchNote] | None = []  # Until `start`.
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
@@ -247,7 +249,7 @@ class Session:
             )
             robot = self.robot
             self.host = Host(
-                *(self._context, robot.note, robot.end_goals_of_node),
+                *(self._context, self._note_early, robot.end_goals_of_node),
                 early_stop_request=robot.early_stop_request,
                 on_early_stop=robot.on_early_stop,
                 on_restored=robot.on_parameters_restored,
@@ -379,6 +381,8 @@ class Session:
             self._server.close()
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
+        if hasattr(self, "robot"):
+            self.robot.stop()
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
@@ -434,13 +438,12 @@ class Session:
                 cannot be made.
         """
         # What nodes print before the start is an event as well.
-        output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
+        output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
         with contextlib.redirect_stdout(output):
             for file in self._node_files:
                 for make in file.load():
                     self.host.add(make)
-            for program in self._programs:
-                self.host.programs.add(program)
+            self._begin_programs()
         if self.options.attach or self.options.only:
             return
         for make in self.options.node_makers:
@@ -459,6 +462,32 @@ class Session:
 
             text = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
+
+    def _note_early(self, level: str, source: str, text: str) -> None:
+        """Add an event, and keep it for the error of a launch of which nothing runs."""
+        if self._early_events is not None:
+            self._early_events.append(LaunchNote(level, source, text))
+        self.robot.note(level, source, text)
+
+    def _begin_programs(self) -> None:
+        """Run the user's programs, each of which ends alone.
+
+        Raises:
+            ArchoError: A file that the user named is not Python, or every program of the launch
+                file has crashed (NothingRunsError).
+        """
+        for program in self._programs:
+            try:
+                self.host.programs.add(program)
+            except UserFileError as error:
+                if self._launch_file is None:
+                    raise
+                self.host.programs.add_failed(program, error)
+        if self._launch_file is not None and self.host.programs.all_have_crashed:
+            from archo_tui.hosting.launch_file import NothingRunsError
+
+            notes = [*self._launch_file.notes, *(self._early_events or ())]
+            raise NothingRunsError(self._launch_file.path, notes)
 
     def printer_of_children(self) -> Callable[[str], object] | None:
         """Return what makes an event of a line that a child of the user's program prints.
@@ -547,6 +576,7 @@ class Session:
             if hosted.is_made
         }
         late = [hosted.name for hosted in self.host.nodes if not hosted.is_made]
+        self._early_events = None
         self.robot.start()
         self._look_for_earlier_stop()
         self.host.start()
