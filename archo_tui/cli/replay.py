@@ -56,7 +56,7 @@ def replay(options: Namespace) -> int:
     from archo_tui.replay_app import ReplayApp
     from archo_tui.shutdown import heed_signals
     from archo_tui.terminal import themes
-    from archo_tui.terminal.stderr import guarded_stderr, log_file
+    from archo_tui.terminal.stderr import guarded_streams, log_file
 
     keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
     heed_signals()
@@ -64,7 +64,7 @@ def replay(options: Namespace) -> int:
     clock = Clock()
     station = RecordedStation(make_player(bag, robot, clock), clock)
     app = ReplayApp(station, keys, themes.remembered_theme())
-    with guarded_stderr(log_file()):
+    with guarded_streams(log_file()):
         app.run()
     if app.failure:
         complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
