@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.clock import Monotonic, UnixTime
+
 
 class Priority(Enum):
     """The urgency of an alarm, by which the operator acts; the value is glyph and word."""
@@ -110,11 +112,11 @@ class Alarm(NamedTuple):
 
     name: str
     text: str
-    since: float
+    since: UnixTime
     state: AlarmState = AlarmState.UNACKNOWLEDGED
-    until: float | None = None
-    shelved_until: float | None = None
-    shelf_ends: float | None = None
+    until: UnixTime | None = None
+    shelved_until: UnixTime | None = None
+    shelf_ends: Monotonic | None = None
     reason: str = ""
 
     @property
