@@ -1,4 +1,4 @@
-"""What a console did and showed, as it is recorded, and what begins a recording."""
+"""The recorder of what a console did and showed, and the events that begin a recording."""
 
 from __future__ import annotations
 

@@ -17,11 +17,11 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_
 
 from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.audit_records import json_safe
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import Event, Hosted, Parameter, Snapshot
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.view import View
 
 # Fields that a replay has from the robot file and from the robot's messages.

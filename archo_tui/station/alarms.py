@@ -7,6 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.clock import Monotonic, UnixTime
+from archo_tui.robot.goals.queue import Holding
 
 
 class Priority(Enum):
@@ -62,6 +63,7 @@ EARLIER_STOP = "earlier stop"
 JOURNAL_NOT_WRITTEN = "journal not written"
 RECORDING_TROUBLE = "recordings"
 BATTERY_ALARMS = LOW_BATTERY, BATTERY_EMPTY
+_HOLDING = (CONTACT_LOST, *BATTERY_ALARMS)
 
 # Within a priority, the alarm that is listed first is shown first.
 _PRIORITIES = {
@@ -169,3 +171,18 @@ def kind_of(name: str) -> str:
 def is_diagnostic(alarm: Alarm) -> bool:
     """Return True if an alarm is about a part that the robot reports by diagnostics."""
     return kind_of(alarm.name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
+
+
+def holding(alarms: Iterable[Alarm]) -> Holding:
+    """Return the alarms that hold every queue.
+
+    These are a lost contact, acknowledged or not, and a low or empty battery that is not
+    acknowledged.
+    """
+    active = [alarm for alarm in alarms if alarm.name in _HOLDING and not alarm.is_over]
+    now = (
+        alarm.name
+        for alarm in active
+        if alarm.name == CONTACT_LOST or alarm.state == AlarmState.UNACKNOWLEDGED
+    )
+    return Holding(next(now, ""), frozenset(alarm.name for alarm in active))

@@ -14,6 +14,7 @@ from std_msgs.msg import String
 from archo_tui.recordings.console import STATE
 from archo_tui.recordings.replay.state import ReplayState
 from archo_tui.recordings.state import TOLD, change_key, to_json
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.requester import YOU
 from archo_tui.robot.state import (
@@ -34,7 +35,6 @@ from archo_tui.robot_file import load
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.history import History
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.view import View
 from archo_tui.words.state import motion_word, plain_text
 from tests.support.archo import ARCHO, SHELF

@@ -46,7 +46,7 @@ _OTHER_MAGIC = {b"SQLite format 3": _SQLITE, b"\x28\xb5\x2f\xfd": _ZSTD, b"#ROSB
 
 
 class Faults:
-    """What could not be read, in a bounded number of lines, each once."""
+    """A bounded number of lines about what could not be read, each once."""
 
     def __init__(self) -> None:
         self._lines: dict[str, None] = {}
@@ -146,7 +146,7 @@ class BagFile:
 
     @property
     def faults(self) -> list[str]:
-        """What could not be read so far, a line each."""
+        """A line about each thing that could not be read so far."""
         return self._faults.lines()
 
     def messages(

@@ -1,4 +1,4 @@
-"""One MCAP file of any tool: what it holds, and the bytes of its messages.
+"""The reader of an MCAP file of any tool: what it holds, and the bytes of its messages.
 
 Records are parsed by the `mcap` package. Its readers load every chunk, unpack whatever a chunk
 claims to hold, and end at the first damaged byte; so records are found and chunks are unpacked
@@ -54,7 +54,7 @@ _NAMES = {
 
 
 class Unreadable(Exception):
-    """Why a part of a file cannot be read, in a few words; the rest may be readable."""
+    """A part of a file cannot be read, and in a few words why; the rest may be readable."""
 
 
 class _Damaged(Unreadable):
@@ -94,7 +94,7 @@ class Part(NamedTuple):
 
 
 class Index:
-    """What a file holds, taken in record by record; `fault` gets what is damaged or too large."""
+    """The index of a file, filled record by record; `fault` gets what is damaged or too large."""
 
     def __init__(self, fault: Callable[[str], None]) -> None:
         self.profile = self.robot = ""
