@@ -150,7 +150,7 @@ NONSENSE = [
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": math.nan}]}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1, "until": -1e18}]}),
     json.dumps({"nodes": [{"name": "/n", "heard": math.inf}]}),
-    json.dumps({"paces": {"/t": {"heard": math.nan}}}),
+    json.dumps({"message_rates": {"/t": {"heard": math.nan}}}),
     json.dumps({"charge": [[1e308, 50.0]]}),
     json.dumps({"open_stop": {"asked": math.inf}}),
     json.dumps({"hosted": [{"name": "/x", "saved": 2**62}]}),
