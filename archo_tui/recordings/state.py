@@ -39,6 +39,7 @@ _SHORT: Mapping[type, tuple[str, ...]] = {
 _MAX_TIME = 1e11  # Unix time; a date much later cannot be shown.
 _MAX_DEPTH = 4  # Of nested lists.
 _NONE_TYPE = type(None)
+_SCALARS = frozenset({str, int, bool, float})
 
 
 class ConsoleState(NamedTuple):
@@ -94,9 +95,9 @@ def from_json(text: str) -> ConsoleState:
 
 def _to_data(value: Any, kind: Any, since: float) -> Any:
     """Return a value of a type as JSON has it; `from_data` is the way back."""
-    origin, inner = get_origin(kind), get_args(kind)
-    if value is None:
-        return None
+    if value is None or isinstance(value, (str, bool)):
+        return value
+    origin, inner = _origin_and_args(kind)
     if origin in (Union, types.UnionType):
         return _to_data(value, next(k for k in inner if k is not _NONE_TYPE), since)
     if kind == Monotonic:
@@ -121,14 +122,16 @@ def _to_data(value: Any, kind: Any, since: float) -> Any:
     if isinstance(value, (list, tuple)):  # Of a field of any type.
         return [_to_data(part, Any, since) for part in value]
     # NaN, infinity and integers beyond 64 bits become texts, which are refused for a number.
-    return value if isinstance(value, (str, bool)) else json_safe({"": value})[""]
+    return json_safe({"": value})[""]
 
 
 def from_data(kind: Any, data: Any) -> Any:
     """Build a value of a type from JSON data, or raise TypeError, ValueError or KeyError."""
-    origin, inner = get_origin(kind), get_args(kind)
+    if kind in _SCALARS:
+        return _scalar_value(kind, data)
     if kind is Any:
         return _plain_value(data, 0)
+    origin, inner = _origin_and_args(kind)
     if origin in (Union, types.UnionType):
         wanted = next(k for k in inner if k is not _NONE_TYPE)
         return None if data is None else from_data(wanted, data)
@@ -148,11 +151,14 @@ def from_data(kind: Any, data: Any) -> Any:
         return {harmless(name): from_data(inner[1], part) for name, part in items}
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind[_require_type(str, data)]
-    if kind in (str, int, bool, float):
-        return _scalar_value(kind, data)
     hints, given = _type_hints(kind), _require_type(dict, data)
     names = [name for name in _SHORT.get(kind, hints) if name in given]
     return kind(**{name: from_data(hints[name], given[name]) for name in names})
+
+
+@lru_cache
+def _origin_and_args(kind: Any) -> tuple[Any, tuple[Any, ...]]:
+    return get_origin(kind), get_args(kind)
 
 
 @lru_cache

@@ -395,6 +395,19 @@ def test_what_a_summary_points_at_is_looked_at(tmp_path: Path) -> None:
     assert (words(found), found.count, found.faults) == (["good"], 1, [])
 
 
+@pytest.mark.night
+def test_a_summary_of_a_million_chunks_costs_little(tmp_path: Path) -> None:
+    data = logs(tmp_path / "a.mcap", GOOD).read_bytes()
+    many = (record(8, struct.pack("<QQQQ", 0, 1, n, 11)) for n in range(700_000))
+    path = summed_up(tmp_path / "b.mcap", data, b"".join(many), chunks=700_000)
+
+    def work() -> None:
+        found = BagFile(path)
+        assert (words(found), found.faults) == (["good"], [])
+
+    assert peak(work) < MOST_MEMORY
+
+
 def test_of_many_chunks_as_many_are_known_as_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -290,10 +290,12 @@ def _read_summary(file: BinaryIO, size: int, index: Index, budget: Budget) -> bo
             elif opcode == _STATISTICS and length >= _STATISTICS_HEAD.size:
                 counts = _STATISTICS_HEAD.unpack_from(data, begin)
             elif opcode == _CHUNK_INDEX and length >= _CHUNK_INDEX_HEAD.size:
-                start, last, offset, bytes_ = _CHUNK_INDEX_HEAD.unpack_from(data, begin)
-                chunks[offset] = Part(start, last, offset, bytes_, True)
+                start, last, offset, length = _CHUNK_INDEX_HEAD.unpack_from(data, begin)
+                chunks[offset] = Part(start, last, offset, length, is_chunk=True)
             elif opcode == _ATTACHMENT_INDEX and length >= _ATTACHMENT_INDEX_HEAD.size:
                 attachments.append(_ATTACHMENT_INDEX_HEAD.unpack_from(data, begin)[0])
+            if len(chunks) + len(attachments) > MAX_PARTS:
+                return False
     except Unreadable:
         return False
     if not counts:
