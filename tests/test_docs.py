@@ -24,7 +24,6 @@ from archo_tui.embedded import parameter_files
 from archo_tui.remote import shell as verbs_from_shells
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.station import alarms
-from archo_tui.station.alarm_board import ON_DELAY
 from archo_tui.verbs import verbs
 from archo_tui.verbs.parse import YES, named
 from archo_tui.yaml_text import bounded_yaml
@@ -459,6 +458,15 @@ def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
     rows = [row for row in read(ROOT / "docs" / "alarms.md").rows if "alarm" in row]
     told = [(codes(row["alarm"])[0], codes(row["priority"])[0], row["after"]) for row in rows]
     assert told == [
-        (kind, priority.value, f"{after:g} s" if (after := ON_DELAY.get(kind)) else "")
-        for kind, priority in alarms._PRIORITIES.items()
+        (kind.name, kind.priority.value, f"{kind.delay:g} s" if kind.delay else "")
+        for kind in alarms.KINDS.values()
     ]
+
+
+def test_every_invariant_of_stop_is_checked_in_the_explorations() -> None:
+    explorations = (ROOT / "tests" / "robot").glob("explore*.py")
+    explored = "".join(path.read_text() for path in explorations)
+    rows = (ROOT / "docs" / "stop.md").read_text().split("; invariant")[1:]
+    named = [words for row in rows for words in re.findall(r"\*([^*|]+)\*", row.split("|")[0])]
+    assert len(named) >= 15
+    assert [words for words in named if f'"{words}"' not in explored] == []

@@ -12,7 +12,6 @@ from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import Gate, Stops
 from archo_tui.robot.stop_sender import FIRST_FOUND, StopSender
 from archo_tui.robot.verb_runner import VerbRunner
@@ -161,8 +160,7 @@ class StopVerbs:
             The full name of the STOP's service and the request; "" and {} if no STOP holds, is open
             or is on its way, or the robot has none.
         """
-        stop, known = self._file.stop, self._stop_sender.stop
-        holds = known.open is not None or known.latch is not Latch.NONE
-        if stop is None or (not holds and self._stops.are_answered):
+        stop, may_start = self._file.stop, self._stop_sender.stop.may_start
+        if stop is None or (may_start and self._stops.are_answered):
             return "", {}
         return self._checks.full(stop.service), stop.request

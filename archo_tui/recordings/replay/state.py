@@ -35,8 +35,8 @@ from archo_tui.robot.telemetry import SavedReadings, Telemetry
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import Alarm
+from archo_tui.station.alarms import Alarm, conditions
+from archo_tui.station.conditions import Situation
 
 ROSOUT = "/rosout"
 MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
@@ -219,7 +219,7 @@ class ReplayState:
         # A silence raises its alarms in the first seconds, however long it is.
         for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
             now = self._evaluated_until = float(second)
-            self._board.update(conditions(self.snapshot, now), now, now)
+            self._board.update(conditions(Situation(self.snapshot, now)), now, now)
 
     def _apply_state(self, state: ConsoleState) -> None:
         """Replace the console's state, but keep what messages have told since it was made."""
@@ -333,7 +333,7 @@ class ReplayState:
         They are those that the console recorded, or without a console state are evaluated here,
         which changes this state.
         """
-        found = conditions(snapshot, now, self.console.hosted)
+        found = conditions(Situation(snapshot, now, self.console.hosted))
         self._evaluate_alarms_until(now)
         alarms = self.console.alarms if self.has_console_state else self._board.all()
         return tuple(
