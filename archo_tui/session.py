@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.hosting.package_shares import PackageShares
-    from archo_tui.recording.box import BlackBox
-    from archo_tui.recording.console_recorder import ConsoleRecorder
+    from archo_tui.recordings.console import ConsoleRecorder
+    from archo_tui.recordings.recorder import BlackBox
     from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
     from archo_tui.robot.client import Robot
@@ -224,8 +224,8 @@ class Session:
 
         from archo_tui.hosting.host import Host
         from archo_tui.hosting.node_files import NodeFile
-        from archo_tui.recording.box import BlackBox
-        from archo_tui.recording.console_recorder import ConsoleRecorder
+        from archo_tui.recordings.console import ConsoleRecorder
+        from archo_tui.recordings.recorder import BlackBox
         from archo_tui.robot.client import Robot
 
         self.box = BlackBox(
@@ -349,7 +349,7 @@ class Session:
         return PackageShares(self._workspaces)
 
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
-        from archo_tui.recording.attachments import attachments
+        from archo_tui.recordings.console import attachments
 
         return attachments(self.file, journal_file(), begin, end)
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any, NamedTuple
 
+from rclpy.serialization import serialize_message
+
 from archo_tui.robot.fields import element_of
 
 _PRIMITIVE_SIZES = {
@@ -31,6 +33,11 @@ class _FieldType(NamedTuple):
     base: str
     is_array: bool
     has_length: bool
+
+
+def serialize(message: Any) -> bytes:
+    """Return a message as CDR, and no more."""
+    return serialize_message(message)[: cdr_size(message)]
 
 
 def cdr_size(message: Any) -> int:

@@ -118,8 +118,8 @@ class Robot:
             file: The robot file.
             clock: The clock of all times.
             on_event: Called on the ROS thread with each event, also with one that repeats another.
-            on_message: Called on the ROS thread with the topic and each message that is received,
-                secret values of parameters masked.
+            on_message: Called on the ROS thread with the topic, the class and the bytes of each
+                message that is received, secret values of parameters masked.
             watching: True to refuse every verb.
             secrets: Decides which parameters are secret; None for the usual names.
         """

@@ -8,21 +8,20 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 
-MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
+from archo_tui.robot.cdr_size import serialize
+
+# Gets the full name of a topic, the message class, and a message as CDR.
+MessageCallback = Callable[[str, Any, bytes], None]
 
 
-class _DecodedSubscription:
-    """A subscription whose messages rclpy decodes.
-
-    Attributes:
-        subscription: rclpy's object.
-        last: The last message; None before the first.
-    """
+class _Subscription:
+    """A subscription with its last message; None before the first."""
 
     def __init__(self) -> None:
         self.subscription: Any = None
-        self.last: Any = None
+        self.last: bytes | None = None
 
 
 class Listener(Node):
@@ -42,8 +41,8 @@ class Listener(Node):
 
         Args:
             name: The name of the node.
-            on_message: Called with the full name of the topic and the message, on the thread that
-                spins the node.
+            on_message: Called with the full name of the topic, the message class and the bytes, on
+                the thread that spins the node.
             masks: Functions by message class, each of which returns a received message without
                 secrets, for `on_message`.
             **options: Passed to `rclpy.node.Node`.
@@ -51,9 +50,9 @@ class Listener(Node):
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
         # By full topic and message class.
-        self._heard: dict[tuple[str, Any], _DecodedSubscription] = {}
+        self._heard: dict[tuple[str, Any], _Subscription] = {}
         # The same; they outlast a subscription that is replaced by one with another QoS.
-        self._taps: dict[tuple[str, Any], list[MessageCallback]] = {}
+        self._taps: dict[tuple[str, Any], list[Callable[[bytes], None]]] = {}
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -107,7 +106,7 @@ class Listener(Node):
         """
         return (topic, kind) in self._heard
 
-    def tap(self, kind: Any, topic: str, callback: MessageCallback) -> Any:
+    def tap(self, kind: Any, topic: str, callback: Callable[[bytes], None]) -> bytes | None:
         """Call a function with each message of a subscription; return the last one, or None.
 
         The messages are as received, secrets included. The function stays when the subscription is
@@ -116,7 +115,7 @@ class Listener(Node):
         Args:
             kind: The message class.
             topic: The full name of the topic, to which the node must listen already.
-            callback: Called with topic and message on the thread that spins the node.
+            callback: Called with the bytes on the thread that spins the node.
 
         Raises:
             KeyError: The node does not listen to the topic.
@@ -124,7 +123,7 @@ class Listener(Node):
         self._taps.setdefault((topic, kind), []).append(callback)
         return self._heard[topic, kind].last
 
-    def untap(self, callback: MessageCallback) -> None:
+    def untap(self, callback: Callable[[bytes], None]) -> None:
         """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""
         for taps in self._taps.values():
             if callback in taps:
@@ -151,15 +150,19 @@ class Listener(Node):
     ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
-        heard = _DecodedSubscription()
+        heard = _Subscription()
 
-        def both(message: Any) -> None:
-            self._on_message(name, message if mask is None else mask(message))
+        def on_data(data: bytes) -> None:
+            message = deserialize_message(data, kind)
+            shown = message if mask is None else mask(message)
+            self._on_message(name, kind, data if shown is message else serialize(shown))
             callback(message)
-            heard.last = message
+            heard.last = data
             for tap in tuple(self._taps.get((name, kind), ())):
-                tap(name, message)
+                tap(data)
 
-        heard.subscription = self.create_subscription(kind, topic, both, qos, **options)
+        heard.subscription = self.create_subscription(
+            kind, topic, on_data, qos, raw=True, **options
+        )
         self._heard[name, kind] = heard  # Only now: rclpy may have raised.
         return heard.subscription

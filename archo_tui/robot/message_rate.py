@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from archo_tui.clock import Monotonic
 from archo_tui.robot.period import is_silent
 
 RATE_INTERVALS = 3  # Fewer intervals tell no rate.
@@ -19,7 +20,7 @@ class MessageRate(NamedTuple):
         intervals: How many intervals were measured, at most RATE_INTERVALS.
     """
 
-    heard: float
+    heard: Monotonic
     interval: float | None = None
     intervals: int = RATE_INTERVALS
 

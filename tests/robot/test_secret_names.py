@@ -13,7 +13,7 @@ from rosbags.highlevel import AnyReader
 
 from archo_tui.errors import ArchoError
 from archo_tui.paths import config_file, journal_file, make_folder, state_file
-from archo_tui.recording import box, store
+from archo_tui.recordings import recorder, store
 from archo_tui.robot.secret_names import SecretNames, load
 from tests.support.shells import heard, raw, served, typed
 
@@ -73,7 +73,7 @@ class Door(Node):
 
 @pytest.mark.real_time
 async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(box, "SECONDS_AFTER", 0.2)
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.2)
     make_folder(config_file("secret_names.txt"))
     config_file("secret_names.txt").write_text("pin\n")
     async with served(Door) as person:

@@ -12,7 +12,7 @@ import pytest
 
 from archo_tui import regular_files
 from archo_tui.paths import config_file, state_file
-from archo_tui.recording import store
+from archo_tui.recordings import store
 from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from archo_tui.terminal.stderr import guarded_streams

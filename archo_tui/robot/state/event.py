@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from archo_tui.clock import UnixTime
 from archo_tui.robot.audit_records import AuditRecord
 
 # The levels of the console's own events: what the person, a shell or an assistant did, how goals
@@ -29,13 +30,13 @@ class Event:
         code: The code of its outcome, which recordings keep, too; "" if none is known.
     """
 
-    time: float
+    time: UnixTime
     level: str
     source: str
     text: str
     command: str = ""
     count: int = 1
-    first: float = 0.0
+    first: UnixTime = 0.0
     number: int = 0
     audit_record: AuditRecord | None = None
     code: str = ""

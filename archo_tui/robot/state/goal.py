@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, NamedTuple
 
+from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
@@ -89,20 +90,21 @@ class Goal(NamedTuple):
         is_found: True if it was underway when it was first seen.
         way: The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and
             way, oldest first.
+        id: Its id on the ROS graph, in hexadecimal digits; "" before it was sent.
     """
 
     kind: GoalKind
     fields: Mapping[str, Any]
     phase: Phase
-    sent: float
-    time: float
+    sent: Monotonic
+    time: UnixTime
     length: float | None = None
     remaining: float | None = None
-    heard: float | None = None
-    started: float | None = None
-    ended: float | None = None
-    cancel_asked: float | None = None
-    lost: float | None = None
+    heard: Monotonic | None = None
+    started: Monotonic | None = None
+    ended: Monotonic | None = None
+    cancel_asked: Monotonic | None = None
+    lost: Monotonic | None = None
     unreadable: str = ""
     feedback: str = ""
     message: str = ""
@@ -111,7 +113,8 @@ class Goal(NamedTuple):
     length_is_guessed: bool = False
     result: Any = None
     is_found: bool = False
-    way: tuple[tuple[float, float], ...] = ()
+    way: tuple[tuple[Monotonic, float], ...] = ()
+    id: str = ""
 
     @property
     def target(self) -> str:

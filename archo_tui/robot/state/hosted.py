@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.clock import UnixTime
+
 
 class Life(Enum):
     """The state of a hosted node, or of a program that the console runs."""
@@ -45,4 +47,4 @@ class Hosted(NamedTuple):
     traceback: str = ""
     serves: tuple[str, ...] = ()
     file: str = ""
-    saved: float = 0.0
+    saved: UnixTime = 0.0

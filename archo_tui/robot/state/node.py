@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from archo_tui.clock import Monotonic
+
 LEVELS = {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 _WORDS = {number: word for word, number in LEVELS.items() if number}
 
@@ -24,7 +26,7 @@ class NodeState(NamedTuple):
     """
 
     name: str
-    heard: float | None = None
+    heard: Monotonic | None = None
     rate: float | None = None
     lifecycle: str = ""
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.state.diagnostic import Diagnostic
 from archo_tui.robot.state.event import Event
@@ -86,12 +87,12 @@ class Snapshot(NamedTuple):
     nodes: tuple[NodeState, ...] = ()
     offered: frozenset[str] = frozenset()
     events: tuple[Event, ...] = ()
-    charge: tuple[tuple[float, float], ...] = ()
+    charge: tuple[tuple[Monotonic, float], ...] = ()
     open_stop: OpenStop | None = None
     latch: Latch = Latch.NONE
     latch_doubt: str = ""
-    latch_time: float = 0.0
-    released: float | None = None
+    latch_time: UnixTime = 0.0
+    released: Monotonic | None = None
     stop_held_by_nobody: bool = False
     stop_not_obeyed: bool = False
     still_running_after_stop: tuple[str, ...] = ()
@@ -101,7 +102,7 @@ class Snapshot(NamedTuple):
     duplicate_nodes: tuple[str, ...] = ()
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False
-    clock_still_since: float | None = None
+    clock_still_since: Monotonic | None = None
     clock_offsets: Mapping[str, float] = _NOTHING
     other_namespaces: tuple[str, ...] = ()
     consoles: tuple[str, ...] = ()

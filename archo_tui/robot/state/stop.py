@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.clock import Monotonic
+
 
 class StopAnswer(Enum):
     """The answer so far to a STOP that is not confirmed; the value is the word for it."""
@@ -25,7 +27,7 @@ class OpenStop(NamedTuple):
         why: Details of the answer for people; "" if there are none.
     """
 
-    asked: float
+    asked: Monotonic
     answer: StopAnswer = StopAnswer.AWAITED
     why: str = ""
 
