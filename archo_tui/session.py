@@ -22,9 +22,8 @@ from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.parameters import files
-from archo_tui.paths import config_file, journal_file, state_file
+from archo_tui.paths import journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
-from archo_tui.robot import secret_names
 from archo_tui.robot.state import LAUNCH
 from archo_tui.robot_file import load as robot_files
 from archo_tui.robot_file.model import GoalKind
@@ -94,7 +93,6 @@ class Session:
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
-        self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load_files([*self._own_files, *options.params_files])
         self._launch_file = self._read_launch_file()
         self._node_names, self._workspaces = found_in_workspaces(options.node_files)
@@ -238,7 +236,6 @@ class Session:
                 self._record_event,
                 self.box.receive,
                 watching=self.options.watch,
-                secrets=self._secrets,
             )
             robot = self.robot
             self.host = Host(

@@ -16,9 +16,9 @@ import yaml
 from archo_tui.errors import in_one_line
 from archo_tui.recording.ring import LazyMessage, ReceivedMessage
 from archo_tui.regular_files import read
-from archo_tui.robot import message_classes
-from archo_tui.robot.cdr_size import cdr_size
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.cdr import cdr_size
+from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import name_of
 
 METADATA = "metadata.yaml"
 _METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
@@ -244,7 +244,7 @@ def _encode(message: Any, first: bool, since: float) -> tuple[Any, str, bytes]:
 
 def type_name(kind: Any) -> str:
     """Return the type of a message class, such as `std_msgs/msg/String`."""
-    return message_classes.name_of(kind)
+    return name_of(kind)
 
 
 class BagInfo(NamedTuple):

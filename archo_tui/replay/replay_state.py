@@ -12,12 +12,13 @@ from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.data import from_data
 from archo_tui.recording.state import ConsoleState, RecordedAction, all_times
 from archo_tui.replay.topics import RecordedTopics
-from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph import is_hidden
 from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.types import TypedField, load_class
 from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.state import (
     OWN_LEVELS,
@@ -26,7 +27,6 @@ from archo_tui.robot.state import (
     Goal,
     NodeState,
     Snapshot,
-    TypedField,
     level_word,
     logger_node,
 )
@@ -359,5 +359,5 @@ def _parse_state(text: str) -> ConsoleState:
 
 
 def _form_fields(kind: GoalKind) -> tuple[TypedField, ...]:
-    found = message_classes.load(kind.type)
-    return () if found is None else tuple(messages.flat_fields(found.Goal()))
+    found = load_class(kind.type)
+    return () if found is None else tuple(flat_fields(found.Goal()))

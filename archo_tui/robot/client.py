@@ -10,7 +10,6 @@ from __future__ import annotations
 # ruff: noqa: E402
 import contextlib
 from collections.abc import AsyncIterator, Callable, Collection, Mapping, Sequence
-from functools import partial
 from typing import Any, NoReturn
 
 from archo_tui import engine
@@ -25,24 +24,24 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot import audit_records, message_classes, messages, services
+from archo_tui.robot import audit_records, services
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.robot.consoles import new_node_name
-from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
 from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
-from archo_tui.robot.inspection import Inspection
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.lifecycle import Lifecycles
 from archo_tui.robot.listener import Listener, MessageCallback
 from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.message_handlers import MessageHandlers
-from archo_tui.robot.motion_publishers import MotionPublishers
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.types import TypedField, load_all, load_class
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.node_verbs import NodeVerbs
 from archo_tui.robot.nodes import Nodes
 from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
@@ -52,7 +51,7 @@ from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requester import YOU, current_requester
 from archo_tui.robot.resources import SEND
-from archo_tui.robot.secret_names import MASK, SecretNames
+from archo_tui.robot.secret_names import MASK, is_secret, masked
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.service_verbs import ServiceVerbs
 from archo_tui.robot.services import QUESTION_TIMEOUT, Services
@@ -67,16 +66,15 @@ from archo_tui.robot.state import (
     TopicInfo,
     TopicRequest,
     TopicView,
-    TypedField,
 )
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.stop_verbs import StopVerbs
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
-from archo_tui.robot.topic_follower import TopicFollower
+from archo_tui.robot.topics.follow import TopicFollower
+from archo_tui.robot.topics.inspect import Inspection
 from archo_tui.robot.unexplained_changes import UnexplainedChanges
-from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import model
 
@@ -106,7 +104,6 @@ class Robot:
         on_message: MessageCallback = lambda *_: None,
         *,
         watching: bool = False,
-        secrets: SecretNames | None = None,
     ) -> None:
         """Create the console's node, which joins the graph, and all that handles its messages.
 
@@ -121,17 +118,15 @@ class Robot:
             on_message: Called on the ROS thread with the topic and each message that is received,
                 secret values of parameters masked.
             watching: True to refuse every verb.
-            secrets: Decides which parameters are secret; None for the usual names.
         """
         self.watching = watching
         self.file = file
-        self._secrets = secrets or SecretNames()
         self._clock = clock
         self.own_nodes: Callable[[], Collection[str]] = tuple
         self.unended_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
-        message_classes.load_all(file)
-        masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
+        load_all(file)
+        masks = {ParameterEvent: without_secrets}
         node = self._node = Listener(
             new_node_name(), on_message, masks, context=context, start_parameter_services=False
         )
@@ -141,7 +136,7 @@ class Robot:
         self._services = Services(node, clock)
         self._graph = Graph(node, file)
         self._interface_checks = checks = InterfaceChecks(node, file, self._graph)
-        self._unexplained_changes = UnexplainedChanges.of_robot(file, checks.full)
+        self._unexplained_changes = UnexplainedChanges(file, self._motion_publishers)
         self._reporter = Reporter(
             node, clock, self._unexplained_changes, on_event, self._snapshots.send_soon
         )
@@ -174,7 +169,6 @@ class Robot:
             self._snapshots.send_soon,
             self._forget_periods,
             self._on_parameter_change,
-            self._secrets,
         )
         caller = ServiceCaller(node, steady, self._services, self._graph, checks)
         self._services.on_answered = self._on_answer
@@ -202,7 +196,6 @@ class Robot:
             lambda work: self._thread.submit(work),
             self._snapshots.send_soon,
         )
-        motion_publishers = MotionPublishers(file, self._graph, clock)
         self._poller = GraphPoller(
             file,
             clock,
@@ -212,15 +205,11 @@ class Robot:
             recorded_topics,
             lifecycles,
             self._parameters,
-            motion_publishers,
             self._stop_sender,
             self._unexplained_changes,
             self._reporter,
             self._snapshots,
             lambda: self.own_nodes(),
-        )
-        earlier_log = self._earlier_log = EarlierLog(
-            node, clock, self._graph.is_ours, self._reporter.add
         )
         self._handlers = MessageHandlers(
             file,
@@ -229,11 +218,9 @@ class Robot:
             self._goals,
             stops,
             self._stop_sender,
-            motion_publishers,
             self._unexplained_changes,
             self._reporter,
             self._snapshots,
-            earlier_log,
             self._clock_offsets,
             lambda: self.own_nodes(),
         )
@@ -290,7 +277,6 @@ class Robot:
             Nodes(node, self._services),
             self._parameters,
             lifecycles,
-            self._secrets,
         )
         for text in checks.unfit.values():
             self._reporter.warn(text)
@@ -374,7 +360,7 @@ class Robot:
             node: The full name of the node.
             values: The values by name; secrets are masked in the report.
         """
-        shown = self._secrets.masked(values)
+        shown = masked(values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
         text = f"set {node.lstrip('/')} {texts} again: it was restarted"
         record = AuditRecord("set", {"node": node, "values": shown}, Code.DONE)
@@ -495,12 +481,10 @@ class Robot:
             The fields by dotted path, those of nested messages included; None if the type is not
             installed here.
         """
-        found = message_classes.load(type_name)
+        found = load_class(type_name)
         if found is None:
             return None
-        return tuple(
-            messages.flat_fields(found.Goal() if "/action/" in type_name else found.Request())
-        )
+        return tuple(flat_fields(found.Goal() if "/action/" in type_name else found.Request()))
 
     async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
         """Return the types with which nodes serve a service or an action, in any namespace.
@@ -648,11 +632,14 @@ class Robot:
     # All below runs on the ROS thread.
 
     def _poll(self) -> None:
-        self._earlier_log.report_if_due()
         self._poller.poll_if_due()
         self._handlers.forget_clocks()
         is_needed = self._graph.has_clock and bool(self.snapshot.simulated_nodes)
         self._sim_clock.poll(is_needed=is_needed)
+
+    def _motion_publishers(self) -> frozenset[bytes]:
+        motion = self.file.motion
+        return frozenset() if motion is None else self._graph.publisher_ids(motion.topic)
 
     def _on_goal_change(self, is_new_phase: bool) -> None:
         self._stop_sender.begin_ticking()
@@ -683,7 +670,7 @@ class Robot:
         self._handlers.on_reading(topic, news, self._telemetry.motion)
 
     def _on_parameter_change(self, node: str, name: str, old: Any, new: Any) -> None:
-        if self._secrets.matches(name):
+        if is_secret(name):
             old = new = MASK
         self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 

@@ -9,8 +9,6 @@ from archo_tui.robot.arrivals import Arrivals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.lifecycle import Lifecycles
-from archo_tui.robot.limits import Limits
-from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.recorded_topics import RecordedTopics
 from archo_tui.robot.reporter import Reporter
@@ -42,7 +40,6 @@ class GraphPoller:
         recorded_topics: RecordedTopics,
         lifecycles: Lifecycles,
         parameters: Parameters,
-        motion_publishers: MotionPublishers,
         stop: StopSender,
         changes: UnexplainedChanges,
         reporter: Reporter,
@@ -60,7 +57,6 @@ class GraphPoller:
             recorded_topics: Subscribe to what is published and only recorded.
             lifecycles: Ask managed nodes for their states.
             parameters: Reads the parameters of new nodes.
-            motion_publishers: The publishers of the motion.
             stop: The last confirmed STOP, which a restart of its node makes uncertain.
             changes: The changes that no console has explained.
             reporter: Reports what changed.
@@ -70,11 +66,10 @@ class GraphPoller:
         self._file, self._clock, self._graph = file, clock, graph
         self._checks, self._parameters, self._lifecycles = checks, parameters, lifecycles
         self._telemetry, self._recorded_topics = telemetry, recorded_topics
-        self._motion_publishers, self._stop_sender, self._changes = motion_publishers, stop, changes
+        self._stop_sender, self._changes = stop, changes
         self._reporter, self._snapshots, self._own_nodes = reporter, snapshots, own_nodes
         self._next = float("-inf")  # When the next poll is due, in monotonic seconds.
         self._arrivals = Arrivals(clock.monotonic())
-        self._limits = Limits(file)
         self._consoles: set[str] | None = None  # The other consoles; None before the first poll.
         self._mismatches: frozenset[str] = frozenset()  # Those that were reported.
         self.faults: dict[str, str] = {}
@@ -92,13 +87,12 @@ class GraphPoller:
 
         Topics are subscribed to, parameters and states of new nodes requested, a confirmed STOP is
         compared with its nodes, and `faults` is renewed. Nodes and consoles that came or left,
-        mismatches of QoS and unknown limits become events. A snapshot is sent soon if something
+        and mismatches of QoS become events. A snapshot is sent soon if something
         changed, or a message came.
         """
         begun = self._clock.monotonic()
         changed = self._graph.poll()
         self._next = begun + self._graph.rest - _EARLY
-        self._motion_publishers.check()
         self._stop_sender.check_holders()
         self._changes.author = CONSOLE if self._graph.silent_consoles else CLIENT
         self._report_consoles()
@@ -117,7 +111,6 @@ class GraphPoller:
             self._snapshots.send_soon()
         self._report_mismatches()
         self._parameters.poll(self._graph.node_counts, self._graph.services)
-        self._report_unknown_limits()
 
     def _find_faults(self) -> dict[str, str]:
         faults = {**self._telemetry.faults, **self._checks.misfits()}
@@ -144,14 +137,3 @@ class GraphPoller:
             if text not in self._mismatches:
                 self._reporter.warn(text)
         self._mismatches = frozenset(mismatches)
-
-    def _report_unknown_limits(self) -> None:
-        graph = self._graph
-        for level, text in self._limits.unknown_limits(
-            self._clock.monotonic(),
-            graph.offered,
-            graph.namespace,
-            graph.names,
-            self._parameters.all(),
-        ):
-            self._reporter.note(level, text)

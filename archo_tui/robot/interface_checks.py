@@ -10,10 +10,12 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.robot import forms, message_classes, messages, ros2_command
-from archo_tui.robot.fields import checked, filled
+from archo_tui.robot import ros2_command
 from archo_tui.robot.graph import Graph
-from archo_tui.robot.state import TypedField
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.typed import is_number
+from archo_tui.robot.messages.types import TypedField, field_paths, field_types, kinds, load_class
+from archo_tui.robot.messages.values import checked, filled, goal_request
 from archo_tui.robot_file import mismatch, model
 
 
@@ -67,17 +69,17 @@ class InterfaceChecks:
         full, kind = self.full(name), self._type(name)
         if not kind:
             return None, f"{full} has servers of different types: not called"
-        srv_type = message_classes.load(kind)
+        srv_type = load_class(kind)
         if srv_type is None:
             return None, mismatch.not_installed(full, kind)
-        if message_classes.fields(srv_type.Request) != set(values):
+        if kinds(srv_type.Request).keys() != values.keys():
             return None, f"{full} is {kind}, whose request differs: not called"
-        kinds = srv_type.Request.get_fields_and_field_types()
+        types = kinds(srv_type.Request)
         for field, value in values.items():
             try:
-                checked(kinds[field], value, field)
+                checked(types[field], value, field)
             except ValueError:
-                return None, f"{full} is {kind}, whose {field} is {kinds[field]}: not called"
+                return None, f"{full} is {kind}, whose {field} is {types[field]}: not called"
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:
@@ -93,7 +95,7 @@ class InterfaceChecks:
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
             fault = mismatch.unexpected_type(kind.action, types, (kind.type,))
-            if types == (kind.type,) and message_classes.load(kind.type) is None:
+            if types == (kind.type,) and load_class(kind.type) is None:
                 fault = mismatch.not_installed(kind.action, kind.type)
             found[kind.action] = fault or self.unfit.get(kind.action, "")
         return {name: reason for name, reason in found.items() if reason}
@@ -127,8 +129,8 @@ class InterfaceChecks:
         """
         full = self.full(name)
         types = self._graph.services.get(full, [])
-        srv_type = message_classes.load(types[0]) if len(types) == 1 else None
-        if srv_type is None or message_classes.fields(srv_type.Request) != set(fields):
+        srv_type = load_class(types[0]) if len(types) == 1 else None
+        if srv_type is None or kinds(srv_type.Request).keys() != fields.keys():
             return ""
         try:
             request = filled(srv_type.Request(), fields)
@@ -146,9 +148,9 @@ class InterfaceChecks:
         Returns:
             The line; "" if the type is not installed here, or the values do not fit.
         """
-        action = message_classes.load(kind.type)
+        action = load_class(kind.type)
         try:
-            goal = None if action is None else messages.goal_request(action, kind, values)
+            goal = None if action is None else goal_request(action, kind, values)
         except ValueError:  # Sending the goal reports why.
             goal = None
         if goal is None:
@@ -162,7 +164,7 @@ def _goal_fault(kind: model.GoalKind) -> str:
     The fields that the file names are looked for in the action's type, which must take their
     values. Without the type here, nothing is checked.
     """
-    action = message_classes.load(kind.type)
+    action = load_class(kind.type)
     if action is None:  # `misfits` reports this once the action is on the graph.
         return ""
     form = [(given.where or kind.where, path) for path, given in kind.form.items()]
@@ -171,7 +173,7 @@ def _goal_fault(kind: model.GoalKind) -> str:
     remaining = [] if kind.remaining is None else [(kind.remaining.where, kind.remaining.field)]
     parts = (("Goal", action.Goal, form), ("Result", action.Result, message))
     for name, part, wanted in (*parts, ("Feedback", action.Feedback, remaining)):
-        fault = mismatch.unknown_field(f"{kind.type} {name}", wanted, messages.paths(part))
+        fault = mismatch.unknown_field(f"{kind.type} {name}", wanted, field_paths(part))
         if fault:
             return fault
     return _form_fault(kind, action.Goal()) or _fixed_fault(kind, action.Goal())
@@ -179,7 +181,7 @@ def _goal_fault(kind: model.GoalKind) -> str:
 
 def _form_fault(kind: model.GoalKind, goal: Any) -> str:
     """Return why the first unfit input of a form cannot fill its field; "" if all can."""
-    types = messages.types(goal)
+    types = field_types(goal)
     for path, given in kind.form.items():
         where, found = given.where or kind.where, f"{path} is {types[path]}"
         field = TypedField(path, types[path], None)
@@ -188,7 +190,7 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
                 return f"{where}: {found}: convert: yaw is for a quaternion (x, y, z, w)"
         elif any(other.startswith(f"{path}.") for other in types):
             return f"{where}: {found}: name one of its fields"
-        elif not forms.is_number(field) and (given.low is not None or given.high is not None):
+        elif not is_number(field) and (given.low is not None or given.high is not None):
             return f"{where}: {found}: low and high are for numbers"
     return ""
 
@@ -212,10 +214,10 @@ def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:
 
     A field that is converted, as a yaw, is a number in the form.
     """
-    goal_type = message_classes.load(kind.type)
+    goal_type = load_class(kind.type)
     if goal_type is None:
         return None
-    types = {field.path: field for field in messages.flat_fields(goal_type.Goal())}
+    types = {field.path: field for field in flat_fields(goal_type.Goal())}
     turned = {path for path, given in kind.form.items() if given.convert}
     number = TypedField("", "double", 0.0)
     return tuple(

@@ -12,11 +12,9 @@ from archo_tui.clock import Clock
 from archo_tui.robot import audit_records
 from archo_tui.robot.clock_offsets import ClockOffsets
 from archo_tui.robot.consoles import author
-from archo_tui.robot.earlier_log import EarlierLog
 from archo_tui.robot.events import ROUTINE
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
-from archo_tui.robot.motion_publishers import MotionPublishers
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.reading_subscriptions import News
 from archo_tui.robot.reporter import Reporter
@@ -39,11 +37,9 @@ class MessageHandlers:
         goals: Goals,
         stops: Stops,
         stop: StopSender,
-        motion_publishers: MotionPublishers,
         changes: UnexplainedChanges,
         reporter: Reporter,
         snapshots: SnapshotSender,
-        earlier_log: EarlierLog,
         clock_offsets: ClockOffsets,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
@@ -56,18 +52,16 @@ class MessageHandlers:
             goals: The goals that are tracked.
             stops: The STOPs that were read.
             stop: The STOP that is open, and the last one that was confirmed.
-            motion_publishers: The publishers of the motion.
             changes: The changes that no console has explained.
             reporter: Reports what other nodes and consoles report.
             snapshots: Sends snapshots that show it.
-            earlier_log: Reports the log lines from before the start.
             clock_offsets: Compares the clocks of other computers with this one's.
             own_nodes: Returns the nodes of this process, which share its clock.
         """
         self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
-        self._stops, self._stop_sender, self._motion_publishers = stops, stop, motion_publishers
+        self._stops, self._stop_sender = stops, stop
         self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
-        self._earlier_log, self._clock_offsets = earlier_log, clock_offsets
+        self._clock_offsets = clock_offsets
         self._own_nodes = own_nodes
 
     def on_reading(self, topic: str, news: News, motion: Motion) -> None:
@@ -99,9 +93,7 @@ class MessageHandlers:
         # One of several robots tells nothing about the others.
         if served is not None and served.service not in self._graph.duplicates:
             self._stop_sender.on_motion(motion)
-        self._changes.on_motion(
-            motion, self._clock.monotonic(), self._motion_publishers.have_restarted
-        )
+        self._changes.on_motion(motion, self._clock.monotonic())
 
     def on_log(self, message: Log) -> None:
         """Handle a line on /rosout: add an event, unless the line is another robot's.
@@ -111,7 +103,6 @@ class MessageHandlers:
         """
         node = logger_node(message.name)
         console = author(node)
-        self._earlier_log.on_live_line(message)
         if console:
             # Every other console sends the same line in its audit record.
             if console in self._graph.silent_consoles:

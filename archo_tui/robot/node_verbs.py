@@ -8,14 +8,14 @@ from typing import Any
 from archo_tui.errors import in_one_line
 from archo_tui.robot import ros2_command
 from archo_tui.robot.lifecycle import CHANGE_TIMEOUT, Lifecycles
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameters import Parameters
-from archo_tui.robot.secret_names import SecretNames
+from archo_tui.robot.secret_names import is_secret, masked
 from archo_tui.robot.services import QUESTION_TIMEOUT
 from archo_tui.robot.state import NodeInfo, TopicInfo
 from archo_tui.robot.thread import RosThread
-from archo_tui.robot.values import text_of
 from archo_tui.robot.verb_runner import VerbRunner
 
 _NO_ANSWER = f"no answer in {QUESTION_TIMEOUT:g} s from the console's own node"
@@ -34,7 +34,6 @@ class NodeVerbs:
         nodes: Nodes,
         parameters: Parameters,
         lifecycles: Lifecycles,
-        secrets: SecretNames,
     ) -> None:
         """Create the verbs.
 
@@ -44,10 +43,9 @@ class NodeVerbs:
             nodes: Asks the graph and the nodes.
             parameters: Sets parameters.
             lifecycles: Changes the states of managed nodes.
-            secrets: Decides which parameters are secret.
         """
         self._thread, self._runner, self._nodes = thread, runner, nodes
-        self._parameters, self._lifecycles, self._secrets = parameters, lifecycles, secrets
+        self._parameters, self._lifecycles = parameters, lifecycles
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of a node, all or none of them, and report it; secret values are masked.
@@ -60,8 +58,8 @@ class NodeVerbs:
             The outcome, whose text has the values that the node reports afterwards, and those
             before.
         """
-        shown = self._secrets.masked(values)
-        has_secret = any(map(self._secrets.matches, values))
+        shown = masked(values)
+        has_secret = any(map(is_secret, values))
         command = "" if has_secret else ros2_command.set_parameters(node, values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
         return await self._runner.run(

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.robot.fields import checked
+from archo_tui.robot.messages.typed import MAX_LENGTH
+from archo_tui.robot.messages.typed import parse as parse_typed
+from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import parse_bool, parse_integer, parse_number, same, text_of
-from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
-from archo_tui.yaml_text.dump import flow
 
 # The names of the numbers in rcl_interfaces/msg/ParameterType.
 TYPES = {
@@ -20,8 +19,6 @@ TYPES = {
 # The types of message fields that hold the same values.
 _FIELDS = {"bool": "boolean", "integer": "int64", "double": "double", "string": "string"}
 _FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
-
-_LONGEST = 10_000  # Characters of a typed value.
 
 
 def as_python(message: Any) -> Any:
@@ -56,13 +53,6 @@ def _bound(value: float) -> str:
     return short if float(short) == value else str(value)
 
 
-def typed_text(value: Any) -> str:
-    """Return a parameter's value as text for an input field, which `parse` turns back into it."""
-    if isinstance(value, str):
-        return value
-    return flow(value) if isinstance(value, list) else text_of(value)
-
-
 def parse(parameter: Parameter, text: str) -> Any:
     """Return the value that a typed text means for a parameter, by the parameter's type.
 
@@ -75,11 +65,19 @@ def parse(parameter: Parameter, text: str) -> Any:
     """
     if parameter.read_only:
         raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
-    if len(text) > _LONGEST:
-        raise ValueError(f"too long: {len(text)} characters, at most {_LONGEST}")
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"too long: {len(text)} characters, at most {MAX_LENGTH}")
     if any(ord(char) < 32 or ord(char) == 127 for char in text):
         raise ValueError("control characters are not allowed")
-    value = _value(parameter.type, text)
+    kind = parameter.type
+    if kind not in _FIELDS:
+        raise ValueError(f"a parameter of type {kind} cannot be edited here")
+    if kind != "string" and not text.strip():
+        raise ValueError(f"a value is needed ({kind})")
+    try:
+        value = parse_typed(_FIELDS[kind], text, of_parameter=True)
+    except YamlFault:
+        raise ValueError(f"not a list like [1, 2]: {text.strip()}") from None
     _check_range(parameter, value, text.strip())
     return value
 
@@ -120,28 +118,3 @@ def _check_range(parameter: Parameter, value: Any, text: str) -> None:
         return
     if not parameter.low <= value <= parameter.high:  # This form also refuses NaN.
         raise ValueError(f"allowed {range_text(parameter)}, not {text}")
-
-
-def _value(kind: str, text: str) -> Any:
-    stripped = text.strip()
-    if kind == "string":
-        return text
-    if not stripped:
-        raise ValueError(f"a value is needed ({kind})")
-    if kind == "bool":
-        return parse_bool(stripped)
-    if kind == "integer":
-        return parse_integer(stripped)
-    if kind == "double":
-        return parse_number(stripped)
-    if kind.endswith("[]") and kind != "byte[]":
-        return _sequence(kind.removesuffix("[]"), stripped)
-    raise ValueError(f"a parameter of type {kind} cannot be edited here")
-
-
-def _sequence(element: str, text: str) -> list[Any]:
-    try:
-        items = bounded_yaml.scalar_texts(text)  # Texts, since their type is declared.
-    except YamlFault:
-        raise ValueError(f"not a list like [1, 2]: {text}") from None
-    return [_value(element, item) for item in items]

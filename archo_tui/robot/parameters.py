@@ -17,16 +17,15 @@ from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.clock import Clock
 from archo_tui.robot import services
-from archo_tui.robot.fields import checked
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_polling import ParameterPolling
 from archo_tui.robot.parameter_values import TYPES, as_python, value_field
-from archo_tui.robot.secret_names import MASK, SecretNames
+from archo_tui.robot.secret_names import MASK, is_secret, masked, masked_text
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
-from archo_tui.robot.values import same, text_of
 from archo_tui.safe_text import harmless
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
@@ -44,7 +43,6 @@ class Parameters:
         on_change: Callable[[], None],
         on_new_value: Callable[[str, Any, Any], None],
         on_event: Callable[[str, str, Any, Any], None],
-        secrets: SecretNames,
     ) -> None:
         """Create an empty mirror, and subscribe to /parameter_events.
 
@@ -57,10 +55,8 @@ class Parameters:
                 parameters, however the change became known.
             on_event: Called with node, name, old and new value when a node publishes another value
                 than the one that is known here; not for the first value.
-            secrets: Decides which parameters are secret.
         """
         self._tell_event = on_event
-        self._secrets = secrets
         self._node, self._clock = node, clock
         self._on_new_value = on_new_value
         self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
@@ -183,7 +179,7 @@ class Parameters:
                 return
             self._retry.pop(node, None)
             self._by_node[node] = {
-                name: _parameter(node, name, descriptor, got.get(name), self._secrets.matches(name))
+                name: _parameter(node, name, descriptor, got.get(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
             }
             self._on_change()
@@ -230,7 +226,7 @@ class Parameters:
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
         if not answer.result.successful:
-            reason = self._secrets.masked_text(answer.result.reason, values)
+            reason = masked_text(answer.result.reason, values)
             return Outcome(Code.REFUSED, reason or "refused, no reason given")
         names = list(values)
         got = await self._services.call(
@@ -248,7 +244,7 @@ class Parameters:
 
     def _event_texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
         """Return the known values by name as texts for an event, with MASK in place of secrets."""
-        known = self._secrets.masked({name: self._value(node, name) for name in names})
+        known = masked({name: self._value(node, name) for name in names})
         return {name: text_of(value) for name, value in known.items()}
 
     def _message(self, node: str, name: str, value: Any) -> Any:
@@ -297,16 +293,16 @@ class Parameters:
             self._on_new_value(node, known.value, value)
 
 
-def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterEvent:
+def without_secrets(message: ParameterEvent) -> ParameterEvent:
     """Return a message with MASK in place of secret values; the same object if it has none."""
     parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
-    if not any(secrets.matches(parameter.name) for part in parts for parameter in part):
+    if not any(is_secret(parameter.name) for part in parts for parameter in part):
         return message
-    masked = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
+    hidden = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
     new, changed, deleted = (
         [
-            ParameterMessage(name=parameter.name, value=masked)
-            if secrets.matches(parameter.name)
+            ParameterMessage(name=parameter.name, value=hidden)
+            if is_secret(parameter.name)
             else parameter
             for parameter in part
         ]
@@ -321,9 +317,7 @@ def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterE
     )
 
 
-def _parameter(
-    node: str, name: str, descriptor: Any, value: Any, is_secret: bool = False
-) -> Parameter:
+def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
     low = high = None
     for allowed in (*descriptor.floating_point_range, *descriptor.integer_range):
         low, high = sorted((allowed.from_value, allowed.to_value))
@@ -337,5 +331,5 @@ def _parameter(
         low=low,
         high=high,
         read_only=descriptor.read_only,
-        is_secret=is_secret,
+        is_secret=is_secret(name),
     )

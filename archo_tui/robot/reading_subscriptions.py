@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot import message_classes, messages
 from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.types import field_paths, load_class
 from archo_tui.robot.period import LEAST_SILENCE
 from archo_tui.robot.readings import Fields
 from archo_tui.robot.state import in_namespace
@@ -145,7 +145,7 @@ class ReadingSubscriptions:
             return None
         kinds: list[str] = sorted({info.topic_type for info in publishers})
         types = reader.types
-        known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
+        known = {kind: load_class(kind) for kind in kinds if kind in types}
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
         fault = next(filter(None, lacking.values()), "")
@@ -191,7 +191,7 @@ class ReadingSubscriptions:
             for name, new in news.items():
                 self._on_reading(name, new)
 
-        message_class = message_classes.load(kind)
+        message_class = load_class(kind)
         try:
             subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
         except Exception as error:  # Fast DDS allows one type of a topic in a process.
@@ -211,4 +211,4 @@ def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fie
         return mismatch.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]
     wanted = [(field.where, field.field) for field in named]
-    return mismatch.unknown_field(kind, wanted, messages.paths(message_class))
+    return mismatch.unknown_field(kind, wanted, field_paths(message_class))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from archo_tui.robot.values import INTEGERS
+from archo_tui.robot.messages.types import INTEGERS
+from archo_tui.robot.messages.values import number
 from archo_tui.robot_file.model import MessageField
 
 Fields = MessageField | tuple[MessageField, ...]  # The source of one reading.
@@ -42,13 +43,6 @@ def _read(field: MessageField, message: Any) -> Any:
     if (field.scale, field.offset) == (1.0, 0.0):
         return value  # A count stays a whole number.
     return value * field.scale + field.offset
-
-
-def number(value: Any, low: float, high: float) -> float | None:
-    """Return a finite number within low .. high as a float; None for anything else, a bool too."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
-    return float(value) if math.isfinite(value) and low <= value <= high else None
 
 
 def integer(value: Any) -> int | None:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot import message_classes
 from archo_tui.robot.endpoints import fitting_qos
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.types import load_class
 from archo_tui.robot_file import mismatch
 
 
@@ -43,7 +43,7 @@ class RecordedTopics:
             if not publishers:
                 continue
             kind = publishers[0].topic_type
-            message_class = message_classes.load(kind)
+            message_class = load_class(kind)
             if message_class is None:
                 self._warn_once(topic, mismatch.not_installed(topic, kind))
                 continue

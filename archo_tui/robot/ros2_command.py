@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from shlex import quote
 from typing import Any
 
-from archo_tui.robot import messages
+from archo_tui.robot.messages.text import as_yaml
 from archo_tui.yaml_text.dump import flow
 
 
@@ -18,7 +18,7 @@ def service_call(name: str, type_name: str, request: Any) -> str:
         type_name: The type: `package/srv/Name`.
         request: The request message.
     """
-    return f"ros2 service call {name} {type_name} {quote(messages.as_yaml(request))}"
+    return f"ros2 service call {name} {type_name} {quote(as_yaml(request))}"
 
 
 def send_goal(name: str, type_name: str, goal: Any) -> str:
@@ -29,7 +29,7 @@ def send_goal(name: str, type_name: str, goal: Any) -> str:
         type_name: The type: `package/action/Name`.
         goal: The goal message.
     """
-    return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
+    return f"ros2 action send_goal {name} {type_name} {quote(as_yaml(goal))} --feedback"
 
 
 def echo(topic: str, type_name: str) -> str:

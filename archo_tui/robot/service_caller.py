@@ -8,11 +8,12 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
-from archo_tui.robot import message_classes, messages, services
-from archo_tui.robot.fields import filled
+from archo_tui.robot import services
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.outcome import SLOW_CALL, Answer, Code, Outcome
+from archo_tui.robot.messages.text import one_line
+from archo_tui.robot.messages.values import filled
+from archo_tui.robot.outcome import SLOW_CALL, Answer, Code, Outcome, outcome_of, says_more
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import not_offered
 from archo_tui.robot.stop.gate import Gate
@@ -135,8 +136,8 @@ def _outcome_of(answer: Any) -> Answer:
 
     The text has all fields of the answer if there are more than a verdict and a message.
     """
-    outcome = message_classes.outcome_of(answer)
-    more = messages.text(answer) if message_classes.says_more(answer) else ""
+    outcome = outcome_of(answer)
+    more = one_line(answer) if says_more(answer) else ""
     if more and outcome.code is Code.NOT_CONFIRMED:
         more = f"{outcome.text}: {more}"
     return Answer.of(outcome._replace(text=more or outcome.text), answer)
@@ -147,6 +148,6 @@ def _outcome_with_all_fields(answer: Any) -> Answer:
 
     REFUSED only if a field `success` is false.
     """
-    text = messages.text(answer) or message_classes.outcome_of(answer).text
+    text = one_line(answer) or outcome_of(answer).text
     code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
     return Answer.of(Outcome(code, text), answer)

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.clock import Clock
-from archo_tui.robot import message_classes, ros2_command
-from archo_tui.robot.fields import filled
+from archo_tui.robot import ros2_command
 from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.messages.types import load_class
+from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.requester import current_requester
@@ -86,7 +87,7 @@ class ServiceVerbs:
             The outcome. Nothing is sent or reported if the type is not installed (REFUSED) or a
             value does not fit (MISUSE).
         """
-        srv_type = message_classes.load(type_name)
+        srv_type = load_class(type_name)
         if srv_type is None:
             return Outcome(Code.REFUSED, mismatch.not_installed(service, type_name))
         try:

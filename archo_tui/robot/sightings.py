@@ -10,10 +10,11 @@ from typing import Any
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot import message_classes, messages
 from archo_tui.robot.client import Robot
-from archo_tui.robot.inspection import Inspection
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.types import field_types, load_class
 from archo_tui.robot.state import TOPIC, Resource
+from archo_tui.robot.topics.inspect import Inspection
 from archo_tui.robot_file.known_types import READ
 from archo_tui.robot_file.sighting import Sighting
 
@@ -38,7 +39,7 @@ async def take_sightings(robot: Robot, clock: Clock, seconds: float) -> tuple[Si
     named = {
         found.name: kind for found in topics for kind in found.types if kind in READ and found.nodes
     }
-    classes = {name: await in_daemon(message_classes.load, kind) for name, kind in named.items()}
+    classes = {name: await in_daemon(load_class, kind) for name, kind in named.items()}
     installed = {name: found for name, found in classes.items() if found is not None}
     async with AsyncExitStack() as stack:
         inspections = {
@@ -81,7 +82,7 @@ def _sighting(found: Resource, inspection: Inspection | None) -> Sighting:
         message = inspection.decode(inspection.newest[1])
     except ArchoError:  # Its publisher has another definition of the type.
         return seen
-    values = {field.path: field.default for field in messages.flat_fields(message)}
+    values = {field.path: field.default for field in flat_fields(message)}
     return replace(seen, rate=inspection.rate, values=values)
 
 
@@ -93,10 +94,10 @@ def _field_types(type_name: str) -> tuple[_Types | None, _Types, _Types]:
 
     The first is None if the type is not installed; of a service the others are empty.
     """
-    interface = message_classes.load(type_name)
+    interface = load_class(type_name)
     if interface is None:
         return None, {}, {}
     if hasattr(interface, "Request"):
-        return messages.types(interface.Request()), {}, {}
+        return field_types(interface.Request()), {}, {}
     goal, feedback, result = interface.Goal(), interface.Feedback(), interface.Result()
-    return messages.types(goal), messages.types(feedback), messages.types(result)
+    return field_types(goal), field_types(feedback), field_types(result)

@@ -15,12 +15,12 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import message_classes, services
-from archo_tui.robot.fields import filled
+from archo_tui.robot import services
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.messages.values import filled
+from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.services import Services
 from archo_tui.robot.snapshot_sender import SnapshotSender
@@ -312,8 +312,8 @@ def answers_of(answers: list[Any], servers: int, wait: float) -> Answers:
     It is a yes only if every server says yes. Otherwise a refusal counts first, then a missing
     answer, then one that is neither yes nor no.
     """
-    read = [(answer, message_classes.outcome_of(answer)) for answer in answers]
-    refusals = [outcome.text for answer, outcome in read if message_classes.refuses(answer)]
+    read = [(answer, outcome_of(answer)) for answer in answers]
+    refusals = [outcome.text for answer, outcome in read if refuses(answer)]
     of = f" by {len(refusals)} of {servers}" if servers > 1 else ""
     if refusals:
         outcome = Outcome(Code.REFUSED, f"REFUSED{of}: {refusals[0]}")

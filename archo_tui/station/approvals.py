@@ -9,8 +9,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
-from archo_tui.robot import forms
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.messages.typed import check_ranges
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.stop.gate import NOT_SENT
@@ -157,7 +157,7 @@ class Approvals:
         """Return a text on a value of a goal that is beyond a robot's limit; "" if none is."""
         fields = self._robot.snapshot.forms.get(goal.kind.id) or ()
         try:
-            forms.check_ranges(fields, self._robot.snapshot.form(goal.kind), goal.values)
+            check_ranges(fields, self._robot.snapshot.form(goal.kind), goal.values)
         except ValueError as error:
             return str(error)
         return ""

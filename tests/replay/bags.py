@@ -15,7 +15,7 @@ from rclpy.serialization import serialize_message
 
 from archo_tui.recording.bag import type_name
 from archo_tui.replay.bag_file import BagFile, BagMessage
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.definitions import definition
 
 START = 1_763_780_000  # Unix time of the first message, in s
 ALWAYS = (float("-inf"), float("inf"))

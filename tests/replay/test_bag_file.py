@@ -27,8 +27,8 @@ from archo_tui.replay import chunks, message_reader
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.linear_reader import read_range
 from archo_tui.replay.mcap_index import MessageRange
-from archo_tui.robot import message_classes
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import load_class
 from tests.replay.bags import (
     MAGIC,
     START,
@@ -162,7 +162,7 @@ def test_each_interface_as_its_file_says_it_is_the_type_that_is_installed(tmp_pa
     assert len(found) > 40
     for file in found:
         type_name = f"{file.parent.parent.name}/msg/{file.stem}"
-        made = message_classes.load(type_name)
+        made = load_class(type_name)
         _, rule, nested = definition(made).partition("=" * 80)
         parts = schema(2, type_name, file.read_text() + rule + nested) + channel(2, 2, "/other")
         bag_file = BagFile(logs(tmp_path / "a.mcap", parts))

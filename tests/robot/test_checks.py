@@ -335,11 +335,11 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
 
 
 async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot import message_classes
+    from archo_tui.robot.messages.types import load_class
 
-    assert message_classes.load("nonsense") is None
-    assert message_classes.load("a/b/c/d") is None
-    assert message_classes.load("rcl_interfaces/msg/Log") is Log
+    assert load_class("nonsense") is None
+    assert load_class("a/b/c/d") is None
+    assert load_class("rcl_interfaces/msg/Log") is Log
 
 
 async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one() -> None:

@@ -263,11 +263,12 @@ async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
 
 
 async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot import message_classes
+    from archo_tui.robot.messages.types import load_class
 
-    real = message_classes.load
+    real = load_class
     monkeypatch.setattr(
-        message_classes, "load", lambda name: None if name == "std_msgs/msg/Float32" else real(name)
+        "archo_tui.robot.reading_subscriptions.load_class",
+        lambda name: None if name == "std_msgs/msg/Float32" else real(name),
     )
 
     def make(**options: Any) -> Node:

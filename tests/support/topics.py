@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from archo_interfaces.msg import BatteryStatus
 
-from archo_tui.robot.message_fields import shown_elements
-from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import (
     FieldKind,
     FieldView,
@@ -14,7 +12,9 @@ from archo_tui.robot.state import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.topic_watch import TopicWatch
+from archo_tui.robot.topics.follow import TopicWatch
+from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.rows import shown_elements
 from tests.support.clock import TIME
 
 TYPE = "archo_interfaces/msg/BatteryStatus"

@@ -13,8 +13,9 @@ from rclpy.qos import qos_profile_action_status_default
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
-from archo_tui.robot import message_classes, services
+from archo_tui.robot import services
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.services import DEADLINE, Services
 from archo_tui.robot_file.model import GoalKind
 
@@ -47,7 +48,7 @@ class GoalAction:
         self._node, self.kind, self.since, self.is_exempt = node, kind, since, is_exempt
         self.name = str(node.resolve_service_name(kind.action))
         self.reported: set[bytes] | None = None
-        self.type = message_classes.load(kind.type)
+        self.type = load_class(kind.type)
         self._client: Any = None  # None in a console that only watches.
         if self.type is None:
             return

@@ -15,12 +15,13 @@ from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import messages, services
+from archo_tui.robot import services
 from archo_tui.robot.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
 from archo_tui.robot.goals.machine import Do, Event, TrackedGoal
 from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Pause
 from archo_tui.robot.services import DEADLINE, Services
@@ -481,6 +482,6 @@ def _request(
 ) -> tuple[Any, Outcome | None]:
     """Return the request that sends a goal, or why the values do not fit."""
     try:
-        return messages.goal_request(action.type, kind, values), None
+        return goal_request(action.type, kind, values), None
     except ValueError as error:
         return None, Outcome(Code.MISUSE, str(error))

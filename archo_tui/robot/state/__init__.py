@@ -33,7 +33,6 @@ from archo_tui.robot.state.topic_view import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.state.typed_field import TypedField
 
 __all__ = [
     "ACTION",
@@ -76,7 +75,6 @@ __all__ = [
     "TopicInfo",
     "TopicRequest",
     "TopicView",
-    "TypedField",
     "in_namespace",
     "level_word",
     "linked_number",

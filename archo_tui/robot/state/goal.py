@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, NamedTuple
 
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
 
 GIVEN_UP = 30.0  # Our choice: the seconds that a goal is LOST until its end is not awaited more.

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from archo_tui.robot.readings import number
+from archo_tui.robot.messages.values import number, same
 from archo_tui.robot.secret_names import MASK
 from archo_tui.robot.state.names import in_namespace
-from archo_tui.robot.values import same
 from archo_tui.robot_file.model import ParameterRef
 
 # Why the parameters of a node are not known.

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.state.diagnostic import Diagnostic
 from archo_tui.robot.state.event import Event
 from archo_tui.robot.state.goal import Goal
@@ -17,7 +18,6 @@ from archo_tui.robot.state.parameter import Parameter, linked_number
 from archo_tui.robot.state.resource import Resource
 from archo_tui.robot.state.stop import Latch, OpenStop
 from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
-from archo_tui.robot.state.typed_field import TypedField
 from archo_tui.robot_file.model import FormField, GoalKind, Limit, ParameterRef, RobotFile
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})

@@ -1,4 +1,4 @@
-"""The filling of message fields with values, each checked against the type of its field.
+"""Values as a person writes them, and the filling of message fields with values that fit.
 
 rosidl's classes check values only if ROS_PYTHON_CHECK_FIELDS=1 was set. Without it, a value that
 does not fit is cut, and a list that is too short is filled up with whatever is in memory.
@@ -14,17 +14,12 @@ from typing import Any
 
 import yaml
 
-from archo_tui.robot.message_classes import EMPTY, load_nested
-from archo_tui.robot.values import INTEGERS
-from archo_tui.safe_text import harmless
+from archo_tui.robot.messages.types import ARRAY, INTEGERS, NESTED, STRING, kinds, load_nested
+from archo_tui.robot_file.model import GoalKind
+from archo_tui.safe_text import harmless, safe
 from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
 
-NESTED = re.compile(r"\w+/\w+")
-# Types as rosidl writes them: sequence<string<8>, 3> holds at most three texts of at most eight
-# characters each; `most` and `size` are such numbers.
-_ARRAY = re.compile(r"sequence<(?P<of>.+?)(?:, *(?P<most>\d+))?>|(?P<each>.+)\[(?P<size>\d+)\]")
-_STRING = re.compile(r"w?string(?:<(\d+)>)?")
 _FLOAT32_MAX = 3.402823466e38  # The limit that rosidl's setters check.
 _FLOAT32_LARGEST = 3.4028234663852886e38  # The largest float32; more is infinite on the wire.
 _MARKS = ("\ufeff", "\ufffe")
@@ -33,54 +28,64 @@ _SHOWN = 40  # Characters of a wrong value that its error quotes.
 _REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)
 
 
-def element_of(kind: str) -> str | None:
-    """Return the type of the elements of an array type; None for any other type.
+def text_of(value: Any) -> str:
+    """Return a value as a person writes it, in one line that is safe to show; `--` for None."""
+    if value is None:
+        return "--"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(text_of(item) for item in value)}]"
+    return safe(str(value))
 
-    Args:
-        kind: The type as rosidl writes it: `sequence<double>`, `double[3]`.
-    """
-    found = _ARRAY.fullmatch(kind)
-    return None if found is None else found["of"] or found["each"]
+
+def same(a: Any, b: Any) -> bool:
+    """Return True for equal values; unlike with `==`, NaN is the same as NaN."""
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(same, a, b))
+    both_nan = isinstance(a, float) and isinstance(b, float) and a != a and b != b
+    return both_nan or bool(a == b)
+
+
+def fits_an_integer(value: int) -> bool:
+    """Return True if an int64 or a uint64 can hold the number."""
+    return INTEGERS["int64"][0] <= value <= INTEGERS["uint64"][1]
+
+
+def number(value: Any, low: float, high: float) -> float | None:
+    """Return a finite number within low .. high as a float; None for anything else, a bool too."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if math.isfinite(value) and low <= value <= high else None
 
 
 def put(message: Any, path: str, value: Any, where: str = "") -> None:
-    """Set a field of a message to a value that was checked against the type of the field.
-
-    Args:
-        message: The message, which is changed.
-        path: The dotted path of the field; no part of it may be an array.
-        value: The value as plain Python data; for a field that is a message, a mapping.
-        where: The path of the message itself, for errors.
+    """Set the field at a dotted path to a value that fits its type.
 
     Raises:
         ValueError: In one line the field, the value, and what is allowed.
     """
     first, _, rest = path.partition(".")
-    kinds = message.get_fields_and_field_types()
+    found = kinds(message)
     where = f"{where}.{first}".lstrip(".")
-    if first not in kinds:
-        known = ", ".join(sorted(set(kinds) - {EMPTY})) or "it takes none"
+    if first not in found:
+        known = ", ".join(sorted(found)) or "it takes none"
         raise ValueError(harmless(f"there is no field {where}: {known}"))
     if rest:
-        if not NESTED.fullmatch(kinds[first]):
-            why = f"{where} is of type {kinds[first]}"
+        if not NESTED.fullmatch(found[first]):
+            why = f"{where} is of type {found[first]}"
             raise ValueError(harmless(f"there is no field {where}.{rest}: {why}"))
         put(getattr(message, first), rest, value, where)
         return
-    made = checked(kinds[first], value, where)
+    made = checked(found[first], value, where)
     try:
         setattr(message, first, made)
     except _REFUSED:
-        raise ValueError(f"{where}: {_shown(value)} is not of type {kinds[first]}") from None
+        raise ValueError(f"{where}: {_shown(value)} is not of type {found[first]}") from None
 
 
 def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
-    """Set fields of a message in place, and return the same message.
-
-    Args:
-        message: The message, which is changed; also before an error.
-        values: The values by dotted path.
-        where: The path of the message itself, for errors.
+    """Set fields of a message, by dotted path, and return the same message.
 
     Raises:
         ValueError: A value does not fit, as in `put`; or one path is inside of another one.
@@ -96,24 +101,16 @@ def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
 
 
 def checked(kind: str, value: Any, where: str) -> Any:
-    """Return a value in the form in which a field of a type takes it.
-
-    A mapping becomes a message, a number for a `byte` becomes `bytes`, a number for a float field a
-    float; other values stay as they are.
-
-    Args:
-        kind: The type, as rosidl writes it.
-        value: The value as plain Python data.
-        where: The path of the field, for errors.
+    """Return a value in the form in which a field of a type takes it: a mapping becomes a message.
 
     Raises:
-        ValueError: In one line the field, the value, and what is allowed.
+        ValueError: In one line the field (`where`), the value, and what is allowed.
     """
-    array, nested = _ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
+    array, nested = ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
     if array is not None:
         return _list(array, value, where)
     if nested is not None:
-        return _message(nested, value, where)
+        return _message(kind, value, where)
     try:
         return _single(kind, value)
     except ValueError as error:
@@ -132,27 +129,22 @@ def _list(array: re.Match[str], value: Any, where: str) -> list[Any]:
     return [checked(of, item, f"{where}[{place}]") for place, item in enumerate(value)]
 
 
-def _message(nested: re.Match[str], value: Any, where: str) -> Any:
-    """Return a new message of a nested type with the values of a mapping."""
+def _message(kind: str, value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
-        raise ValueError(f"{where}: {_shown(value)} is not the fields of {nested[0]}")
-    message_class = load_nested(nested[0])
+        raise ValueError(f"{where}: {_shown(value)} is not the fields of {kind}")
+    message_class = load_nested(kind)
     if message_class is None:
-        raise ValueError(f"{where}: {nested[0]} is not installed here")
+        raise ValueError(f"{where}: {kind} is not installed here")
     return filled(message_class(), value, where)
 
 
 def _single(kind: str, value: Any) -> Any:
-    """Return a value for a field that is no array and no message.
-
-    Raises:
-        ValueError: What is allowed; `checked` puts the field and the value before it.
-    """
-    text = _STRING.fullmatch(kind)
+    """Return a value for a field that is no array and no message, or raise what is allowed."""
+    text = STRING.fullmatch(kind)
     if text is not None:
         if kind[0] == "w" and isinstance(value, str) and value.startswith(_MARKS):
             raise ValueError("begins with a byte order mark, which ROS removes")
-        return _text(value, None if text[1] is None else int(text[1]))
+        return _text(value, None if text["most"] is None else int(text["most"]))
     if kind in INTEGERS:
         if kind == "octet" and isinstance(value, bytes) and len(value) == 1:
             return value
@@ -168,7 +160,6 @@ def _single(kind: str, value: Any) -> Any:
 
 
 def _whole(value: Any, low: int, high: int) -> int:
-    """Return a value that is a whole number within low .. high; raise ValueError for any other."""
     if not isinstance(value, int) or isinstance(value, bool):
         raise ValueError("is not a whole number")
     if not low <= value <= high:
@@ -180,14 +171,14 @@ def _number(value: Any, kind: str) -> float:
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         raise ValueError("is not a number")
     try:
-        number = float(value)
+        found = float(value)
     except OverflowError:
         raise ValueError("is too large for a number") from None
-    if kind == "float" and math.isfinite(number) and abs(number) > _FLOAT32_MAX:
-        if abs(number) > _FLOAT32_LARGEST:
+    if kind == "float" and math.isfinite(found) and abs(found) > _FLOAT32_MAX:
+        if abs(found) > _FLOAT32_LARGEST:
             raise ValueError(f"is not within -{_FLOAT32_MAX} .. {_FLOAT32_MAX}")
-        return math.copysign(_FLOAT32_MAX, number)  # As a float32 it is the same number.
-    return number
+        return math.copysign(_FLOAT32_MAX, found)  # As a float32 it is the same number.
+    return found
 
 
 def _text(value: Any, most: int | None) -> str:
@@ -208,3 +199,26 @@ def _shown(value: Any) -> str:
     except yaml.YAMLError:  # A value that no person can type.
         text = str(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+
+
+def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
+    """Return a goal message with the fixed values of the robot file and the typed ones, by path.
+
+    A typed value that the file says to convert, a yaw in degrees, becomes a quaternion.
+
+    Raises:
+        ValueError: A value does not fit its field.
+    """
+    made = action_type.Goal()
+    for path, value in itertools.chain(kind.fixed.items(), values.items()):
+        given = kind.form.get(path)
+        put(made, path, _quaternion(path, value) if given is not None and given.convert else value)
+    return made
+
+
+def _quaternion(path: str, degrees: Any) -> dict[str, float]:
+    yaw: float = checked("double", degrees, path)
+    if not math.isfinite(yaw):
+        raise ValueError(f"{path}: {flow(yaw)} is not a finite number")
+    half = math.radians(yaw) / 2
+    return {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
