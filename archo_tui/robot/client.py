@@ -84,15 +84,6 @@ class Robot:
 
     The end of each verb that sends or changes something is reported: as an event, in the ROS log,
     and to the robot's other consoles.
-
-    Attributes:
-        watching: True if every verb is refused, and no service is called but those that only read.
-        file: The robot file.
-        stops: The count of STOPs that were read; a request that was typed before a STOP is not
-            sent.
-        own_nodes: Returns the full names of the nodes that this process hosts. Their host reports
-            when they come and leave, so the robot does not. The session sets this function.
-        unended_nodes: Returns those of the own nodes whose code may still run. The session sets it.
     """
 
     def __init__(
@@ -105,24 +96,13 @@ class Robot:
         *,
         watching: bool = False,
     ) -> None:
-        """Create the console's node, which joins the graph, and all that handles its messages.
-
-        Nothing is received before `start`. The classes of messages are imported, which may take
-        long.
-
-        Args:
-            context: The rclpy context of the console's node.
-            file: The robot file.
-            clock: The clock of all times.
-            on_event: Called on the ROS thread with each event, also with one that repeats another.
-            on_message: Called on the ROS thread with the topic and each message that is received,
-                secret values of parameters masked.
-            watching: True to refuse every verb.
-        """
+        # True if every verb is refused, and no service is called but those that only read.
         self.watching = watching
-        self.file = file
+        self.file = file  # The robot file.
         self._clock = clock
+        # Returns the full names of the nodes that this process hosts.
         self.own_nodes: Callable[[], Collection[str]] = tuple
+        # Returns those of the own nodes whose code may still run.
         self.unended_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         load_all(file)
@@ -291,9 +271,6 @@ class Robot:
         """Call a function with the newest snapshot now, and with each later one on this loop.
 
         If several come before the loop gets to them, only the newest is delivered.
-
-        Args:
-            receiver: The function; it takes the place of an earlier one.
         """
         self._snapshots.mailbox.open(receiver)
         receiver(self._snapshots.mailbox.latest)
@@ -335,31 +312,18 @@ class Robot:
         return await self._stop_verbs.give_up_stop()
 
     def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the call that a starting hosted node must carry out before it spins.
-
-        Returns:
-            The full name of the STOP's service, and the request; "" and {} if no STOP holds, is
-            open or is on its way, or the robot has none.
-        """
+        """Return the call that a starting hosted node must carry out before it spins."""
         return self._stop_verbs.early_stop_request()
 
     def on_early_stop(self, node: str) -> None:
         """Record that a starting hosted node has carried out the STOP. Any thread.
 
         The node then counts as one of those that hold the STOP.
-
-        Args:
-            node: The full name of the node.
         """
         self._thread.submit(lambda: self._stop_sender.on_early_stop(node))
 
     def on_parameters_restored(self, node: str, values: Mapping[str, Any]) -> None:
-        """Report that a hosted node was constructed anew, and given these parameters. Any thread.
-
-        Args:
-            node: The full name of the node.
-            values: The values by name; secrets are masked in the report.
-        """
+        """Report that a hosted node was restarted, and given these parameters. Any thread."""
         shown = masked(values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
         text = f"set {node.lstrip('/')} {texts} again: it was restarted"
@@ -373,11 +337,7 @@ class Robot:
         return await self._goal_verbs.send(kind, values, queued=queued)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Request the cancel of the goal of this console that runs; see `GoalVerbs`.
-
-        Args:
-            another: True for the goal of another client instead.
-        """
+        """Request the cancel of the goal of this console that runs; see `GoalVerbs`."""
         return await self._goal_verbs.cancel(another=another)
 
     async def cancel_all(self) -> Outcome:
@@ -403,12 +363,7 @@ class Robot:
         self._goals.sending_has_ended = False
 
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
-        """Call the service of a command in the robot file: see `ServiceVerbs`.
-
-        Args:
-            command: The command.
-            on: For a command that switches something, False to switch it off.
-        """
+        """Call the service of a command in the robot file: see `ServiceVerbs`."""
         return await self._service_verbs.command(command, on)
 
     async def call(
@@ -421,26 +376,15 @@ class Robot:
         """Set parameters of a node, all of them or none.
 
         The text of the outcome tells the values that the node reports then, or why it refused.
-
-        Args:
-            node: The full name of the node.
-            values: The values by name, of the Python types that fit.
         """
         return await self._node_verbs.set_parameters(node, values)
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """Ask for what a node, by its full name, publishes, serves and uses, and for its log level.
-
-        Returns:
-            The description, or an outcome that says why there is none: no such node, or no answer.
-        """
+        """Ask for what a node publishes, serves and uses, and for its log level."""
         return await self._node_verbs.describe(node)
 
     async def topic_info(self, topic: str) -> TopicInfo | Outcome:
         """Return the publishers and subscriptions of a topic, by its full name, with their QoS.
-
-        Returns:
-            The ends of the topic, or an outcome that says that the ROS thread does not answer.
 
         Raises:
             ValueError: The name is not valid.
@@ -448,11 +392,7 @@ class Robot:
         return await self._node_verbs.topic_info(topic)
 
     async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log, which the text of the outcome tells.
-
-        Args:
-            node: The full name of the node.
-        """
+        """Ask a node for the level of its log, which the text of the outcome tells."""
         return await self._node_verbs.log_level(node)
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
@@ -464,38 +404,18 @@ class Robot:
         return await self._node_verbs.change_lifecycle(node, transition)
 
     async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
-        """Ask a managed node for the transitions that it can make now, as words: `activate`.
-
-        Returns:
-            The words; () if the node does not answer or can make none.
-        """
+        """Ask a managed node for the transitions that it can make now, as words: `activate`."""
         return await self._node_verbs.lifecycle_transitions(node)
 
     def form(self, type_name: str) -> tuple[TypedField, ...] | None:
-        """Return the fields of a goal or a request for a form, with their default values.
-
-        Args:
-            type_name: The type of the action or the service: `package/kind/Name`.
-
-        Returns:
-            The fields by dotted path, those of nested messages included; None if the type is not
-            installed here.
-        """
+        """Return the fields of a goal or a request for a form, with their default values."""
         found = load_class(type_name)
         if found is None:
             return None
         return tuple(flat_fields(found.Goal() if "/action/" in type_name else found.Request()))
 
     async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
-        """Return the types with which nodes serve a service or an action, in any namespace.
-
-        Args:
-            name: The full name of the service or the action.
-            is_action: True for an action.
-
-        Returns:
-            The types, sorted; empty if no node serves the name, or the ROS thread does not answer.
-        """
+        """Return the types with which nodes serve a service or an action, in any namespace."""
 
         async def there() -> tuple[str, ...]:
             served = self._graph.served_types(name + SEND if is_action else name)
@@ -516,12 +436,6 @@ class Robot:
         """Count the messages of a topic while the context is entered; its value is the inspection.
 
         The subscription is made with a QoS that fits the publishers, and ends with the context.
-
-        Args:
-            topic: The full name of the topic.
-            message_class: The class of its messages.
-            on_data: Called on the ROS thread with the monotonic time and the bytes of each message,
-                and True if it was sent before.
 
         Raises:
             TimeoutError: The ROS thread does not answer.
@@ -554,22 +468,13 @@ class Robot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Show the messages of a topic, up to five times a second, until the task is cancelled.
-
-        Args:
-            topic: The full name of the topic.
-            request: Returns what the next view has to have, as which arrays are open.
-            show: Called on the running loop with each view.
-        """
+        """Show the messages of a topic, up to five times a second, until the task is cancelled."""
         await TopicFollower(self, self._clock, topic, request, show).run()
 
     def end_goals_of_node(self, served: Sequence[str]) -> None:
         """End the running goals of a hosted node that has gone, as GONE. Any thread.
 
         Returns at once: the ROS thread does it later.
-
-        Args:
-            served: The full names of the actions that the node served; other names are ignored.
         """
 
         def end() -> None:
@@ -603,14 +508,6 @@ class Robot:
         """Add an event to the log of this console; other consoles and /rosout get none. Any thread.
 
         Returns at once: the ROS thread adds it, with the present time.
-
-        Args:
-            level: The level of the event. If level and source are those of `YOU`, the present
-                requester's are taken: a shell or an assistant may be the one who asked.
-            source: Who or what the event is about.
-            text: The line for people.
-            command: The `ros2` command line that does the same; "" if there is none.
-            audit_record: The record of what was done; None if nothing was.
         """
         if (level, source) == (YOU.level, YOU.source):
             level, source = current_requester().level, current_requester().source
@@ -646,22 +543,12 @@ class Robot:
         self._goal_watcher.on_change(is_new_phase)
 
     def _on_answer(self, turn: int) -> None:
-        """Send STOP again if the robot may have obeyed an answered request after the STOP.
-
-        Args:
-            turn: The number of the request in the order in which requests leave.
-        """
+        """Send STOP again if the robot may have obeyed an answered request after the STOP."""
         if self._stop_sender.stop.must_follow(turn):
             self._thread.submit(self._stop_sender.send_after_late_answer)
 
     def _forget_periods(self, node: str, old: object, new: object) -> None:
-        """Measure the periods of topics and feedback again, because a parameter has changed.
-
-        Args:
-            node: The full name of the node that has the parameter.
-            old: The value of the parameter before.
-            new: Its present value.
-        """
+        """Measure the periods of topics and feedback again, because a parameter has changed."""
         self._telemetry.forget_periods(node, old, new)
         servers = self._graph.servers
         self._goals.forget_periods(old, new, lambda kind: node in servers.get(kind.action, ()))

@@ -14,13 +14,10 @@ class ClockOffsets:
     """The offset between the clock of each source of stamps, a node or a topic, and this one's.
 
     No input or output.
-
-    Attributes:
-        large: The offsets larger than LARGEST, by source: its clock minus ours, in seconds.
     """
 
     def __init__(self) -> None:
-        """Create a table without sources."""
+        # The offsets larger than LARGEST, by source: its clock minus ours, in seconds.
         self.large: Mapping[str, float] = {}
         self._offsets: dict[str, deque[float]] = {}
 
@@ -29,15 +26,6 @@ class ClockOffsets:
 
         The smallest offset of the last three stamps counts, as a message may be late; the first two
         of a source change nothing.
-
-        Args:
-            source: The name of the node or the topic.
-            stamp: A builtin_interfaces Time; a stamp of zero is ignored.
-            now: The Unix time of the receipt by this computer's clock.
-
-        Returns:
-            True if `large` gained or lost the source, or its offset there changed by a second or
-            more.
         """
         if not (stamp.sec or stamp.nanosec):
             return False

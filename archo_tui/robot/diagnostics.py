@@ -18,15 +18,10 @@ _Key = tuple[str, str]  # The name and the hardware id of a part.
 
 
 class Diagnostics:
-    """The last diagnostic status of each part of the robot, by its name and hardware id.
-
-    Attributes:
-        all: The statuses, sorted by name and hardware id.
-    """
+    """The last diagnostic status of each part of the robot, by its name and hardware id."""
 
     def __init__(self) -> None:
-        """Create a table without a status."""
-        self.all: tuple[Diagnostic, ...] = ()
+        self.all: tuple[Diagnostic, ...] = ()  # The statuses, sorted by name and hardware id.
         self._by_key: Mapping[_Key, Diagnostic] = {}
         self._periods: dict[_Key, Period] = {}
 
@@ -39,19 +34,7 @@ class Diagnostics:
     def add(self, message: Any, now: float) -> bool:
         """Update the table with the statuses of a DiagnosticArray.
 
-        Of several statuses of one part in the array, the worst counts. A part that is OK and has no
-        hardware id makes way for one of its name that has one: diagnostic_updater sends the first
-        status without it. At most 1,000 parts are kept. Then a new part that is OK is ignored, and
-        one that is not takes the place of the part that has been OK and silent for the longest
-        time, if any is. An unknown level counts as ERROR.
-
-        Args:
-            message: The DiagnosticArray.
-            now: The monotonic time of its receipt in seconds.
-
-        Returns:
-            True if a level differs from the one before, or a part came or went; not for another
-            text.
+        Of several statuses of one part in the array, the worst counts.
         """
         found = dict(self._by_key)
         well: list[_Key] | None = None  # Parts that may be dropped for one that is not OK.

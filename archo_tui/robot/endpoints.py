@@ -27,11 +27,7 @@ _DEPTH = 10  # Messages that wait, as in rclpy's examples.
 
 
 def is_latched(publishers: Sequence[Any]) -> bool:
-    """Return True if every publisher of a topic is transient local; False if there is none.
-
-    Args:
-        publishers: rclpy's `TopicEndpointInfo` of each publisher.
-    """
+    """Return True if every publisher of a topic is transient local; False if there is none."""
     durable = DurabilityPolicy.TRANSIENT_LOCAL
     return bool(publishers) and all(p.qos_profile.durability == durable for p in publishers)
 
@@ -40,11 +36,7 @@ def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
     """Return the QoS with which a subscription gets the messages of all publishers, depth 10.
 
     It is reliable only if all publishers are, and transient local only if all are: a subscription
-    gets nothing from a publisher that offers less than it asks for. Without publishers it is
-    reliable and volatile.
-
-    Args:
-        publishers: rclpy's `TopicEndpointInfo` of each publisher.
+    gets nothing from a publisher that offers less than it asks for.
     """
     latched = is_latched(publishers)
     reliable = all(p.qos_profile.reliability == ReliabilityPolicy.RELIABLE for p in publishers)
@@ -84,17 +76,6 @@ def mismatches(
 
     With different types or QoS, nothing is delivered. With different versions of one type, such as
     one with an additional field, DDS delivers all the same, and what is read may be wrong.
-
-    Args:
-        topic: The full name of the topic.
-        publishers: rclpy's `TopicEndpointInfo` of each publisher.
-        subscriptions: The same of each subscription; those of hidden nodes are ignored.
-        console: The full name of this console's node, which is hidden but not ignored. Of its
-            subscription only the version of the type is compared, as its QoS always fits.
-
-    Returns:
-        A sentence for each pair of a subscribing node and a reason, sorted. It names all publishers
-        that the reason holds for.
     """
     found: dict[tuple[str, str, str, str], set[str]] = {}
     offered = list(publishers)
@@ -119,11 +100,7 @@ def mismatches(
 
 
 def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:
-    """Return why DDS does not match a publisher with a subscription; None if it does.
-
-    Returns:
-        The form of the sentence, the reason for it, and the remedy.
-    """
+    """Return why DDS does not match a publisher with a subscription; None if it does."""
     wanted, given = subscription.topic_type, publisher.topic_type
     if wanted != given:
         return (

@@ -32,8 +32,7 @@ class EventLog:
     """A log in which a log line replaces an earlier line that differs only in its decimal numbers.
 
     At most 200 events of the console itself (OWN_LEVELS) and 800 lines of nodes are kept. Of too
-    many lines of nodes, the oldest goes of those that are more: DEBUG and INFO, or all others. Of
-    one source, 50 different DEBUG and INFO lines a second are kept.
+    many lines of nodes, the oldest goes of those that are more: DEBUG and INFO, or all others.
     """
 
     def __init__(self) -> None:
@@ -49,12 +48,7 @@ class EventLog:
     def add(self, event: Event) -> Event:
         """Append an event, or replace the earlier event that it repeats, and count the repeat.
 
-        The console's own events are never repeats. If the log is full, an old event is dropped. If
-        a source logs too many DEBUG or INFO lines, one line with LEFT_OUT counts those that are
-        left out.
-
-        Returns:
-            The event as the log has it: with its number, its count, and safe texts.
+        The console's own events are never repeats. If the log is full, an old event is dropped.
         """
         self._count += 1
         self._all = None
@@ -84,12 +78,7 @@ class EventLog:
         return event
 
     def _has_room(self, source: str, time: float) -> bool:
-        """Count a line of a source; return False if 50 came before it in the present second.
-
-        Args:
-            source: The name of the logger.
-            time: Unix time in seconds.
-        """
+        """Count a line of a source; return False if 50 came before it in the present second."""
         since, lines = self._windows.get(source, (time, 0))
         if not 0 <= time - since < _PERIOD:
             since, lines = time, 0
@@ -108,12 +97,7 @@ class EventLog:
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
-        """Return a new log with these events, unchanged.
-
-        Args:
-            events: Events that a log returned, the oldest first. An event that is added later gets
-                a higher number than all of them.
-        """
+        """Return a new log with these events, unchanged."""
         log, events = cls(), tuple(events)
         for log._count, event in enumerate(events, 1):
             kept, key = log._place(event.level, event.source, event.text)

@@ -28,15 +28,6 @@ class GoalGuard:
         telemetry: Telemetry,
         faults: Callable[[], Mapping[str, str]],
     ) -> None:
-        """Create the guard.
-
-        Args:
-            file: The robot file.
-            graph: Tells which nodes serve an action.
-            stop: The STOP that is open, and the last one that was confirmed.
-            telemetry: Tells whether the robot reports that it is stopped.
-            faults: Returns why actions are not used, by their names in the robot file.
-        """
         self._file, self._graph, self._stop_sender = file, graph, stop
         self._telemetry, self._faults = telemetry, faults
 
@@ -45,12 +36,6 @@ class GoalGuard:
 
         Reasons are a STOP, several servers of its action, or a fault of the action. The nodes that
         hold the STOP are checked again, which may make the STOP uncertain.
-
-        Args:
-            kind: The kind of the goal.
-            gate: The last check of the goal. If it is shut, a STOP that is open or confirmed is no
-                reason here: sending the goal raises Void, which names that STOP as the reason.
-            queued: True for a goal of the queue: the code for a STOP is HELD, not REFUSED.
         """
         stop_state = self._stop_state()
         if queued and (

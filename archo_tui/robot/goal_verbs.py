@@ -37,20 +37,6 @@ class GoalVerbs:
         stop: StopSender,
         lifecycles: Lifecycles,
     ) -> None:
-        """Create the verbs.
-
-        Args:
-            file: The robot file.
-            runner: Runs the verbs on the ROS thread.
-            pending: Numbers the requests in the order in which they leave.
-            graph: Tells the nodes that serve an action.
-            checks: Tell full names, and the `ros2` command lines.
-            goals: Sends and cancels the goals.
-            guard: Decides whether a goal may be sent.
-            watcher: Tells the lengths of ways.
-            stop: Ends an earlier STOP when a goal is accepted.
-            lifecycles: Tell the states of managed nodes.
-        """
         self._file, self._runner, self._services = file, runner, pending
         self._graph, self._checks, self._goals = graph, checks, goals
         self._goal_guard, self._goal_watcher = guard, watcher
@@ -63,16 +49,6 @@ class GoalVerbs:
 
         An accepted goal ends a STOP that left before it. The outcome is reported as an event, in
         the ROS log, and to the other consoles.
-
-        Args:
-            kind: The kind of goal.
-            values: The values by dotted path.
-            queued: True for a goal of the queue, which is not sent but HELD while a STOP is open,
-                holds or is uncertain.
-
-        Returns:
-            The outcome of `GoalGuard.refusal` if it gives one, else that of `Goals.send`;
-            CANCELLED, or HELD if queued, if a STOP was read after the goal was typed.
         """
         length = self._goal_watcher.way_length(kind)
         title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
@@ -95,12 +71,7 @@ class GoalVerbs:
         return await self._runner.run(*verb, title, ros2, go)
 
     def _with_inactive_server(self, action: str, outcome: Outcome) -> Outcome:
-        """Return an outcome; to the text of a refusal, add the managed servers that are not active.
-
-        Args:
-            action: The action as the robot file names it.
-            outcome: The outcome of sending the goal.
-        """
+        """Add the managed servers that are not active to the text of a refusal."""
         full = self._checks.full(action)
         nodes = [
             n for r in self._graph.resources if (r.kind, r.name) == (ACTION, full) for n in r.nodes
@@ -112,15 +83,7 @@ class GoalVerbs:
         return outcome._replace(text=f"{outcome.text}: {', '.join(idle)}")
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Request the cancel of the running goal; return when the robot has answered.
-
-        Args:
-            another: True to cancel the goal that another client sent, False for that of this
-                console.
-
-        Returns:
-            ACCEPTED, or why the goal is not cancelled; its end is reported later.
-        """
+        """Request the cancel of the running goal; return when the robot has answered."""
         goal, command = self._goals.goal, ""
         if goal is not None:
             command = ros2_command.cancel(self._checks.full(goal.kind.action))
@@ -145,18 +108,7 @@ class GoalVerbs:
 def verb_of(
     file: RobotFile, checks: InterfaceChecks, kind: GoalKind, values: Mapping[str, Any]
 ) -> tuple[str, Mapping[str, Any]]:
-    """Return the id of the verb that sends a goal, and its arguments, for the audit record.
-
-    Args:
-        file: The robot file.
-        checks: Tell the full name of an action.
-        kind: The kind of goal, in the robot file or not.
-        values: The values by dotted path.
-
-    Returns:
-        `go` for the first kind in the robot file, the kind's id for another, `send_goal` with the
-        action for a kind that is not in the file.
-    """
+    """Return the id of the verb that sends a goal, and its arguments, for the audit record."""
     if kind not in file.goals:
         return "send_goal", {"action": checks.full(kind.action), "values": values}
     return "go" if kind == file.goals[0] else kind.id, values

@@ -32,30 +32,13 @@ class GoalWatcher:
         telemetry: Telemetry,
         snapshots: SnapshotSender,
     ) -> None:
-        """Create the watcher; `on_change` starts its timer.
-
-        Args:
-            node: The console's node.
-            timer_clock: The clock of the timer, which goes on whatever the robot's time does.
-            clock: The console's clock.
-            goals: The goals.
-            graph: Tells the robot's namespace.
-            parameters: Hold lengths of ways that the robot file refers to.
-            telemetry: Tells the last motion.
-            snapshots: Sends a snapshot when something has changed.
-        """
         self._clock, self._goals, self._graph, self._parameters = clock, goals, graph, parameters
         self._telemetry, self._snapshots = telemetry, snapshots
         self._timer = node.create_timer(WATCH_PERIOD, self.check, clock=timer_clock)
         self._timer.cancel()
 
     def on_change(self, is_new_phase: bool) -> None:
-        """Begin to check the goals, if that is not done yet, and send a snapshot.
-
-        Args:
-            is_new_phase: True to send the snapshot at once, since a goal is new or has another
-                phase; False to send it a little later.
-        """
+        """Begin to check the goals, if that is not done yet, and send a snapshot."""
         if self._timer.is_canceled():
             self._timer.reset()
         if is_new_phase:
@@ -75,12 +58,7 @@ class GoalWatcher:
         self._goals.check(self._clock.monotonic(), self._telemetry.motion, self.way_length)
 
     def way_length(self, kind: GoalKind) -> float | None:
-        """Return the length of the whole way for a kind of goal, by the robot file.
-
-        Returns:
-            The number in the robot file, or that of the parameter that it names; None if that is
-            not known, or not within 0 .. 1e6.
-        """
+        """Return the length of the whole way for a kind of goal, by the robot file."""
         length = None if kind.remaining is None else kind.remaining.length
         if isinstance(length, ParameterRef):
             parameters, namespace = self._parameters.all(), self._graph.namespace

@@ -28,55 +28,40 @@ class Graph:
     """The robot's part of the graph as it was at the last poll.
 
     Names are full names, except those that come from the robot file.
-
-    Attributes:
-        namespace: The robot's namespace.
-        names: The nodes in the namespace, or below it, that are not hidden; sorted.
-        node_counts: The number of nodes that have each of these names.
-        duplicate_nodes: The names that several nodes have.
-        services: The types of each service in all namespaces, also of one that has only clients.
-        offered: The names of the robot file for which a node publishes or serves something.
-            Services without a server are not among them.
-        publishers: The nodes of each topic of the robot file that several nodes publish.
-        servers: The nodes that serve each action of the robot file; an empty set if none does.
-        action_types: The types of each action of the robot file.
-        duplicates: The nodes of STOP's service and of each action that several nodes serve: one
-            request would reach all of them.
-        has_clock: True if a node publishes simulated time on /clock.
-        other_namespaces: The other namespaces that have nodes.
-        consoles: The other consoles in this namespace, as `anna_lab_4711`.
-        silent_consoles: Those of the other consoles that publish no audit records.
-        rest: The seconds to wait after a poll, so that polls take no more time than SHARE.
     """
 
     def __init__(self, node: Node, robot: RobotFile) -> None:
-        """Create a graph without nodes; `poll` fills it.
-
-        Args:
-            node: The console's node.
-            robot: The robot file.
-        """
         self._node = node
         self._topics = robot.topics
         self._services = robot.services
         self._actions = tuple(dict.fromkeys(kind.action for kind in robot.goals))
         stop = () if robot.stop is None else (robot.stop.service,)
         self._alone = (*stop, *self._actions)  # Each should have a single server.
-        self.namespace = node.get_namespace()
+        self.namespace = node.get_namespace()  # The robot's namespace.
         self._below = in_namespace(self.namespace, "")
-        self.names: list[str] = []
-        self.node_counts: dict[str, int] = {}
-        self.duplicate_nodes: tuple[str, ...] = ()
+        self.names: list[str] = []  # The nodes in the namespace, or below it, that are not hidden.
+        self.node_counts: dict[str, int] = {}  # The number of nodes that have each of these names.
+        self.duplicate_nodes: tuple[str, ...] = ()  # The names that several nodes have.
+        # The types of each service in all namespaces, also of one that has only clients.
         self.services: dict[str, list[str]] = {}
+        # The names of the robot file for which a node publishes or serves something.
         self.offered: frozenset[str] = frozenset()
+        # The nodes of each topic of the robot file that several nodes publish.
         self.publishers: dict[str, tuple[str, ...]] = {}
+        # The nodes that serve each action of the robot file; an empty set if none does.
         self.servers: dict[str, frozenset[str]] = {}
+        # The types of each action of the robot file.
         self.action_types: dict[str, tuple[str, ...]] = {}
+        # The nodes of STOP's service and of each action that several nodes serve: one request would
+        # reach all of them.
         self.duplicates: dict[str, tuple[str, ...]] = {}
-        self.has_clock = False
-        self.other_namespaces: tuple[str, ...] = ()
+        self.has_clock = False  # True if a node publishes simulated time on /clock.
+        self.other_namespaces: tuple[str, ...] = ()  # The other namespaces that have nodes.
+        # The other consoles in this namespace, as `anna_lab_4711`.
         self.consoles: tuple[str, ...] = ()
+        # Those of the other consoles that publish no audit records.
         self.silent_consoles: frozenset[str] = frozenset()
+        # The seconds to wait after a poll, so that polls take no more time than SHARE.
         self.rest = 0.0
         self._last: object = None  # What the last poll found, as far as a snapshot shows it.
         self._resources = Resources(node, self.is_ours)
@@ -103,9 +88,6 @@ class Graph:
         """Add a service to `offered`, and read the types of all services, if a server is there now.
 
         Nothing else is asked: this is quick, for a STOP that waits for its server.
-
-        Args:
-            service: The service as the robot file names it.
         """
         if self._node.count_services(service):
             self._read_services()
@@ -215,9 +197,6 @@ class Graph:
         """Return the nodes that serve a service or an action now; empty if fewer than two do.
 
         If several of these nodes have one name, the result has that name as often.
-
-        Args:
-            name: The service or the action, with or without its namespace.
         """
         found = []
         for service in (name, f"{name}{SEND}"):
@@ -232,14 +211,7 @@ class Graph:
         """Return the nodes that serve a service now, with ids that change at a restart of the node.
 
         The ids are those of the node's publishers of /parameter_events. Every node of rclcpp and
-        rclpy has one; another node has no ids, and its restart is not noticed. Every node on the
-        graph is asked.
-
-        Args:
-            service: The service, with or without its namespace.
-
-        Returns:
-            The ids by the full name of the node.
+        rclpy has one; another node has no ids, and its restart is not noticed.
         """
         ids = _ids_by_node(self._node.get_publishers_info_by_topic("/parameter_events"))
         return {node: ids.get(node, frozenset()) for node, _ in self._servers(service)}
@@ -254,11 +226,7 @@ class Graph:
         return sorted({kind for _, kinds in self._servers(name) for kind in kinds})
 
     def _servers(self, service: str) -> list[tuple[str, list[str]]]:
-        """Ask every node on the graph for its services; return those that serve a service.
-
-        Returns:
-            The full name of each such node, and its types of the service.
-        """
+        """Ask every node on the graph for its services; return those that serve a service."""
         found, full = [], str(self._node.resolve_service_name(service))
         for node, namespace in sorted(set(self._node.get_node_names_and_namespaces())):
             with contextlib.suppress(NodeNameNonExistentError):  # It has left meanwhile.
@@ -268,12 +236,7 @@ class Graph:
         return found
 
     def on_topic_message(self, topic: str, now: float) -> None:
-        """Count a message for the rates of a topic of the robot file and of its first publisher.
-
-        Args:
-            topic: The topic as the robot file names it.
-            now: Monotonic time in seconds.
-        """
+        """Count a message for the rates of a topic of the robot file and of its first publisher."""
         _count_message(self._topic_rates, topic, now)
         name = self._publisher.get(topic)
         if name is not None:
@@ -281,12 +244,7 @@ class Graph:
             self._last_received[name] = now
 
     def on_log_line(self, name: str, now: float) -> None:
-        """Record that a node was heard by a log line; a name that is not in `names` is ignored.
-
-        Args:
-            name: The full name of the node.
-            now: Monotonic time in seconds.
-        """
+        """Record that a node was heard by a log line; a name that is not in `names` is ignored."""
         if name in self.names:
             self._last_received[name] = now
 

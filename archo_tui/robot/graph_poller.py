@@ -24,11 +24,7 @@ _EARLY = 0.05  # Seconds by which a poll may be early.
 
 
 class GraphPoller:
-    """The polling of the graph, and of all that depends on what is there. ROS thread only.
-
-    Attributes:
-        faults: Why a topic, a service or an action is not used, by its name in the robot file.
-    """
+    """The polling of the graph, and of all that depends on what is there. ROS thread only."""
 
     def __init__(
         self,
@@ -46,23 +42,6 @@ class GraphPoller:
         snapshots: SnapshotSender,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
-        """Create the poller; nothing is polled yet.
-
-        Args:
-            file: The robot file.
-            clock: The console's clock.
-            graph: The graph.
-            checks: The comparison of the robot file with the types on the graph.
-            telemetry: Subscribes to the readings that are published.
-            recorded_topics: Subscribe to what is published and only recorded.
-            lifecycles: Ask managed nodes for their states.
-            parameters: Reads the parameters of new nodes.
-            stop: The last confirmed STOP, which a restart of its node makes uncertain.
-            changes: The changes that no console has explained.
-            reporter: Reports what changed.
-            snapshots: Sends a snapshot after a change.
-            own_nodes: Returns the full names of the nodes that this process hosts.
-        """
         self._file, self._clock, self._graph = file, clock, graph
         self._checks, self._parameters, self._lifecycles = checks, parameters, lifecycles
         self._telemetry, self._recorded_topics = telemetry, recorded_topics
@@ -72,6 +51,7 @@ class GraphPoller:
         self._arrivals = Arrivals(clock.monotonic())
         self._consoles: set[str] | None = None  # The other consoles; None before the first poll.
         self._mismatches: frozenset[str] = frozenset()  # Those that were reported.
+        # Why a topic, a service or an action is not used, by its name in the robot file.
         self.faults: dict[str, str] = {}
 
     def poll_if_due(self) -> None:
@@ -86,9 +66,7 @@ class GraphPoller:
         """Poll the graph now, and bring all that depends on it up to date.
 
         Topics are subscribed to, parameters and states of new nodes requested, a confirmed STOP is
-        compared with its nodes, and `faults` is renewed. Nodes and consoles that came or left,
-        and mismatches of QoS become events. A snapshot is sent soon if something
-        changed, or a message came.
+        compared with its nodes, and `faults` is renewed.
         """
         begun = self._clock.monotonic()
         changed = self._graph.poll()

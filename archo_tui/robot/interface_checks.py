@@ -20,24 +20,14 @@ from archo_tui.robot_file import mismatch, model
 
 
 class InterfaceChecks:
-    """The comparison of the robot file's services and actions with the types that they have.
-
-    Attributes:
-        forms: The fields of each goal's form, by the goal's id, where its type is installed here.
-        unfit: Why the goals of an action cannot be made as the robot file says, by the action.
-    """
+    """The comparison of the robot file's services and actions with the types that they have."""
 
     def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
-        """Compare the goals of the robot file with the types that are installed here.
-
-        Args:
-            node: The console's node.
-            robot: The robot file.
-            graph: Tells the types of the servers.
-        """
         self._node, self._robot, self._graph = node, robot, graph
         made = {kind.id: _form(kind) for kind in robot.goals}
+        # The fields of each goal's form, by the goal's id, where its type is installed here.
         self.forms = {name: form for name, form in made.items() if form is not None}
+        # Why the goals of an action cannot be made as the robot file says, by the action.
         self.unfit: dict[str, str] = {}
         for kind in robot.goals:
             if fault := _goal_fault(kind):
@@ -56,16 +46,7 @@ class InterfaceChecks:
         return types[0] if len(types) == 1 else ""
 
     def fitting_class(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
-        """Return the class of a service if its request has exactly these fields, of fitting types.
-
-        Args:
-            name: The service, as the robot file names it.
-            values: The values of the request, by field.
-
-        Returns:
-            The class and ""; or None and a line that says why it does not fit: its type is unknown,
-            not the only one of its servers, or not installed here, or the request differs.
-        """
+        """Return the class of a service whose request has these fields, or None and the reason."""
         full, kind = self.full(name), self._type(name)
         if not kind:
             return None, f"{full} has servers of different types: not called"
@@ -118,15 +99,7 @@ class InterfaceChecks:
         return "; ".join(ros2_command.cancel(name) for name in names)
 
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
-        """Return the `ros2` command line that calls a service.
-
-        Args:
-            name: The service, as the robot file names it.
-            fields: The values of the request, by field.
-
-        Returns:
-            The line; "" if the service has no single type here, or the values do not fit it.
-        """
+        """Return the `ros2` command line that calls a service."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
         srv_type = load_class(types[0]) if len(types) == 1 else None
@@ -139,15 +112,7 @@ class InterfaceChecks:
         return ros2_command.service_call(full, types[0], request)
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
-        """Return the `ros2` command line that sends a goal.
-
-        Args:
-            kind: The kind of goal.
-            values: The typed values by dotted path.
-
-        Returns:
-            The line; "" if the type is not installed here, or the values do not fit.
-        """
+        """Return the `ros2` command line that sends a goal."""
         action = load_class(kind.type)
         try:
             goal = None if action is None else goal_request(action, kind, values)
@@ -159,11 +124,7 @@ class InterfaceChecks:
 
 
 def _goal_fault(kind: model.GoalKind) -> str:
-    """Return why a goal cannot be made as the robot file says; "" if it can.
-
-    The fields that the file names are looked for in the action's type, which must take their
-    values. Without the type here, nothing is checked.
-    """
+    """Return why a goal cannot be made as the robot file says; "" if it can."""
     action = load_class(kind.type)
     if action is None:  # `misfits` reports this once the action is on the graph.
         return ""
@@ -196,12 +157,7 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
 
 
 def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
-    """Return why a fixed value of the robot file does not fit its field; "" if all do.
-
-    Args:
-        kind: The kind of goal.
-        goal: A goal message of its type, which is filled.
-    """
+    """Return why a fixed value of the robot file does not fit its field; "" if all do."""
     try:
         filled(goal, kind.fixed)
     except ValueError as error:

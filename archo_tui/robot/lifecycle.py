@@ -39,16 +39,6 @@ class Lifecycles:
         submit: Callable[[Callable[[], Any]], None],
         on_change: Callable[[], None],
     ) -> None:
-        """Create an empty table; `poll` fills it.
-
-        Args:
-            node: The console's node.
-            clock: The console's clock.
-            pending: Makes the calls.
-            submit: Runs a function, or what a coroutine function returns, on the ROS thread.
-            on_change: Called after a state has changed, or its node has left, stopped answering or
-                answered again.
-        """
         self._node, self._clock, self._services = node, clock, pending
         self._submit, self._on_change = submit, on_change
         self._words: dict[str, str] = {}  # By full name of the node; "" until it has answered.
@@ -61,9 +51,6 @@ class Lifecycles:
 
         A new node is subscribed to and asked for its state; every managed node is asked again each
         10 s.
-
-        Args:
-            served: The types of each service that a node serves, by its full name.
         """
         managed = {
             name.removesuffix(_GET_STATE)
@@ -110,11 +97,7 @@ class Lifecycles:
         return self._words.get(node, "")
 
     async def transitions(self, node: str) -> tuple[str, ...]:
-        """Ask a node which transitions it can make now, as words: `activate`.
-
-        Returns:
-            The words; () if it does not answer or can make none.
-        """
+        """Ask a node which transitions it can make now, as words: `activate`."""
         return tuple(harmless(found.label) for found in await self._available(node) or ())
 
     async def change(
@@ -123,17 +106,6 @@ class Lifecycles:
         """Request a transition of a managed node, wait for its end, and ask for the new state.
 
         The wait is CHANGE_TIMEOUT at most.
-
-        Args:
-            node: The full name of the node.
-            word: The transition: configure, activate, deactivate, cleanup or shutdown.
-            gate: The last check before the request is sent.
-            late: Called with the outcome of an answer that comes after CHANGE_TIMEOUT.
-
-        Returns:
-            DONE or REFUSED with the state of the node then. REFUSED, too, if the transition is not
-            possible in its state; NOT_OFFERED for a node that is not managed; TIMEOUT without an
-            answer.
 
         Raises:
             Void: A STOP was read after the request was typed; nothing was sent.

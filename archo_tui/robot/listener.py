@@ -13,16 +13,11 @@ MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, a
 
 
 class _DecodedSubscription:
-    """A subscription whose messages rclpy decodes.
-
-    Attributes:
-        subscription: rclpy's object.
-        last: The last message; None before the first.
-    """
+    """A subscription whose messages rclpy decodes."""
 
     def __init__(self) -> None:
-        self.subscription: Any = None
-        self.last: Any = None
+        self.subscription: Any = None  # rclpy's object.
+        self.last: Any = None  # The last message; None before the first.
 
 
 class Listener(Node):
@@ -38,16 +33,6 @@ class Listener(Node):
         masks: Mapping[Any, Callable[[Any], Any]],
         **options: Any,
     ) -> None:
-        """Create the node.
-
-        Args:
-            name: The name of the node.
-            on_message: Called with the full name of the topic and the message, on the thread that
-                spins the node.
-            masks: Functions by message class, each of which returns a received message without
-                secrets, for `on_message`.
-            **options: Passed to `rclpy.node.Node`.
-        """
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
         # By full topic and message class.
@@ -58,17 +43,7 @@ class Listener(Node):
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Subscribe to a topic; rclpy logs publishers whose QoS is incompatible.
-
-        Args:
-            kind: The message class.
-            topic: The name of the topic.
-            callback: Called with each message, as received, on the thread that spins the node.
-            qos: The QoS, or the depth of the history.
-
-        Returns:
-            The subscription, for `destroy_subscription`.
-        """
+        """Subscribe to a topic; rclpy logs publishers whose QoS is incompatible."""
         return self._listen(kind, topic, callback, qos)
 
     def listen_quietly(
@@ -84,27 +59,12 @@ class Listener(Node):
     def listen_raw(
         self, kind: Any, topic: str, callback: Callable[[bytes], None], qos: QoSProfile
     ) -> Any:
-        """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get.
-
-        Args:
-            kind: The message class.
-            topic: The name of the topic.
-            callback: Called with each serialized message on the thread that spins the node.
-            qos: A QoS that fits the publishers; a QoS that does not is not logged.
-
-        Returns:
-            The subscription, for `destroy_subscription`.
-        """
+        """Subscribe to a topic for messages as bytes, which `on_message` and `tap` do not get."""
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self.create_subscription(kind, topic, callback, qos, event_callbacks=quiet, raw=True)
 
     def listens(self, kind: Any, topic: str) -> bool:
-        """Return True while the node has a subscription by `listen` or `listen_quietly`.
-
-        Args:
-            kind: The message class.
-            topic: The full name of the topic.
-        """
+        """Return True while the node has a subscription by `listen` or `listen_quietly`."""
         return (topic, kind) in self._heard
 
     def tap(self, kind: Any, topic: str, callback: MessageCallback) -> Any:
@@ -112,11 +72,6 @@ class Listener(Node):
 
         The messages are as received, secrets included. The function stays when the subscription is
         replaced.
-
-        Args:
-            kind: The message class.
-            topic: The full name of the topic, to which the node must listen already.
-            callback: Called with topic and message on the thread that spins the node.
 
         Raises:
             KeyError: The node does not listen to the topic.

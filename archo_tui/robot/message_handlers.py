@@ -43,21 +43,6 @@ class MessageHandlers:
         clock_offsets: ClockOffsets,
         own_nodes: Callable[[], Collection[str]],
     ) -> None:
-        """Create the handlers.
-
-        Args:
-            file: The robot file.
-            clock: The console's clock.
-            graph: The graph.
-            goals: The goals that are tracked.
-            stops: The STOPs that were read.
-            stop: The STOP that is open, and the last one that was confirmed.
-            changes: The changes that no console has explained.
-            reporter: Reports what other nodes and consoles report.
-            snapshots: Sends snapshots that show it.
-            clock_offsets: Compares the clocks of other computers with this one's.
-            own_nodes: Returns the nodes of this process, which share its clock.
-        """
         self._file, self._clock, self._graph, self._goals = file, clock, graph, goals
         self._stops, self._stop_sender = stops, stop
         self._changes, self._reporter, self._snapshots = changes, reporter, snapshots
@@ -67,14 +52,7 @@ class MessageHandlers:
     def on_reading(self, topic: str, news: News, motion: Motion) -> None:
         """Handle a message with a reading, and have a snapshot sent if a value changed.
 
-        The rates of topic and node are updated. A message about the motion may also show that the
-        robot has obeyed a STOP, or not, and that another client changed something; goals that are
-        LOST without ever having sent feedback are asked about again.
-
-        Args:
-            topic: The topic, as the robot file names it.
-            news: What differs from the message before.
-            motion: The last reading of the motion.
+        The rates of topic and node are updated.
         """
         self._graph.on_topic_message(topic, self._clock.monotonic())
         if self._file.motion is not None and topic == self._file.motion.topic:
@@ -129,10 +107,6 @@ class MessageHandlers:
         """Compare the stamp in a message's header with this computer's clock.
 
         Nothing is done while this process hosts nodes, or time is simulated.
-
-        Args:
-            topic: The full name of the topic.
-            stamp: A builtin_interfaces Time.
         """
         # A node of this process shares its clock, and simulated time is no time of day.
         if not (self._own_nodes() or self._graph.has_clock):
@@ -161,12 +135,7 @@ class MessageHandlers:
         """Handle the record of what another console did, and add it as an event.
 
         Any report of a STOP voids the goals and requests that were made here before and have not
-        left yet, and counts in `Stops.sent_elsewhere`; any other record sets `Stops.superseded`. A
-        confirmed STOP or release changes the state of the STOP here. Records of this console, or of
-        one that is not on the graph, are ignored, as is any other text.
-
-        Args:
-            message: The record as JSON, as `audit_records` describes it.
+        left yet, and counts in `Stops.sent_elsewhere`; any other record sets `Stops.superseded`.
         """
         published = audit_records.parse(message.data)
         if published is None or published.console not in self._graph.consoles:

@@ -11,17 +11,11 @@ _SMOOTHING = 0.2  # Our choice: the weight of the newest interval in a rate.
 
 
 class MessageRate(NamedTuple):
-    """The present rate of messages; immutable. After a silence it is measured anew.
+    """The present rate of messages; immutable. After a silence it is measured anew."""
 
-    Attributes:
-        heard: When the last message came, in monotonic seconds.
-        interval: The smoothed interval in seconds; None before two messages.
-        intervals: How many intervals were measured, at most RATE_INTERVALS.
-    """
-
-    heard: float
-    interval: float | None = None
-    intervals: int = RATE_INTERVALS
+    heard: float  # When the last message came, in monotonic seconds.
+    interval: float | None = None  # The smoothed interval in seconds; None before two messages.
+    intervals: int = RATE_INTERVALS  # How many intervals were measured, at most RATE_INTERVALS.
 
     def with_message_at(self, now: float) -> MessageRate:
         """Return the rate with one more message at `now`, in monotonic seconds.
@@ -52,8 +46,5 @@ class MessageRate(NamedTuple):
         """Return True if no message came for three intervals, and at least 2.5 s.
 
         False while the interval is not known.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         return is_silent(self.heard, self.interval, now, None)

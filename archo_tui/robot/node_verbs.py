@@ -35,29 +35,11 @@ class NodeVerbs:
         parameters: Parameters,
         lifecycles: Lifecycles,
     ) -> None:
-        """Create the verbs.
-
-        Args:
-            thread: The ROS thread, for questions.
-            runner: Runs the verbs that change something.
-            nodes: Asks the graph and the nodes.
-            parameters: Sets parameters.
-            lifecycles: Changes the states of managed nodes.
-        """
         self._thread, self._runner, self._nodes = thread, runner, nodes
         self._parameters, self._lifecycles = parameters, lifecycles
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none of them, and report it; secret values are masked.
-
-        Args:
-            node: The full name of the node.
-            values: The values by name, of the Python types that fit.
-
-        Returns:
-            The outcome, whose text has the values that the node reports afterwards, and those
-            before.
-        """
+        """Set parameters of a node, all or none of them, and report it without secrets."""
         shown = masked(values)
         has_secret = any(map(is_secret, values))
         command = "" if has_secret else ros2_command.set_parameters(node, values)
@@ -74,13 +56,6 @@ class NodeVerbs:
         """Return the topics, services, actions, log level and transitions of a node.
 
         The last two are asked of the node itself, and are missing if it does not answer.
-
-        Args:
-            node: The full name of the node.
-
-        Returns:
-            The description, or an outcome that tells why there is none: REFUSED for a node that is
-            not on the graph, TIMEOUT if the console's own node does not answer.
         """
         try:
             found = await self._thread.run(lambda: self._describe(node), QUESTION_TIMEOUT)
@@ -102,9 +77,6 @@ class NodeVerbs:
         The timeout means that the console's own node does not answer. A topic that is not on the
         graph has no publishers and no subscriptions.
 
-        Args:
-            topic: The full name of the topic.
-
         Raises:
             ValueError: The name is not valid.
         """
@@ -118,11 +90,7 @@ class NodeVerbs:
             return Outcome(Code.TIMEOUT, _NO_ANSWER)
 
     async def log_level(self, node: str) -> Outcome:
-        """Ask a node for the level of its log, which the outcome's text names.
-
-        Args:
-            node: The full name of the node.
-        """
+        """Ask a node for the level of its log, which the outcome's text names."""
         try:
             return await self._thread.run(lambda: self._nodes.level(node), QUESTION_TIMEOUT)
         except TimeoutError:
@@ -132,10 +100,6 @@ class NodeVerbs:
 
     async def set_log_level(self, node: str, level: str) -> Outcome:
         """Set the level of a node's log, and report it; the outcome's text tells the new level.
-
-        Args:
-            node: The full name of the node.
-            level: One of LEVELS; UNSET for the level of its process.
 
         Raises:
             KeyError: The level is another word.
@@ -153,11 +117,6 @@ class NodeVerbs:
 
         The outcome is that of `Lifecycles.change`. An answer that comes after CHANGE_TIMEOUT is
         reported as an event of its own.
-
-        Args:
-            node: The full name of the node.
-            transition: The word of the transition: configure, activate, deactivate, cleanup or
-                shutdown.
         """
         title = f"lifecycle {node.lstrip('/')} {transition}"
         arguments = {"node": node, "transition": transition}
@@ -172,14 +131,7 @@ class NodeVerbs:
         )
 
     async def lifecycle_transitions(self, node: str) -> tuple[str, ...]:
-        """Return the words of the transitions that a managed node can make now.
-
-        Args:
-            node: The full name of the node.
-
-        Returns:
-            The words; () for another node, or if the node does not answer.
-        """
+        """Return the words of the transitions that a managed node can make now."""
         try:
             return await self._thread.run(
                 lambda: self._lifecycles.transitions(node), QUESTION_TIMEOUT

@@ -39,12 +39,6 @@ class Nodes:
 
         The node itself is asked for its log level. The transitions of a managed node are left
         empty.
-
-        Args:
-            name: The full name of the node.
-
-        Returns:
-            The description; None if no node of that name is on the graph.
         """
         namespace, _, base = name.rpartition("/")
         where, node = (base, namespace or "/"), self._node
@@ -68,9 +62,6 @@ class Nodes:
     def topic_info(self, topic: str) -> TopicInfo:
         """Return the publishers and subscriptions of a topic, and which of them do not fit.
 
-        Args:
-            topic: The full name of the topic.
-
         Raises:
             ValueError: The name is not valid.
         """
@@ -84,15 +75,7 @@ class Nodes:
         return all(self._node.count_services(f"{name}/{service}") for service in (_GET, _SET))
 
     async def level(self, name: str) -> Outcome:
-        """Ask a node for its log level; the text of the outcome is as `lamp logs INFO and above`.
-
-        Args:
-            name: The full name of the node.
-
-        Returns:
-            DONE; NOT_OFFERED if the node has no services for its level, TIMEOUT if it does not
-            answer.
-        """
+        """Ask a node for its log level: `lamp logs INFO and above`."""
         level = await self._level(name)
         if level is not None:
             return Outcome(Code.DONE, f"{name.lstrip('/')} logs {level.text}")
@@ -117,15 +100,6 @@ class Nodes:
 
     async def set_level(self, name: str, level: str, gate: Gate) -> Outcome:
         """Set the log level of a node, and ask the node for it before and afterwards.
-
-        Args:
-            name: The full name of the node.
-            level: One of LEVELS.
-            gate: The last check before the request is sent.
-
-        Returns:
-            DONE with the level that holds now and the one before; NOT_OFFERED if the node has no
-            services for its level; REFUSED with its reason; TIMEOUT: it may still set the level.
 
         Raises:
             KeyError: The level is none of LEVELS.

@@ -47,13 +47,9 @@ class Outcome(NamedTuple):
 
 
 class Answer(Outcome):
-    """The outcome of a call that was answered.
+    """The outcome of a call that was answered."""
 
-    Attributes:
-        message: The answer.
-    """
-
-    message: Any
+    message: Any  # The answer.
 
     @classmethod
     def of(cls, outcome: Outcome, message: Any) -> Answer:
@@ -64,13 +60,9 @@ class Answer(Outcome):
 
 
 class Report(Outcome):
-    """The outcome of a verb that found something out, with the findings for programs.
+    """The outcome of a verb that found something out, with the findings for programs."""
 
-    Attributes:
-        data: What the text says, in types that JSON has.
-    """
-
-    data: Any
+    data: Any  # What the text says, in types that JSON has.
 
     @classmethod
     def of(cls, text: str, data: Any) -> Report:

@@ -28,16 +28,7 @@ class ParameterPolling:
     ) -> list[tuple[str, list[str]]]:
         """Remove and return the requests for this poll; [] while the next round is not due.
 
-        A round begins PERIOD after the last one began, or later if that is not done. It reads the
-        parameters that are known at its beginning; those of nodes that left meanwhile are not
-        dropped.
-
-        Args:
-            now: Monotonic time in seconds.
-            names: The names of all known parameters, by the full name of their node.
-
-        Returns:
-            Pairs of a node's full name and at most SLICE names of its parameters.
+        A round begins PERIOD after the last one began, or later if that is not done.
         """
         if not self._left:
             if now < self._next:

@@ -109,11 +109,7 @@ def _type_of(value: Any) -> str:
 
 
 def _check_range(parameter: Parameter, value: Any, text: str) -> None:
-    """Raise an error if a number is outside the parameter's range; ROS has no ranges for lists.
-
-    Raises:
-        ValueError: The value, which `text` shows, is out of range or NaN.
-    """
+    """Raise an error if a number is outside the parameter's range; ROS has no ranges for lists."""
     if parameter.low is None or parameter.high is None or isinstance(value, list):
         return
     if not parameter.low <= value <= parameter.high:  # This form also refuses NaN.

@@ -44,18 +44,6 @@ class Parameters:
         on_new_value: Callable[[str, Any, Any], None],
         on_event: Callable[[str, str, Any, Any], None],
     ) -> None:
-        """Create an empty mirror, and subscribe to /parameter_events.
-
-        Args:
-            node: The console's node.
-            clock: The clock of all waits.
-            pending: Calls services.
-            on_change: Called when the mirror has changed.
-            on_new_value: Called with a node's full name, and the old and new value of one of its
-                parameters, however the change became known.
-            on_event: Called with node, name, old and new value when a node publishes another value
-                than the one that is known here; not for the first value.
-        """
         self._tell_event = on_event
         self._node, self._clock = node, clock
         self._on_new_value = on_new_value
@@ -93,15 +81,7 @@ class Parameters:
     def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
         """Begin to load the parameters of new nodes, and to read a part of the others again.
 
-        The parameters of nodes that have left are dropped, and their service clients destroyed. A
-        node that does not answer is asked again after 2 s, then after twice the wait each, up to 60
-        s.
-
-        Args:
-            nodes: The number of nodes that have each full name. A larger number than before means
-                that the node was restarted while the killed one is still on the graph: it is loaded
-                again.
-            offered: The full names of the services on the graph.
+        The parameters of nodes that have left are dropped, and their service clients destroyed.
         """
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
@@ -198,16 +178,6 @@ class Parameters:
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
         """Set parameters of a node, all or none of them, and read back what they are then.
 
-        Args:
-            node: The full name of the node.
-            values: The values by name, of the Python types that fit.
-            gate: The last check before the request is sent.
-
-        Returns:
-            DONE with the values that the node reports afterwards and those before, secrets masked;
-            if it does not report them in time, with those before only. REFUSED with its reason,
-            TIMEOUT, or MISUSE for a value that does not fit.
-
         Raises:
             Void: A STOP was read after the request was typed.
         """
@@ -251,9 +221,6 @@ class Parameters:
         """Return the message that sets a parameter; its type is that of the value.
 
         An empty list gets the type that the parameter is known to have.
-
-        Raises:
-            ValueError: The value does not fit.
         """
         known = self._by_node.get(node, {}).get(name)
         if value == [] and known is not None:  # An empty list alone does not tell its type.

@@ -37,8 +37,7 @@ class PollSchedule(Generic[T]):
         """Yield the items for this poll: all urgent ones, then the longest waiting up to a share.
 
         The share is a thirtieth of all items, at least ten, less the urgent ones. A yielded item
-        counts as polled. The caller may stop early: items that were not yielded are due at the next
-        call, as are those that are made urgent meanwhile.
+        counts as polled.
         """
         urgent: Collection[T] = tuple(self._urgent)
         for item in urgent:

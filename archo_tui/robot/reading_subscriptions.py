@@ -33,46 +33,27 @@ _WEIGHT = attrgetter("value")
 
 
 class Reader(NamedTuple):
-    """A reading and its topic.
+    """A reading and its topic."""
 
-    Attributes:
-        key: "battery", "motion", "pose", "diagnostics", or the index of a gauge.
-        topic: The topic as the robot file names it.
-        types: The fields to read, by message type and name of the value.
-        callback: Called with a message and the fields of its type; returns what is new.
-    """
-
-    key: object
-    topic: str
+    key: object  # "battery", "motion", "pose", "diagnostics", or the index of a gauge.
+    topic: str  # The topic as the robot file names it.
+    # The fields to read, by message type and name of the value.
     types: Mapping[str, Mapping[str, Fields]]
+    # Called with a message and the fields of its type; returns what is new.
     callback: Callable[[Any, Mapping[str, Fields]], News]
 
 
 class _Subscription(NamedTuple):
-    """A subscription and what it was made for.
+    """A subscription and what it was made for."""
 
-    Attributes:
-        qos: Its reliability and its durability.
-        keys: The keys of its readers.
-        subscription: rclpy's object; None if rclpy made none.
-        fault: Why rclpy made none; "" if it did.
-    """
-
-    qos: tuple[ReliabilityPolicy, DurabilityPolicy]
-    keys: tuple[object, ...]
-    subscription: Any = None
-    fault: str = ""
+    qos: tuple[ReliabilityPolicy, DurabilityPolicy]  # Its reliability and its durability.
+    keys: tuple[object, ...]  # The keys of its readers.
+    subscription: Any = None  # rclpy's object; None if rclpy made none.
+    fault: str = ""  # Why rclpy made none; "" if it did.
 
 
 class ReadingSubscriptions:
-    """The subscriptions to the topics of the robot file's readings. ROS thread only.
-
-    Attributes:
-        faults: Why a topic or one of its publishers is not read, by the topic in the robot file.
-        publishers: The full names of the nodes that publish each reading, by key.
-        graces: The silence in seconds that is allowed without a period, by key; None for any. For
-            a key that is missing, the period decides.
-    """
+    """The subscriptions to the topics of the robot file's readings. ROS thread only."""
 
     def __init__(
         self,
@@ -82,21 +63,15 @@ class ReadingSubscriptions:
         on_stamp: Callable[[str, Any], None],
         warn: Callable[[str], None],
     ) -> None:
-        """Subscribe to nothing until `update` is called.
-
-        Args:
-            node: The console's node.
-            readers: The readings of the robot file.
-            on_reading: Called after each message with the topic and what is new.
-            on_stamp: Called with the full name of the topic and the stamp in a message's header.
-            warn: Called with a line about what cannot be read.
-        """
         self._node, self._readers = node, tuple(readers)
         self._on_reading, self._on_stamp, self._warn = on_reading, on_stamp, warn
         # By the full name of the topic, and its type.
         self._subscriptions: dict[tuple[str, str], _Subscription] = {}
+        # Why a topic or one of its publishers is not read, by the topic in the robot file.
         self.faults: dict[str, str] = {}
+        # The full names of the nodes that publish each reading, by key.
         self.publishers: dict[object, frozenset[str]] = {}
+        # The silence in seconds that is allowed without a period, by key; None for any.
         self.graces: dict[object, float | None] = {}
 
     def update(self) -> None:
@@ -130,13 +105,7 @@ class ReadingSubscriptions:
     def _usable(
         self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
     ) -> str | None:
-        """Return a published type that a reader can read, the first by name; None if there is none.
-
-        Args:
-            reader: The reader, whose publishers and grace are recorded.
-            publishers: The publishers of its topic.
-            faults: Gets what is wrong, by topic; a fault that is there already stays.
-        """
+        """Return the first published type that a reader can read; None if there is none."""
         self.publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
         )
@@ -166,8 +135,7 @@ class ReadingSubscriptions:
     ) -> None:
         """Make one subscription for all readers of a topic and type, with a QoS that fits.
 
-        With two, each message would be recorded and counted twice. The present subscription stays
-        if it has the same readers and QoS; else it is replaced.
+        With two, each message would be recorded and counted twice.
         """
         topic, kind = key
         qos = fitting_qos(publishers)

@@ -13,14 +13,7 @@ Fields = MessageField | tuple[MessageField, ...]  # The source of one reading.
 
 
 def read(given: Fields | None, message: Any) -> Any:
-    """Return the value that a robot file reads from a message; None if the field is missing.
-
-    Args:
-        given: The field, whose value is compared or scaled as the robot file says; None reads
-            nothing. Of several fields, the value is True if any is true, False if all are false,
-            else None.
-        message: The message.
-    """
+    """Return the value that a robot file reads from a message; None if the field is missing."""
     if isinstance(given, tuple):
         flags = [flag(_read(field, message)) for field in given]
         return True if True in flags else None if None in flags else False

@@ -20,13 +20,6 @@ class RecordedTopics:
     """
 
     def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
-        """Subscribe to nothing until `subscribe` is called.
-
-        Args:
-            node: The console's node.
-            topics: The topics, as the robot file names them.
-            warn: Called once with a line about each topic that cannot be recorded.
-        """
         self._node, self._warn = node, warn
         self._missing = [node.resolve_topic_name(topic) for topic in topics]
         self._subscriptions: list[Any] = []

@@ -26,9 +26,6 @@ class Reporter:
     """The log of this console's events, and the reports to other consoles of what it did.
 
     ROS thread only.
-
-    Attributes:
-        log: The events so far.
     """
 
     def __init__(
@@ -39,20 +36,11 @@ class Reporter:
         on_event: Callable[[Event], None],
         on_change: Callable[[], None],
     ) -> None:
-        """Create the reporter, with an empty log.
-
-        Args:
-            node: The console's node.
-            clock: The clock of the events.
-            changes: Told what this console did, which explains changes of the robot.
-            on_event: Called with each event, also with one that repeats an earlier one.
-            on_change: Called after each event but a log line.
-        """
         self._node, self._clock, self._changes = node, clock, changes
         self._on_event, self._on_change = on_event, on_change
         self._console = author(node.get_name())
         self._publisher = node.create_publisher(String, audit_records.TOPIC, MAX_UNREAD)
-        self.log = EventLog()
+        self.log = EventLog()  # The events so far.
 
     def add(self, event: Event) -> None:
         """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
@@ -60,22 +48,13 @@ class Reporter:
         self._on_change()
 
     def add_log_line(self, event: Event) -> Event:
-        """Add an event to the log and pass it to `on_event`, without having the front ends updated.
-
-        Returns:
-            The event as it is in the log: with its number and the number of its repeats.
-        """
+        """Add an event to the log and pass it to `on_event`; nothing is shown yet."""
         added = self.log.add(event)
         self._on_event(added)
         return added
 
     def note(self, level: str, text: str) -> None:
-        """Add an event whose source is the console.
-
-        Args:
-            level: The level of the event, such as `WARN`.
-            text: The line.
-        """
+        """Add an event whose source is the console."""
         self.add(Event(self._clock.now(), level, "console", text))
 
     def warn(self, text: str) -> None:
@@ -93,12 +72,6 @@ class Reporter:
 
         The record also explains changes of the robot that follow, so that no other client is
         blamed.
-
-        Args:
-            text: The line for people; it may hold any characters.
-            record: The audit record.
-            command: The `ros2` command line that does the same; "" if there is none.
-            requester: Who requested it.
         """
         text = harmless(text)
         self._node.get_logger().info(text)

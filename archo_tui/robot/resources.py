@@ -35,14 +35,11 @@ class _NodeNames(NamedTuple):
 
 
 class _TopicEnds(NamedTuple):
-    """The answer to a question about one topic.
+    """The answer to a question about one topic."""
 
-    Attributes:
-        publishers: The full names of its publishers' nodes, also of nodes that ROS cannot name.
-        mismatches: A text for each subscribing node that does not get or may misread the messages.
-    """
-
+    # The full names of its publishers' nodes, also of nodes that ROS cannot name.
     publishers: frozenset[str]
+    # A text for each subscribing node that does not get or may misread the messages.
     mismatches: tuple[str, ...]
 
 
@@ -58,22 +55,9 @@ class _Named(NamedTuple):
 
 
 class Resources:
-    """The robot's topics, services and actions, asked of the graph a few at each poll.
-
-    Attributes:
-        all: All of them: topics, services, actions, each sorted by name; the same object until
-            something changes.
-        services: The types of each service that is served, by full name.
-        actions: The types of each action that is served, by full name.
-    """
+    """The robot's topics, services and actions, asked of the graph a few at each poll."""
 
     def __init__(self, node: Node, is_ours: Callable[[str], bool]) -> None:
-        """Create an empty list, before the first poll.
-
-        Args:
-            node: The console's node.
-            is_ours: Returns True for a full name that belongs to the robot.
-        """
         self._node, self._is_ours = node, is_ours
         self._console = node.get_fully_qualified_name()
         self._named = _Named({}, {}, {})
@@ -89,9 +73,11 @@ class Resources:
         self._publishers: Mapping[str, AbstractSet[str]] = {}
         self._subscribers: Mapping[str, AbstractSet[str]] = {}
         self._servers: Mapping[str, AbstractSet[str]] = {}
+        # All of them: topics, services, actions, each sorted by name; the same object until
+        # something changes.
         self.all: tuple[Resource, ...] = ()
-        self.services: Types = {}
-        self.actions: Types = {}
+        self.services: Types = {}  # The types of each service that is served, by full name.
+        self.actions: Types = {}  # The types of each action that is served, by full name.
 
     def poll(
         self,
@@ -103,13 +89,6 @@ class Resources:
         """Ask the graph what is due, and update the attributes if an answer changed.
 
         If a name came or went, all nodes are due; otherwise each node is due within 30 polls.
-
-        Args:
-            nodes: All nodes on the graph.
-            services: The types of each service on the graph, which may have only clients.
-            actions: The types of each action on the graph, which may have only clients.
-            has_time: Returns False once nothing more must be asked in this poll; the next polls ask
-                what is left.
         """
         topics = {
             name: tuple(types)

@@ -30,15 +30,6 @@ class ServiceCaller:
         graph: Graph,
         checks: InterfaceChecks,
     ) -> None:
-        """Create the caller.
-
-        Args:
-            node: The console's node.
-            clock: The clock of the timers, which goes on whatever the robot's time does.
-            pending: Makes the calls.
-            graph: Tells which services are offered.
-            checks: Tells the type of a service's server.
-        """
         self._node, self._clock, self._services = node, clock, pending
         self._graph, self._checks = graph, checks
 
@@ -50,16 +41,6 @@ class ServiceCaller:
         late: Callable[[Outcome], None],
     ) -> Outcome:
         """Call a service of the robot file with the type of its server, if the request fits it.
-
-        Args:
-            name: The service as the robot file names it.
-            fields: The values of the request by field.
-            gate: The last check before the request is sent.
-            late: Called with the outcome of an answer that comes more than 2 s after the request.
-
-        Returns:
-            What the answer means, with the answer itself. Without one: NOT_OFFERED, REFUSED for a
-            type that does not fit, MISUSE for a value that does not, TIMEOUT after 2 s.
 
         Raises:
             Void: The gate is shut: a STOP was read in the meantime.
@@ -92,19 +73,6 @@ class ServiceCaller:
         late: Callable[[Outcome], None],
     ) -> Outcome:
         """Call a service of any type, whether or not a server is known.
-
-        Args:
-            srv_type: The class of the service.
-            name: The full name of the service.
-            request: The request.
-            gate: The last check before the request is sent.
-            wait: The seconds to wait for the answer.
-            on_slow: Called once if there is no answer after SLOW_CALL.
-            late: Called with the outcome of an answer that comes after `wait`.
-
-        Returns:
-            DONE with the answer and all its fields as text, REFUSED if its `success` is false,
-            TIMEOUT if none came.
 
         Raises:
             Void: The gate is shut: a STOP was read in the meantime.

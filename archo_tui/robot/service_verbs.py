@@ -35,15 +35,6 @@ class ServiceVerbs:
         checks: InterfaceChecks,
         reporter: Reporter,
     ) -> None:
-        """Create the verbs.
-
-        Args:
-            clock: The console's clock.
-            runner: Runs the verbs on the ROS thread.
-            caller: Calls the services.
-            checks: Tell the `ros2` command lines.
-            reporter: Reports a call that takes long.
-        """
         self._clock, self._runner, self._caller = clock, runner, caller
         self._checks, self._reporter = checks, reporter
 
@@ -52,10 +43,6 @@ class ServiceVerbs:
 
         The outcome is that of `ServiceCaller.call_named`. An answer that comes too late is reported
         as an event of its own.
-
-        Args:
-            command: The command.
-            on: The value that a toggle is set to; True for a command that is no toggle.
         """
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
@@ -76,16 +63,6 @@ class ServiceVerbs:
         """Call any service and report it; the outcome holds the answer.
 
         Without an answer after SLOW_CALL, an event tells that the call is still running.
-
-        Args:
-            service: The full name of the service.
-            type_name: The type of the service: `package/srv/Name`.
-            values: The values of the request by dotted path; other fields keep their defaults.
-            wait: The seconds to wait for the answer; a later one is reported as an event.
-
-        Returns:
-            The outcome. Nothing is sent or reported if the type is not installed (REFUSED) or a
-            value does not fit (MISUSE).
         """
         srv_type = load_class(type_name)
         if srv_type is None:

@@ -29,14 +29,6 @@ def require_all_answers(
 
     rclpy would end it with the first answer, perhaps of a server that does not know the goal. The
     result of the future is the answer that ended it.
-
-    Args:
-        future: The future of the call, which is changed.
-        servers: The number of servers, each of which answers.
-        good: Returns True for an answer that ends the call; by default no answer does.
-
-    Returns:
-        The answers, in a list that grows as they come.
     """
     finish = future.set_result
     answers: list[Any] = []
@@ -57,12 +49,7 @@ def wake(node: Node) -> None:
 
 
 class Services:
-    """The service clients of a node, made at their first use, and the calls that wait for answers.
-
-    Attributes:
-        on_answered: Called with the turn of an operator's request when it is answered, however
-            late.
-    """
+    """The service clients of a node, and the calls that wait for answers."""
 
     def __init__(self, node: Node, clock: Clock) -> None:
         self._node, self._clock = node, clock
@@ -75,27 +62,18 @@ class Services:
         self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
         self._turns = itertools.count(1)
+        # Called with the turn of an operator's request when it is answered, however late.
         self.on_answered: Callable[[int], None] = lambda _: None
 
     def client(self, srv_type: Any, name: str) -> Any:
-        """Return the client of a service, made at its first use and kept until `destroy_clients`.
-
-        Args:
-            srv_type: The class of the service.
-            name: The name of the service; its text is a part of the key by which the client is
-                kept.
-        """
+        """Return the client of a service, which is kept until `destroy_clients`."""
         key = (name, srv_type)
         if key not in self._clients:
             self._clients[key] = self._node.create_client(srv_type, name)
         return self._clients[key]
 
     def destroy_clients(self, node: str) -> None:
-        """Destroy the clients of the services below a node's name, as of a node that has left.
-
-        Args:
-            node: The full name of the node.
-        """
+        """Destroy the clients of the services below a node's name, as of a node that has left."""
         for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
             self._node.destroy_client(self._clients.pop(key))
 
@@ -113,19 +91,7 @@ class Services:
         """Call a service; return the answer, or None if there was none in time.
 
         A request with a gate is an operator's: its answer is received however late, its turn is
-        passed to `on_answered`, and an answer after `wait` to `late`. Of more than MOST_UNANSWERED
-        such requests the oldest is given up.
-
-        Args:
-            srv_type: The class of the service.
-            name: The name of the service.
-            request: The request.
-            once: True to destroy the client after the answer, since rclpy checks every client at
-                each wake-up. The client stays if there is no answer, or another call of it waits.
-                Only without a gate.
-            gate: The last check, made as the request leaves; None for a request that nobody typed.
-            wait: Seconds to wait with a gate; without one, it is always DEADLINE.
-            late: Called with an answer that comes after `wait`; only with a gate.
+        passed to `on_answered`, and an answer after `wait` to `late`.
 
         Raises:
             Void: The gate is shut: a STOP was read after the request was typed.
@@ -173,13 +139,7 @@ class Services:
         return next(self._turns)
 
     async def _in_time(self, future: Any, wait: float, on_end: Callable[[bool], None]) -> bool:
-        """Wait for the end of a call; return True if it came within `wait`.
-
-        Args:
-            future: The future of the call, which is not cancelled.
-            wait: Seconds.
-            on_end: Called when the call ends, with True if it is late; not if it is cancelled.
-        """
+        """Wait for the end of a call; return True if it came within `wait`."""
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:
@@ -203,17 +163,7 @@ class Services:
         wait: float,
         late: Callable[[list[Any]], None] = lambda _: None,
     ) -> list[Any]:
-        """Call a service that several servers offer; return the answers that came in time.
-
-        Args:
-            srv_type: The class of the service.
-            name: The name of the service.
-            request: The request.
-            servers: The number of servers.
-            wait: Seconds to wait for all answers.
-            late: Called with all answers if the last one comes after `wait`, but within LATE of the
-                request; not called if one is missing then.
-        """
+        """Call a service that several servers offer; return the answers that came in time."""
         client = self.client(srv_type, name)
         future = client.call_async(request)
         answers = require_all_answers(future, servers)
@@ -223,13 +173,7 @@ class Services:
         return list(answers)
 
     def cancel_at_deadline(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
-        """Cancel a future when a time has passed, unless it is done; whoever awaits it gets None.
-
-        Args:
-            future: The future.
-            client: The client of its call, which ignores a later answer; None if it is no call.
-            wait: Seconds until the deadline.
-        """
+        """Cancel a future after a time, unless it is done; whoever awaits it gets None."""
         deadline = self._clock.monotonic() + wait
         heapq.heappush(self._pending, (deadline, self.next_turn(), future, client))
         if self._timer.is_canceled() or self._pending[0][0] == deadline:

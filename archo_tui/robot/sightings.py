@@ -24,14 +24,6 @@ async def take_sightings(robot: Robot, clock: Clock, seconds: float) -> tuple[Si
 
     For `seconds` the console subscribes to each published topic of such a type, if it is installed.
 
-    Args:
-        robot: The running robot, which knows the graph.
-        clock: The console's clock.
-        seconds: How long to listen.
-
-    Returns:
-        A sighting of each topic, service and action.
-
     Raises:
         TimeoutError: The ROS thread does not answer.
     """

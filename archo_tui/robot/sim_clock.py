@@ -15,12 +15,7 @@ _PERIOD = 5.0  # Seconds between two looks: a simulator may send it a thousand t
 
 
 class SimClock:
-    """The last looks at /clock, one message each.
-
-    Attributes:
-        still_since: Monotonic time since when it shows the same time, or nothing is heard of it;
-            None while it goes on, or nothing needs it.
-    """
+    """The last looks at /clock, one message each."""
 
     def __init__(self, node: Listener, clock: Clock, on_change: Callable[[], None]) -> None:
         self._node, self._clock, self._on_change = node, clock, on_change
@@ -28,14 +23,12 @@ class SimClock:
         self._begun = -_PERIOD  # When the last look began.
         self._message = b""
         self._changed: float | None = None  # When the message was found first.
+        # Monotonic time since when it shows the same time, or nothing is heard of it; None while it
+        # goes on, or nothing needs it.
         self.still_since: float | None = None
 
     def poll(self, *, is_needed: bool) -> None:
-        """Begin a look, if one is due. Call it each second.
-
-        Args:
-            is_needed: True if a node publishes /clock and another one goes by it.
-        """
+        """Begin a look, if one is due. Call it each second."""
         now = self._clock.monotonic()
         if not is_needed:
             self._end_look()

@@ -16,24 +16,13 @@ STREAM_PERIOD = 0.4
 
 
 class SnapshotSender:
-    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only.
-
-    Attributes:
-        mailbox: The way to the front end; it holds the newest snapshot only.
-        is_stale: True if a message with a reading came since the last snapshot, even one that
-            changed nothing. Set by whoever handles the message; cleared by `send`.
-    """
+    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only."""
 
     def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:
-        """Create the sender.
-
-        Args:
-            node: The console's node.
-            clock: The clock of the timers, which goes on whatever the robot's time does.
-            build: Returns a snapshot of the present state.
-        """
         self._build = build
-        self.mailbox = Mailbox()
+        self.mailbox = Mailbox()  # The way to the front end; it holds the newest snapshot only.
+        # True if a message with a reading came since the last snapshot, even one that changed
+        # nothing.
         self.is_stale = False
         # True while a snapshot is due within FLUSH_PERIOD, and within STREAM_PERIOD.
         self._is_due_soon = self._is_due_later = False

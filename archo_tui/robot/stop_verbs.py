@@ -39,20 +39,6 @@ class StopVerbs:
         stops: Stops,
         stop: StopSender,
     ) -> None:
-        """Create the verbs.
-
-        Args:
-            file: The robot file.
-            clock: The console's clock.
-            runner: Runs the verbs on the ROS thread.
-            caller: Calls the service that releases a STOP.
-            pending: Numbers the requests in the order in which they leave.
-            graph: Tells the actions on the graph.
-            checks: Tell full names, and the `ros2` command lines.
-            goals: Are cancelled for a robot that has no STOP.
-            stops: The STOPs that were read.
-            stop: Sends STOP.
-        """
         self._file, self._runner, self._caller, self._services = file, runner, caller, pending
         self._graph, self._checks, self._goals = graph, checks, goals
         self._stops, self._stop_sender = stops, stop
@@ -62,8 +48,7 @@ class StopVerbs:
         """Send STOP, wait for the answers, report the outcome, and return it.
 
         For a robot without STOP, every goal of every action is cancelled instead. That is no STOP,
-        so the code of its outcome is NOT_OFFERED. `Stops.superseded` is cleared at the beginning;
-        at the end, all STOPs that were read by then count as answered, confirmed or not.
+        so the code of its outcome is NOT_OFFERED.
         """
         stop = self._file.stop
         self._stops.superseded = False
@@ -95,9 +80,7 @@ class StopVerbs:
         """Release the STOP, and report it: the robot may move, but continues no goal by itself.
 
         Only an answer that says yes, in time or later, ends the STOP here, and only if no STOP was
-        sent behind the release. If every node that held the STOP has ended in this process and no
-        service could release it, it is forgotten here, and nothing is sent. Without a service for a
-        release in the robot file, the outcome is NOT_OFFERED, and nothing is reported.
+        sent behind the release.
         """
         stop = self._file.stop
         if stop is None or not stop.release:
@@ -133,9 +116,6 @@ class StopVerbs:
         """Return True if the STOP can only be forgotten: all nodes that held it have ended here.
 
         That is looked up anew. It is False while a node offers the release.
-
-        Args:
-            release: The service that releases a STOP, as in the robot file.
         """
         self._stop_sender.check_holders()
         return self._stop_sender.stop.is_held_by_nobody and release not in self._graph.offered
@@ -155,12 +135,7 @@ class StopVerbs:
         return await self._runner.run("give_up_stop", {}, "give up STOP", "", call)
 
     def early_stop_request(self) -> tuple[str, Mapping[str, Any]]:
-        """Return the call with which a starting node carries out an earlier STOP. Any thread.
-
-        Returns:
-            The full name of the STOP's service and the request; "" and {} if no STOP holds, is open
-            or is on its way, or the robot has none.
-        """
+        """Return the call with which a starting node carries out an earlier STOP. Any thread."""
         stop, known = self._file.stop, self._stop_sender.stop
         holds = known.open is not None or known.latch is not Latch.NONE
         if stop is None or (not holds and self._stops.are_answered):

@@ -52,16 +52,6 @@ class Telemetry:
     """The last readings of battery, motion, pose, gauges and diagnostics. ROS thread only.
 
     They are read from the topics and fields that the robot file names.
-
-    Attributes:
-        battery: The last reading of the battery.
-        motion: The last reading of the motion.
-        pose: The last reading of the pose.
-        diagnostics: The last diagnostic status of each part.
-        gauges: The last readings of the gauges, in the order of the robot file.
-        charge: Samples of the charge, the oldest first: monotonic seconds and percent. At most one
-            a second and `_SAMPLES`; earlier ones are dropped when charging begins or ends, or the
-            charge jumps the wrong way.
     """
 
     def __init__(
@@ -73,16 +63,6 @@ class Telemetry:
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
     ) -> None:
-        """Create readings without a value; nothing is subscribed until `resubscribe` is called.
-
-        Args:
-            node: The console's node.
-            robot: The robot file.
-            clock: The clock of all times.
-            on_reading: Called after each message with the topic in the robot file and what is new.
-            warn: Called with a line about what cannot be read.
-            on_stamp: Called with the full name of a topic and the stamp in a message's header.
-        """
         self._robot, self._clock = robot, clock
         self._warn = warn
         readers = tuple(self._make_readers())
@@ -91,8 +71,10 @@ class Telemetry:
         self.battery = Battery()
         self.motion = Motion()
         self.pose = Pose()
-        self.diagnostics = Diagnostics()
+        self.diagnostics = Diagnostics()  # The last diagnostic status of each part.
+        # The last readings of the gauges, in the order of the robot file.
         self.gauges = tuple(GaugeReading(gauge) for gauge in robot.gauges)
+        # Samples of the charge, the oldest first: monotonic seconds and percent.
         self.charge: tuple[tuple[float, float], ...] = ()
 
     @property
@@ -144,11 +126,6 @@ class Telemetry:
 
         Until then silence is judged by the periods known so far. If the parameter seems to be the
         period of a topic that its node publishes, the new value holds at once if it is longer.
-
-        Args:
-            node: The full name of the node with the parameter.
-            old: The parameter's value before.
-            new: Its present value.
         """
         for key, period in self._periods.items():
             is_its = node in self._subscriptions.publishers.get(key, ())
@@ -267,13 +244,7 @@ class Telemetry:
         return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
-        """Add the present charge to `charge`, unless the last sample is less than a second old.
-
-        Args:
-            now: Monotonic time in seconds.
-            turned: True if charging began or ended: earlier samples are dropped. So they are when
-                the charge jumps the wrong way, as of a new battery.
-        """
+        """Add the present charge to `charge`, unless the last sample is less than a second old."""
         percentage, kept = self.battery.percentage, self.charge
         if percentage is not None and kept:  # The battery was changed, or its node restarted.
             rise = percentage - kept[-1][1]

@@ -31,14 +31,6 @@ class RosThread:
     def __init__(
         self, node: Node, context: Context, clock: Clock, on_error: Callable[[Exception], None]
     ) -> None:
-        """Create the thread and its executor; `start` starts it.
-
-        Args:
-            node: The node, which `stop` destroys.
-            context: The node's context; the thread also ends when it is shut down.
-            clock: The clock of the deadlines.
-            on_error: Called on the thread with an error in a callback.
-        """
         self._node, self._clock = node, clock
         self._context = context
         self._on_error = on_error
@@ -79,8 +71,7 @@ class RosThread:
         """Run a function on the ROS thread, in the order of the calls; return at once.
 
         A coroutine that the function returns is awaited there. Errors go to `on_error`. A function
-        that is submitted before `start` waits for it, one after `stop` is dropped. Any thread may
-        call this.
+        that is submitted before `start` waits for it, one after `stop` is dropped.
         """
         # An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down.
         # So each task runs the function that has waited longest.
@@ -98,10 +89,6 @@ class RosThread:
         """Run a coroutine function of rclpy's kind on the ROS thread, and return its value.
 
         Called on an asyncio loop. If the caller is cancelled, the work still goes on.
-
-        Args:
-            work: The function; it may await rclpy's futures only. What it raises is raised here.
-            deadline: Seconds from now.
 
         Raises:
             TimeoutError: The deadline has passed, and the work may still go on; or the thread had
@@ -134,12 +121,6 @@ class RosThread:
         """End the thread and destroy the node; block until it is done. Not on the ROS thread.
 
         Functions that were submitted before still begin.
-
-        Args:
-            timeout: Seconds to wait for a callback that is running.
-
-        Returns:
-            False if that callback did not return in time: nothing was destroyed.
         """
         if self._thread.is_alive():
             self.submit(self._begin_to_end)

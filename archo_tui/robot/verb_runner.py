@@ -35,16 +35,6 @@ class VerbRunner:
         *,
         watching: bool,
     ) -> None:
-        """Create the runner.
-
-        Args:
-            thread: The ROS thread.
-            clock: The clock of the events.
-            stops: The STOPs that were read.
-            reporter: Reports how each verb ended.
-            snapshots: Sends a snapshot after each verb.
-            watching: True to refuse every verb.
-        """
         self._thread, self._clock, self._stops = thread, clock, stops
         self._reporter, self._snapshots, self._watching = reporter, snapshots, watching
 
@@ -60,19 +50,7 @@ class VerbRunner:
         """Run a verb, report how it ended, send a snapshot that shows it, and return its outcome.
 
         The report is an event, a line of the ROS log and an audit record for other consoles. Errors
-        become outcomes: `Void` CANCELLED, another exception REFUSED. If the console's own node does
-        not answer in time, the outcome is TIMEOUT, only an event tells so, and the verb may still
-        be done. A console that is watching only refuses every verb (WATCHING), and reports nothing.
-        Any verb but `stop` sets `Stops.superseded`.
-
-        Args:
-            verb: The id of the verb, for the audit record.
-            arguments: The arguments of the verb, for the audit record.
-            title: The verb as people read it.
-            command: The `ros2` command line that does the same; "" if there is none.
-            work: Carries the verb out on the ROS thread. It passes the gate just before its request
-                is sent, if a STOP that was read in the meantime must keep that from happening.
-            wait: The seconds that the verb may take beyond those of any other.
+        become outcomes: `Void` CANCELLED, another exception REFUSED.
         """
         if self._watching:
             return Outcome(Code.WATCHING, WATCHING)
@@ -117,11 +95,6 @@ class VerbRunner:
         """Return a function that reports the outcome of an answer for which nobody waits any more.
 
         The report names the present requester. Call the function on the ROS thread.
-
-        Args:
-            title: The verb as people read it.
-            verb: The id of the verb.
-            arguments: The arguments of the verb; None if it has none.
         """
         requester = current_requester()
 

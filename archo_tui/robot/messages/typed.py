@@ -193,8 +193,8 @@ def texts_by_path(
 ) -> dict[str, str]:
     """Return the texts in words such as `x=1.5 y=2`, by dotted path; labels stand for paths, too.
 
-    For a single field, words of which none has a `=` are its text. `partial` words may leave
-    fields out; a text without its name is then refused.
+    For a single field, words of which none has a `=` are its text. `partial` words may leave fields
+    out; a text without its name is then refused.
 
     Raises:
         ValueError: In one line what was expected: a name is unknown, is given twice, or is missing.

@@ -28,24 +28,14 @@ WORST_FIRST = (
 
 
 class Diagnostic(NamedTuple):
-    """The last status of one part of the robot.
+    """The last status of one part of the robot."""
 
-    Attributes:
-        name: The name of the part, as diagnostics have it: `base: left motor`.
-        hardware_id: The part's serial number or the like; may be "".
-        level: The level that it reported.
-        message: The text that it reported.
-        received: When the last status came, in monotonic seconds.
-        period: The typical interval of its statuses in seconds; None until it is known, some
-            seconds after the first one.
-    """
-
-    name: str
-    hardware_id: str
-    level: DiagnosticLevel
-    message: str
-    received: float
-    period: float | None = None
+    name: str  # The name of the part, as diagnostics have it: `base: left motor`.
+    hardware_id: str  # The part's serial number or the like; may be "".
+    level: DiagnosticLevel  # The level that it reported.
+    message: str  # The text that it reported.
+    received: float  # When the last status came, in monotonic seconds.
+    period: float | None = None  # The typical interval of its statuses in seconds.
 
     @property
     def key(self) -> tuple[str, str]:
@@ -62,17 +52,9 @@ class Diagnostic(NamedTuple):
         return self.is_silent_at(now) and now - self.received >= GONE
 
     def level_at(self, now: float) -> DiagnosticLevel:
-        """Return the reported level, or STALE after three periods of silence, at least 5 s.
-
-        Args:
-            now: Monotonic time in seconds.
-        """
+        """Return the reported level, or STALE after three periods of silence, at least 5 s."""
         return DiagnosticLevel.STALE if self.is_silent_at(now) else self.level
 
     def is_silent_at(self, now: float) -> bool:
-        """Return True after three periods without a status, at least 5 s.
-
-        Args:
-            now: Monotonic time in seconds.
-        """
+        """Return True after three periods without a status, at least 5 s."""
         return now - self.received > max(3 * (self.period or 0.0), LEAST_STALE)

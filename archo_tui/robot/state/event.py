@@ -14,28 +14,15 @@ LAUNCH = "launch"  # The source of what the user's launch file says.
 
 @dataclass(frozen=True)  # A tuple has a `count` of its own.
 class Event:
-    """A log line of a node, or an event of the console. The times are Unix times of the receipt.
+    """A log line of a node, or an event of the console. The times are Unix times of the receipt."""
 
-    Attributes:
-        time: When it was received; for equal events, when the last of them was.
-        level: `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
-        source: The name of the logger, or who or what the event is about.
-        text: The line.
-        command: The `ros2` command line that does the same; "" if there is none.
-        count: The number of equal events for which this one stands.
-        first: When the first of these was received.
-        number: The number of the first of these, which no other event has.
-        audit_record: The record of what was done; None if nothing was.
-        code: The code of its outcome, which recordings keep, too; "" if none is known.
-    """
-
-    time: float
-    level: str
-    source: str
-    text: str
-    command: str = ""
-    count: int = 1
-    first: float = 0.0
-    number: int = 0
-    audit_record: AuditRecord | None = None
-    code: str = ""
+    time: float  # When it was received; for equal events, when the last of them was.
+    level: str  # `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
+    source: str  # The name of the logger, or who or what the event is about.
+    text: str  # The line.
+    command: str = ""  # The `ros2` command line that does the same; "" if there is none.
+    count: int = 1  # The number of equal events for which this one stands.
+    first: float = 0.0  # When the first of these was received.
+    number: int = 0  # The number of the first of these, which no other event has.
+    audit_record: AuditRecord | None = None  # The record of what was done; None if nothing was.
+    code: str = ""  # The code of its outcome, which recordings keep, too; "" if none is known.

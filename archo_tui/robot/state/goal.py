@@ -63,54 +63,32 @@ class Goal(NamedTuple):
     """A goal of this console or of another client.
 
     Recordings have the names of the attributes.
-
-    Attributes:
-        kind: Its kind, in the robot file or made for `send_goal`; for another client's goal, the
-            kind that this console tracked first for the action.
-        fields: The values that were typed, by dotted path; {} for another client's goal.
-        phase: Its phase.
-        sent: When it was sent.
-        time: The Unix time of the last change of its phase.
-        length: The length of the whole way, in the unit of `remaining`; None if not known.
-        remaining: The way that is left by the last feedback, in the unit of the robot file.
-        heard: When the last feedback or answer came.
-        started: When it was accepted.
-        ended: When it ended.
-        cancel_asked: When its cancel was requested.
-        lost: Since when it is LOST.
-        unreadable: The last remaining way as received, if it is none; else "".
-        feedback: The last feedback as text, field by field.
-        message: Why it ended, in the robot's words, or in the console's if there are none; ""
-            before, and after an arrival without words.
-        mine: False for another client's goal, whose values are not on the graph.
-        number: A number that no other goal of this session has.
-        length_is_guessed: True if `length` is the longest remaining way so far: no node tells it.
-        result: The result message of the action; None before, and if none came.
-        is_found: True if it was underway when it was first seen.
-        way: The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and
-            way, oldest first.
     """
 
-    kind: GoalKind
-    fields: Mapping[str, Any]
+    kind: GoalKind  # Its kind, in the robot file or made for `send_goal`.
+    fields: Mapping[str, Any]  # The values that were typed, by dotted path.
     phase: Phase
-    sent: float
-    time: float
-    length: float | None = None
+    sent: float  # When it was sent.
+    time: float  # The Unix time of the last change of its phase.
+    length: float | None = None  # The length of the whole way, in the unit of `remaining`.
+    # The way that is left by the last feedback, in the unit of the robot file.
     remaining: float | None = None
-    heard: float | None = None
-    started: float | None = None
-    ended: float | None = None
-    cancel_asked: float | None = None
-    lost: float | None = None
-    unreadable: str = ""
-    feedback: str = ""
-    message: str = ""
-    mine: bool = True
-    number: int = 0
+    heard: float | None = None  # When the last feedback or answer came.
+    started: float | None = None  # When it was accepted.
+    ended: float | None = None  # When it ended.
+    cancel_asked: float | None = None  # When its cancel was requested.
+    lost: float | None = None  # Since when it is LOST.
+    unreadable: str = ""  # The last remaining way as received, if it is none; else "".
+    feedback: str = ""  # The last feedback as text, field by field.
+    message: str = ""  # Why it ended, in the robot's words, or in the console's if there are none.
+    mine: bool = True  # False for another client's goal, whose values are not on the graph.
+    number: int = 0  # A number that no other goal of this session has.
+    # True if `length` is the longest remaining way so far: no node tells it.
     length_is_guessed: bool = False
-    result: Any = None
-    is_found: bool = False
+    result: Any = None  # The result message of the action; None before, and if none came.
+    is_found: bool = False  # True if it was underway when it was first seen.
+    # The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and way,
+    # oldest first.
     way: tuple[tuple[float, float], ...] = ()
 
     @property
@@ -147,9 +125,6 @@ class Goal(NamedTuple):
 
         A goal that has been LOST for GIVEN_UP has the outcome TIMEOUT though it is still tracked:
         its end may never be reported.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         if self.lost is not None and now - self.lost >= GIVEN_UP:
             silent = now - (self.heard or self.sent)
@@ -169,9 +144,6 @@ class Goal(NamedTuple):
         """Return the seconds from its start to its end, or to `now` while it runs.
 
         The start is when it was accepted, or when it was sent while that is not known.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         start = self.sent if self.started is None else self.started
         return (now if self.ended is None else self.ended) - start
@@ -180,9 +152,6 @@ class Goal(NamedTuple):
         """Return an estimate of the seconds to its end by its present speed; None without one.
 
         There is none while the speed changes, and if the estimate proves wrong.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         if len(self.way) < _LEAST_WAY:
             return None

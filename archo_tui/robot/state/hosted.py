@@ -26,23 +26,12 @@ class Hosted(NamedTuple):
     """A node that this process hosts.
 
     Recordings have the names of the attributes.
-
-    Attributes:
-        name: Its full name.
-        life: Its state.
-        error: What a callback raised; for a node that is UP, why the changed text of its file does
-            not run; for one that is STARTING, the line where its constructor is. "" if there is
-            none.
-        traceback: The traceback of `error`, or "".
-        serves: The full names of the services and actions that it serves.
-        file: The name of the user's file that it comes from; "" for a node of a package.
-        saved: The Unix time at which the text that runs was saved.
     """
 
     name: str
-    life: Life = Life.UP
-    error: str = ""
-    traceback: str = ""
-    serves: tuple[str, ...] = ()
-    file: str = ""
-    saved: float = 0.0
+    life: Life = Life.UP  # Its state.
+    error: str = ""  # What a callback raised.
+    traceback: str = ""  # The traceback of `error`, or "".
+    serves: tuple[str, ...] = ()  # The full names of the services and actions that it serves.
+    file: str = ""  # The name of the user's file that it comes from; "" for a node of a package.
+    saved: float = 0.0  # The Unix time at which the text that runs was saved.

@@ -14,27 +14,19 @@ class NodeState(NamedTuple):
     """A node on the graph.
 
     Recordings have the names of the attributes.
-
-    Attributes:
-        name: Its full name.
-        heard: When its last message or log line came, in monotonic seconds; None before the first.
-        rate: The rate in Hz of its messages that the console reads; None if not known.
-        lifecycle: The state of a managed node, as `inactive`, or `inactive, no answer` if it did
-            not answer the last question; "" if it is not managed, or was not asked yet.
     """
 
     name: str
-    heard: float | None = None
-    rate: float | None = None
+    heard: float | None = None  # When its last message or log line came, in monotonic seconds.
+    rate: float | None = None  # The rate in Hz of its messages that the console reads.
+    # The state of a managed node, as `inactive`, or `inactive, no answer` if it did not answer the
+    # last question; "" if it is not managed, or was not asked yet.
     lifecycle: str = ""
 
     def is_silent(self, now: float) -> bool:
         """Return True if nothing was received for three intervals of its rate, at least 2.5 s.
 
         Before the first message, or without a rate, it is False.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         if self.heard is None or not self.rate:
             return False
@@ -47,15 +39,10 @@ def level_word(number: Any) -> str:
 
 
 class LogLevel(NamedTuple):
-    """The level of a node's log, as words of LEVELS.
+    """The level of a node's log, as words of LEVELS."""
 
-    Attributes:
-        own: The level that was set for it; UNSET if none was.
-        in_force: The level that holds: its own, or that of its process.
-    """
-
-    own: str
-    in_force: str
+    own: str  # The level that was set for it; UNSET if none was.
+    in_force: str  # The level that holds: its own, or that of its process.
 
     @property
     def text(self) -> str:
@@ -65,26 +52,14 @@ class LogLevel(NamedTuple):
 
 
 class NodeInfo(NamedTuple):
-    """The topics, services and actions of one node, without those that every node has.
+    """The topics, services and actions of one node, without those that every node has."""
 
-    Attributes:
-        publishes: The topics that it publishes.
-        subscribes: The topics to which it subscribes.
-        serves: The services that it serves.
-        calls: The services for which it has a client.
-        actions: The actions that it serves.
-        sends: The actions for which it has a client.
-        transitions: The transitions that a managed node can make now; () for another node.
-        level: The level of its log; None if the node does not report it.
-        no_level: Why `level` is None; "" if it is not.
-    """
-
-    publishes: Names = ()
-    subscribes: Names = ()
-    serves: Names = ()
-    calls: Names = ()
-    actions: Names = ()
-    sends: Names = ()
-    transitions: tuple[str, ...] = ()
-    level: LogLevel | None = None
-    no_level: str = ""
+    publishes: Names = ()  # The topics that it publishes.
+    subscribes: Names = ()  # The topics to which it subscribes.
+    serves: Names = ()  # The services that it serves.
+    calls: Names = ()  # The services for which it has a client.
+    actions: Names = ()  # The actions that it serves.
+    sends: Names = ()  # The actions for which it has a client.
+    transitions: tuple[str, ...] = ()  # The transitions that a managed node can make now.
+    level: LogLevel | None = None  # The level of its log; None if the node does not report it.
+    no_level: str = ""  # Why `level` is None; "" if it is not.

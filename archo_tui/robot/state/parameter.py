@@ -22,31 +22,20 @@ class Parameter(NamedTuple):
     """A parameter of a node, as the node has reported it.
 
     Recordings have the names of the attributes.
-
-    Attributes:
-        node: The full name of the node.
-        name: The name of the parameter.
-        type: `bool`, `integer`, `double` or `string`, one of these followed by `[]`, `byte[]`, or
-            `not set`.
-        value: Its value; None if it is not set.
-        initial: The value when it was first seen.
-        description: The node's description of it.
-        low: The smallest value allowed; None for any.
-        high: The largest.
-        read_only: True if it can only be set when its node starts.
-        is_secret: True if its name is that of a secret: only the person sees the value.
     """
 
     node: str
-    name: str
+    name: str  # The name of the parameter.
+    # `bool`, `integer`, `double` or `string`, one of these followed by `[]`, `byte[]`, or `not
+    # set`.
     type: str
-    value: Any
-    initial: Any
-    description: str = ""
-    low: float | None = None
-    high: float | None = None
-    read_only: bool = False
-    is_secret: bool = False
+    value: Any  # Its value; None if it is not set.
+    initial: Any  # The value when it was first seen.
+    description: str = ""  # The node's description of it.
+    low: float | None = None  # The smallest value allowed; None for any.
+    high: float | None = None  # The largest.
+    read_only: bool = False  # True if it can only be set when its node starts.
+    is_secret: bool = False  # True if its name is that of a secret: only the person sees the value.
 
     @property
     def masked(self) -> Parameter:
@@ -68,19 +57,7 @@ def linked_number(
     low: float = -_FARTHEST,
     high: float = _FARTHEST,
 ) -> float | None:
-    """Return the number of the parameter to which a robot file refers.
-
-    Args:
-        parameters: All parameters that nodes report.
-        namespace: The robot's namespace.
-        link: The reference.
-        low: The smallest number that is taken.
-        high: The largest.
-
-    Returns:
-        The number; if no node reports one in this range, the reference's `otherwise`, which may be
-        None.
-    """
+    """Return the number of the parameter to which a robot file refers."""
     wanted = (in_namespace(namespace, link.node), link.parameter)
     for parameter in parameters:
         if (parameter.node, parameter.name) == wanted:

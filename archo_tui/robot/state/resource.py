@@ -11,18 +11,12 @@ class Resource(NamedTuple):
     """A topic, a service or an action, and the nodes that publish or serve it.
 
     Recordings have the names of the attributes.
-
-    Attributes:
-        kind: TOPIC, SERVICE or ACTION.
-        name: Its full name.
-        types: Its types: several if nodes disagree.
-        nodes: The full names of the nodes that publish or serve it.
-        mismatches: For a topic, a text with the remedy for each node that receives nothing, or may
-            misread what it receives.
     """
 
-    kind: str
+    kind: str  # TOPIC, SERVICE or ACTION.
     name: str
-    types: tuple[str, ...]
-    nodes: tuple[str, ...]
+    types: tuple[str, ...]  # Its types: several if nodes disagree.
+    nodes: tuple[str, ...]  # The full names of the nodes that publish or serve it.
+    # For a topic, a text with the remedy for each node that receives nothing, or may misread what
+    # it receives.
     mismatches: tuple[str, ...] = ()

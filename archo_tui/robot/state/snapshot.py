@@ -24,91 +24,63 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class Snapshot(NamedTuple):
-    """Everything that a front end can show of the robot, at one moment.
+    """Everything that a front end can show of the robot, at one moment."""
 
-    Attributes:
-        file: The robot file.
-        battery: The last reading of the battery.
-        motion: The last reading of the motion.
-        pose: The last reading of the pose.
-        diagnostics: The last diagnostic status of each part, by name.
-        gauges: The last readings of the gauges, in the order of the robot file.
-        goal: The goal to show: one of this console, else another's, else the last that ended.
-        running: The number of goals that run, of all clients.
-        history: The last 20 goals that ended, newest first.
-        parameters: The parameters of all nodes.
-        unreported: Why a node's parameters are not known, by its full name.
-        nodes: The nodes in the robot's namespace.
-        offered: The names of the robot file for which a node publishes or serves something.
-        events: The events, newest last.
-        charge: Samples of the charge since charging began or ended: monotonic seconds and percent.
-        open_stop: The STOP that is not confirmed; None if there is none.
-        latch: The state of the last confirmed STOP.
-        latch_doubt: Why `latch` is UNCERTAIN; "" if it is not.
-        latch_time: The Unix time at which that STOP was confirmed; 0 before the first.
-        released: When a release or a goal was last accepted, in monotonic seconds; None if none
-            was.
-        stop_held_by_nobody: True if the open STOP was never sent to any node, or, without an open
-            one, if every node that confirmed that STOP ran in this process and
-            has ended, and no further STOP is open.
-        stop_not_obeyed: True if the robot moves though it has confirmed a STOP.
-        still_running_after_stop: The names of goals that still run after a STOP was answered.
-        namespace: The namespace of the robot.
-        faults: Why a topic, a service or an action is not used, by its name in the robot file.
-        publishers: The nodes of each topic of the robot file that several nodes publish.
-        duplicate_nodes: The names that several nodes have.
-        duplicate_servers: The nodes of STOP's service and of each action that several nodes serve.
-        clock_offsets: The clocks that differ from this computer's: theirs minus ours in seconds, by
-            node or topic.
-        has_clock: True if a node publishes simulated time on /clock.
-        clock_still_since: Since when /clock stands still, in monotonic seconds; None while it does
-            not, or no node goes by it.
-        other_namespaces: The other namespaces that have nodes.
-        consoles: The other consoles in this namespace: `user_host_pid`.
-        forms: The fields of each goal's form, by the goal's id, where its type is installed here.
-        actions: The types of each action that is served, by its name.
-        services: The types of each service that is served, by its name.
-        resources: The topics, services and actions, without those that every node has.
-        message_rates: The rate of each topic that the console reads, by its full name.
-    """
-
-    file: RobotFile = RobotFile()
+    file: RobotFile = RobotFile()  # The robot file.
     battery: Battery = Battery()
     motion: Motion = Motion()
     pose: Pose = Pose()
-    diagnostics: tuple[Diagnostic, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()  # The last diagnostic status of each part, by name.
+    # The last readings of the gauges, in the order of the robot file.
     gauges: tuple[GaugeReading, ...] = ()
+    # The goal to show: one of this console, else another's, else the last that ended.
     goal: Goal | None = None
-    running: int = 0
-    history: tuple[Goal, ...] = ()
-    parameters: tuple[Parameter, ...] = ()
+    running: int = 0  # The number of goals that run, of all clients.
+    history: tuple[Goal, ...] = ()  # The last 20 goals that ended, newest first.
+    parameters: tuple[Parameter, ...] = ()  # The parameters of all nodes.
+    # Why a node's parameters are not known, by its full name.
     unreported: Mapping[str, str] = _NOTHING
-    nodes: tuple[NodeState, ...] = ()
+    nodes: tuple[NodeState, ...] = ()  # The nodes in the robot's namespace.
+    # The names of the robot file for which a node publishes or serves something.
     offered: frozenset[str] = frozenset()
-    events: tuple[Event, ...] = ()
+    events: tuple[Event, ...] = ()  # The events, newest last.
+    # Samples of the charge since charging began or ended: monotonic seconds and percent.
     charge: tuple[tuple[float, float], ...] = ()
-    open_stop: OpenStop | None = None
-    latch: Latch = Latch.NONE
-    latch_doubt: str = ""
-    latch_time: float = 0.0
+    open_stop: OpenStop | None = None  # The STOP that is not confirmed; None if there is none.
+    latch: Latch = Latch.NONE  # The state of the last confirmed STOP.
+    latch_doubt: str = ""  # Why `latch` is UNCERTAIN; "" if it is not.
+    latch_time: float = 0.0  # The Unix time at which that STOP was confirmed; 0 before the first.
+    # When a release or a goal was last accepted, in monotonic seconds; None if none was.
     released: float | None = None
+    # True if the open STOP was never sent to any node, or, without an open one, if every node that
+    # confirmed that STOP ran in this process and has ended, and no further STOP is open.
     stop_held_by_nobody: bool = False
-    stop_not_obeyed: bool = False
+    stop_not_obeyed: bool = False  # True if the robot moves though it has confirmed a STOP.
+    # The names of goals that still run after a STOP was answered.
     still_running_after_stop: tuple[str, ...] = ()
-    namespace: str = "/"
+    namespace: str = "/"  # The namespace of the robot.
+    # Why a topic, a service or an action is not used, by its name in the robot file.
     faults: Mapping[str, str] = _NOTHING
+    # The nodes of each topic of the robot file that several nodes publish.
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING
-    duplicate_nodes: tuple[str, ...] = ()
+    duplicate_nodes: tuple[str, ...] = ()  # The names that several nodes have.
+    # The nodes of STOP's service and of each action that several nodes serve.
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
-    has_clock: bool = False
-    clock_still_since: float | None = None
+    has_clock: bool = False  # True if a node publishes simulated time on /clock.
+    clock_still_since: float | None = None  # Since when /clock stands still, in monotonic seconds.
+    # The clocks that differ from this computer's: theirs minus ours in seconds, by node or topic.
     clock_offsets: Mapping[str, float] = _NOTHING
-    other_namespaces: tuple[str, ...] = ()
-    consoles: tuple[str, ...] = ()
+    other_namespaces: tuple[str, ...] = ()  # The other namespaces that have nodes.
+    consoles: tuple[str, ...] = ()  # The other consoles in this namespace: `user_host_pid`.
+    # The fields of each goal's form, by the goal's id, where its type is installed here.
     forms: Mapping[str, tuple[TypedField, ...]] = _NOTHING
+    # The types of each action that is served, by its name.
     actions: Mapping[str, tuple[str, ...]] = _NOTHING
+    # The types of each service that is served, by its name.
     services: Mapping[str, tuple[str, ...]] = _NOTHING
+    # The topics, services and actions, without those that every node has.
     resources: tuple[Resource, ...] = ()
+    # The rate of each topic that the console reads, by its full name.
     message_rates: Mapping[str, MessageRate] = _NOTHING
 
     @property
@@ -166,11 +138,7 @@ class Snapshot(NamedTuple):
         return in_namespace(self.namespace, name)
 
     def unavailable(self, name: str) -> str:
-        """Return why a topic, service or action of the robot file cannot be used; "" if it can.
-
-        Args:
-            name: The name as in the robot file.
-        """
+        """Return why a topic, service or action of the robot file cannot be used; "" if it can."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
     @property
@@ -200,11 +168,7 @@ class Snapshot(NamedTuple):
         return None if found == 1.0 else found
 
     def limit(self, given: Limit) -> float | None:
-        """Return the present number of a limit in the robot file; None if there is none.
-
-        Args:
-            given: The limit: a number, or the parameter of a node that holds it.
-        """
+        """Return the present number of a limit in the robot file; None if there is none."""
         if isinstance(given, ParameterRef):
             return linked_number(self.parameters, self.namespace, given)
         return given

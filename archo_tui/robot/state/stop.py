@@ -17,17 +17,11 @@ class StopAnswer(Enum):
 
 
 class OpenStop(NamedTuple):
-    """A STOP that was requested and that the robot has not confirmed.
+    """A STOP that was requested and that the robot has not confirmed."""
 
-    Attributes:
-        asked: When it was requested, in monotonic seconds; a repeat does not change it.
-        answer: The answer so far.
-        why: Details of the answer for people; "" if there are none.
-    """
-
-    asked: float
-    answer: StopAnswer = StopAnswer.AWAITED
-    why: str = ""
+    asked: float  # When it was requested, in monotonic seconds; a repeat does not change it.
+    answer: StopAnswer = StopAnswer.AWAITED  # The answer so far.
+    why: str = ""  # Details of the answer for people; "" if there are none.
 
 
 class Latch(Enum):

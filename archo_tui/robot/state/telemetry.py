@@ -10,136 +10,90 @@ from archo_tui.robot_file.model import Gauge
 
 
 class Battery(NamedTuple):
-    """The last battery reading.
+    """The last battery reading."""
 
-    Attributes:
-        percentage: The charge in %; None if it was not within 0 .. 100.
-        voltage: The voltage in V.
-        charging: True while it charges.
-        health: The battery's own word for its health.
-        received: When the last message came.
-        period: The seconds between messages: those in the robot file, else the typical interval;
-            None until that is known, some seconds after the first message. Without meaning before.
-        unreadable: What was received instead of a percentage; "" if one was.
-        grace: The silence in seconds that is allowed while there is no period; None for any.
-        discharging: True while it discharges; None means whenever it does not charge.
-    """
-
-    percentage: float | None = None
-    voltage: float | None = None
-    charging: bool | None = None
-    health: str | None = None
-    received: float | None = None
+    percentage: float | None = None  # The charge in %; None if it was not within 0 .. 100.
+    voltage: float | None = None  # The voltage in V.
+    charging: bool | None = None  # True while it charges.
+    health: str | None = None  # The battery's own word for its health.
+    received: float | None = None  # When the last message came.
+    # The seconds between messages: those in the robot file, else the typical interval; None until
+    # that is known, some seconds after the first message.
     period: float | None = 1.0
-    unreadable: str = ""
+    unreadable: str = ""  # What was received instead of a percentage; "" if one was.
+    # The silence in seconds that is allowed while there is no period; None for any.
     grace: float | None = UNMEASURED
-    discharging: bool | None = None
+    discharging: bool | None = None  # True while it discharges.
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
         While no period is known, `grace` decides.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         return is_silent(self.received, self.period, now, self.grace)
 
 
 @dataclass(frozen=True)  # A tuple has a `count` of its own.
 class Motion:
-    """The motion that the robot has reported last.
+    """The motion that the robot has reported last."""
 
-    Attributes:
-        count: The ticks of the encoder, or whatever the robot file names.
-        speed: The speed, in the unit of the robot file.
-        moving: True while it moves.
-        stopped: True while its software stop is latched.
-        received: When the last message came.
-        period: The seconds between messages: those in the robot file, else the typical interval;
-            None until that is known, some seconds after the first message. Without meaning before.
-        grace: The silence in seconds that is allowed while there is no period; None for any.
-    """
-
-    count: int | None = None
-    speed: float | None = None
-    moving: bool | None = None
-    stopped: bool | None = None
-    received: float | None = None
+    count: int | None = None  # The ticks of the encoder, or whatever the robot file names.
+    speed: float | None = None  # The speed, in the unit of the robot file.
+    moving: bool | None = None  # True while it moves.
+    stopped: bool | None = None  # True while its software stop is latched.
+    received: float | None = None  # When the last message came.
+    # The seconds between messages: those in the robot file, else the typical interval; None until
+    # that is known, some seconds after the first message.
     period: float | None = 0.2
+    # The silence in seconds that is allowed while there is no period; None for any.
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
         While no period is known, `grace` decides.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         return is_silent(self.received, self.period, now, self.grace)
 
 
 class Pose(NamedTuple):
-    """The pose that the robot has reported last.
+    """The pose that the robot has reported last."""
 
-    Attributes:
-        x: In m.
-        y: In m.
-        yaw: The direction in degrees, counter-clockwise from the x axis, -180 to 180.
-        frame: The name of the frame that the pose is in; "" if it is not reported.
-        received: When the last message came.
-        period: The seconds between messages: those in the robot file, else the typical interval;
-            None until that is known, some seconds after the first message.
-        grace: The silence in seconds that is allowed while there is no period; None for any.
-    """
-
-    x: float | None = None
-    y: float | None = None
+    x: float | None = None  # In m.
+    y: float | None = None  # In m.
+    # The direction in degrees, counter-clockwise from the x axis, -180 to 180.
     yaw: float | None = None
-    frame: str = ""
-    received: float | None = None
+    frame: str = ""  # The name of the frame that the pose is in; "" if it is not reported.
+    received: float | None = None  # When the last message came.
+    # The seconds between messages: those in the robot file, else the typical interval; None until
+    # that is known, some seconds after the first message.
     period: float | None = None
+    # The silence in seconds that is allowed while there is no period; None for any.
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
         While no period is known, `grace` decides.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         return is_silent(self.received, self.period, now, self.grace)
 
 
 class GaugeReading(NamedTuple):
-    """The last number of one of the robot's gauges.
+    """The last number of one of the robot's gauges."""
 
-    Attributes:
-        gauge: The gauge of the robot file.
-        value: The number.
-        received: When the last message came.
-        period: The typical interval of its messages in seconds; None until it is known, some
-            seconds after the first message.
-        unreadable: What was received instead of a number; "" if one was.
-        grace: The silence in seconds that is allowed while there is no period; None for any.
-    """
-
-    gauge: Gauge
-    value: float | None = None
-    received: float | None = None
-    period: float | None = None
-    unreadable: str = ""
+    gauge: Gauge  # The gauge of the robot file.
+    value: float | None = None  # The number.
+    received: float | None = None  # When the last message came.
+    period: float | None = None  # The typical interval of its messages in seconds.
+    unreadable: str = ""  # What was received instead of a number; "" if one was.
+    # The silence in seconds that is allowed while there is no period; None for any.
     grace: float | None = UNMEASURED
 
     def is_old(self, now: float) -> bool:
         """Return True if no message came for three periods, at least 2.5 s; False if none ever did.
 
         While no period is known, `grace` decides.
-
-        Args:
-            now: Monotonic time in seconds.
         """
         return is_silent(self.received, self.period, now, self.grace)
 

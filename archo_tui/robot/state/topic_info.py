@@ -6,29 +6,18 @@ from typing import NamedTuple
 
 
 class TopicEnd(NamedTuple):
-    """A publisher or a subscription.
-
-    Attributes:
-        node: The full name of its node.
-        type: The type of its messages.
-        qos: Its reliability and durability in DDS's words: `RELIABLE, VOLATILE`.
-    """
+    """A publisher or a subscription."""
 
     node: str
-    type: str
-    qos: str
+    type: str  # The type of its messages.
+    qos: str  # Its reliability and durability in DDS's words: `RELIABLE, VOLATILE`.
 
 
 class TopicInfo(NamedTuple):
-    """The publishers and subscriptions of a topic.
+    """The publishers and subscriptions of a topic."""
 
-    Attributes:
-        publishers: The publishers, sorted by node.
-        subscriptions: The subscriptions, sorted by node; those of hidden nodes are left out.
-        mismatches: A text with the remedy for each subscribing node that receives nothing, or may
-            misread what it receives.
-    """
-
-    publishers: tuple[TopicEnd, ...] = ()
-    subscriptions: tuple[TopicEnd, ...] = ()
+    publishers: tuple[TopicEnd, ...] = ()  # The publishers, sorted by node.
+    subscriptions: tuple[TopicEnd, ...] = ()  # The subscriptions, sorted by node.
+    # A text with the remedy for each subscribing node that receives nothing, or may misread what it
+    # receives.
     mismatches: tuple[str, ...] = ()

@@ -64,15 +64,6 @@ class TopicFollower:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> None:
-        """Create the follower; `run` starts it.
-
-        Args:
-            robot: The robot.
-            clock: The clock of the robot.
-            topic: The full name of the topic.
-            request: Called for each view; returns what the view has to have.
-            show: Called on the event loop with each view.
-        """
         self._robot, self._clock, self._topic = robot, clock, topic
         self._request, self._show = request, show
 
@@ -102,11 +93,7 @@ class TopicFollower:
         return await self._robot.topic_info(self._topic)
 
     async def _follow_type(self, message_class: Any, kind: str, ends: TopicInfo) -> TopicView:
-        """Show messages of a type until the topic is published with other types only.
-
-        Returns:
-            The view to show then, with a `fault`.
-        """
+        """Show messages of a type until the topic is published with other types only."""
         snapshot, intake = self._robot.snapshot, MessageIntake()
         units = field_units(snapshot.file, snapshot.full, self._topic, kind)
         try:
@@ -136,13 +123,7 @@ class TopicFollower:
     def _update(
         self, watch: TopicWatch, request: TopicRequest, spent: float
     ) -> tuple[TopicView, float]:
-        """Return the new view, and the processor time in seconds that it took.
-
-        Args:
-            watch: The messages.
-            request: What the view has to have.
-            spent: The processor time of the view before.
-        """
+        """Return the new view, and the processor time in seconds that it took."""
         begun, now = time.thread_time(), self._clock.monotonic()
         view = watch.update(now, request, only_newest=spent > _LONG)
         return view, time.thread_time() - begun
@@ -159,12 +140,7 @@ def missing_type(topic: str, kind: str) -> str:
 
 
 def _fault(ends: TopicInfo, kind: str) -> str:
-    """Return what is wrong with a topic's publishers: none, or also other types; "" if nothing.
-
-    Args:
-        ends: The ends of the topic.
-        kind: The type that is shown.
-    """
+    """Return what is wrong with a topic's publishers: none, or also other types; "" if nothing."""
     if not ends.publishers:
         return "it has no publisher: waiting for one"
     others = [other for other in types_of(ends) if other != kind]
@@ -182,15 +158,6 @@ class TopicWatch:
         intake: MessageIntake,
         decode: Callable[[bytes], Any],
     ) -> None:
-        """Create the watch, before the first message.
-
-        Args:
-            topic: The full name of the topic.
-            kind: The type of its messages.
-            units: The units that the robot file gives, by path.
-            intake: Collects the messages, which other threads add.
-            decode: Returns the message that some bytes encode; raises ArchoError if there is none.
-        """
         self._topic, self._kind = topic, kind
         self._intake, self._decode = intake, decode
         self._fields = TopicFields(units)
@@ -201,11 +168,6 @@ class TopicWatch:
 
         It may take long. Errors become the `fault` of the view, which then shows the last good
         message, if there was one.
-
-        Args:
-            now: The present time, on the clock of the messages, in seconds.
-            request: What the view has to have.
-            only_newest: True to decode the newest message only; the others are only counted.
         """
         waiting = self._intake.drain()
         for message in waiting[-1:] if only_newest else waiting:

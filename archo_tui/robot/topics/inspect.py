@@ -35,20 +35,6 @@ class Inspection:
     """A count of the messages of one topic, which lasts from `subscribe` to `unsubscribe`.
 
     Its attributes may be read on any thread.
-
-    Attributes:
-        topic: The full name of the topic.
-        count: The number of messages that came, `kept` included.
-        kept: The number of messages that were sent before, and came because they were kept: they
-            tell nothing of the rate.
-        kept_size: The bytes of these messages.
-        newest: The last message: its number, counted from 1, and its bytes; (0, b"") before the
-            first.
-        size: The bytes of all messages that came.
-        first: When the first message came that was not kept, in monotonic seconds; 0 before it.
-        last: When the last message came, in monotonic seconds; 0 before the first.
-        least: The shortest time between two messages, in seconds; None before the second.
-        greatest: The longest time between two messages, in seconds; None before the second.
     """
 
     def __init__(
@@ -59,28 +45,19 @@ class Inspection:
         message_class: Any,
         on_data: Callable[[float, bytes, bool], None] = lambda *_: None,
     ) -> None:
-        """Create the inspection; `subscribe` starts it.
-
-        Args:
-            node: The console's node.
-            clock: The clock of the times.
-            topic: The full name of the topic.
-            message_class: The class of its messages.
-            on_data: Called on the ROS thread with the monotonic time and the bytes of each message,
-                and True if it was sent before.
-        """
         self._on_data = on_data
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
         self._is_tap = False  # True while the messages are those of another subscription.
         self._qos: QoSProfile | None = None
+        # The last message: its number, counted from 1, and its bytes; (0, b"") before the first.
         self.newest: tuple[int, bytes] = (0, b"")
         self.topic = topic
         self.count = self.size = self.kept = self.kept_size = 0
         self._kept_until = -math.inf
         self.first = self.last = 0.0
-        self.least: float | None = None
-        self.greatest: float | None = None
+        self.least: float | None = None  # The shortest time between two messages, in seconds.
+        self.greatest: float | None = None  # The longest time between two messages, in seconds.
 
     def subscribe(self) -> None:
         """Begin to count, with a QoS that fits the present publishers. ROS thread only.
@@ -153,9 +130,6 @@ class Inspection:
 
         A large message takes long: call this on a thread of its own.
 
-        Args:
-            data: The bytes of the message.
-
         Raises:
             ArchoError: The message is larger than MAX_BYTES, or not of this topic's class.
         """
@@ -186,36 +160,24 @@ class RawMessage(NamedTuple):
 
 
 class _Bucket(NamedTuple):
-    """The messages that came within half a second.
+    """The messages that came within half a second."""
 
-    Attributes:
-        number: The number of the half second, counted from the time 0.0.
-        first: When the first message came, in seconds.
-        messages: The number of messages that came.
-        size: The bytes of all of them.
-    """
-
-    number: int
-    first: float
-    messages: int
-    size: int
+    number: int  # The number of the half second, counted from the time 0.0.
+    first: float  # When the first message came, in seconds.
+    messages: int  # The number of messages that came.
+    size: int  # The bytes of all of them.
 
 
 class MessageIntake:
-    """A buffer of the messages of one topic, which one thread fills and another one drains.
-
-    Attributes:
-        received: The number of messages that came.
-        last: When the last message came that was not kept for a new subscription, in seconds; None
-            before the first.
-        last_size: The bytes of the last message; 0 before the first.
-    """
+    """A buffer of the messages of one topic, which one thread fills and another one drains."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()  # Held for no longer than an append takes.
-        self.received = 0
+        self.received = 0  # The number of messages that came.
+        # When the last message came that was not kept for a new subscription, in seconds; None
+        # before the first.
         self.last: float | None = None
-        self.last_size = 0
+        self.last_size = 0  # The bytes of the last message; 0 before the first.
         self._waiting: list[RawMessage] = []
         self._waiting_bytes = 0
         self._kept_at: float | None = None
@@ -228,11 +190,6 @@ class MessageIntake:
 
         The newest message is always kept, unless it is larger than MAX_BYTES. Of the others, one
         each 40 ms is kept, up to 16 MB.
-
-        Args:
-            time: When it came, in seconds.
-            data: The serialized message.
-            was_kept: True if it was sent before: then it tells nothing of rate and age.
         """
         with self._lock:
             if not was_kept:
@@ -270,12 +227,6 @@ class MessageIntake:
 
         Of a slow topic the last three intervals count. A silence since the last message does not
         lower the rates.
-
-        Args:
-            now: The present time in seconds.
-
-        Returns:
-            The two rates; None before three intervals, and after a silence.
         """
         with self._lock:
             buckets, last, few = tuple(self._buckets), self.last, tuple(self._last_few)

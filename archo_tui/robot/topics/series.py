@@ -20,26 +20,15 @@ _CURVES = 2  # Curves of different lengths that are remembered: beside the field
 
 
 class _KnownCurve(NamedTuple):
-    """A curve that was returned, kept so that its columns need not be computed again.
+    """A curve that was returned, kept so that its columns need not be computed again."""
 
-    Attributes:
-        oldest: The number of its first column, counted from the time 0.0.
-        settled: The number of the first column that may still change.
-        values: The range of values in each column; None without a value.
-    """
-
-    oldest: int
-    settled: int
-    values: list[Range | None]
+    oldest: int  # The number of its first column, counted from the time 0.0.
+    settled: int  # The number of the first column that may still change.
+    values: list[Range | None]  # The range of values in each column; None without a value.
 
 
 class FieldHistory:
-    """The values of one field in the last minute, and their range since the first one.
-
-    Attributes:
-        least: The least value ever added; infinity before the first.
-        greatest: The greatest value ever added; minus infinity before the first.
-    """
+    """The values of one field in the last minute, and their range since the first one."""
 
     def __init__(self) -> None:
         self.least, self.greatest = math.inf, -math.inf
@@ -53,12 +42,7 @@ class FieldHistory:
         return not self._tenths
 
     def add(self, tenth: int, value: float) -> None:
-        """Add a finite value; of each tenth of a second only the least and the greatest are kept.
-
-        Args:
-            tenth: The time of the value in tenths of a second, not before that of the last value.
-            value: The value.
-        """
+        """Add a finite value; of each tenth of a second the least and the greatest are kept."""
         # It is called thousands of times a second: `min` and `max` would take twice as long.
         if value < self.least:
             self.least = value
@@ -81,13 +65,6 @@ class FieldHistory:
 
         A value holds for 1.5 s, or until the next one; a column without a value is None. The
         columns begin at multiples of their length, so that a column that is past never changes.
-
-        Args:
-            now: The present time in seconds, of the same clock as the tenths.
-            columns: The number of columns.
-
-        Returns:
-            The least and the greatest value of each column, the newest column last.
         """
         width = SPAN / columns
         oldest = math.floor(now / width) - columns + 1
@@ -102,13 +79,7 @@ class FieldHistory:
         return tuple(values)
 
     def _columns(self, oldest: int, columns: int, width: float) -> list[Range | None]:
-        """Return the ranges of some columns; None for a column without a value.
-
-        Args:
-            oldest: The number of the first column, counted from the time 0.0.
-            columns: The number of columns.
-            width: The length of a column in seconds.
-        """
+        """Return the ranges of some columns; None for a column without a value."""
         found: list[Range | None] = [None] * columns
         first = bisect_left(self._tenths, math.floor((oldest * width - _HOLDS) * PER_SECOND))
         times = [tenth / PER_SECOND for tenth in self._tenths[first:]]
