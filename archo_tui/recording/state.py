@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.state import (
     Event,
     Goal,

@@ -15,11 +15,12 @@ from archo_tui.replay.topics import RecordedTopics
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals.machine import feedback_changes
-from archo_tui.robot.graph import is_hidden
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.graph.graph import is_hidden
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.reading_subscriptions import News
+from archo_tui.robot.period import MessageRate
+from archo_tui.robot.readings.subscriptions import News
+from archo_tui.robot.readings.telemetry import SavedReadings, Telemetry
 from archo_tui.robot.state import (
     OWN_LEVELS,
     TOPIC,
@@ -30,7 +31,6 @@ from archo_tui.robot.state import (
     level_word,
     logger_node,
 )
-from archo_tui.robot.telemetry import SavedReadings, Telemetry
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard

@@ -24,40 +24,40 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot import audit_records, services
+from archo_tui.robot import audit_records, calls
 from archo_tui.robot.audit_records import AuditRecord
-from archo_tui.robot.clock_offsets import ClockOffsets
+from archo_tui.robot.calls import QUESTION_TIMEOUT, Services
+from archo_tui.robot.clocks import ClockOffsets, SimClock
 from archo_tui.robot.consoles import new_node_name
+from archo_tui.robot.events import MAX_UNREAD, Reporter
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_verbs import GoalVerbs, verb_of
 from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals.client import Goals
-from archo_tui.robot.graph import Graph
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
+from archo_tui.robot.graph.lifecycle import Lifecycles
+from archo_tui.robot.graph.nodes import Nodes
+from archo_tui.robot.graph.parameters import Parameters, is_secret, masked, without_secrets
+from archo_tui.robot.graph.resources import SEND
 from archo_tui.robot.graph_poller import POLL_PERIOD, GraphPoller
-from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.lifecycle import Lifecycles
-from archo_tui.robot.listener import Listener, MessageCallback
-from archo_tui.robot.mailbox import Receiver
 from archo_tui.robot.message_handlers import MessageHandlers
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, load_all, load_class
 from archo_tui.robot.messages.values import text_of
+from archo_tui.robot.node import Listener, MessageCallback
 from archo_tui.robot.node_verbs import NodeVerbs
-from archo_tui.robot.nodes import Nodes
+from archo_tui.robot.other_clients import UnexplainedChanges
 from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
-from archo_tui.robot.parameters import Parameters, without_secrets
-from archo_tui.robot.reading_subscriptions import News
-from archo_tui.robot.recorded_topics import RecordedTopics
-from archo_tui.robot.reporter import MAX_UNREAD, Reporter
+from archo_tui.robot.readings.subscriptions import News, RecordedTopics
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.requester import YOU, current_requester
-from archo_tui.robot.resources import SEND
-from archo_tui.robot.secret_names import MASK, is_secret, masked
+from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.service_verbs import ServiceVerbs
-from archo_tui.robot.services import QUESTION_TIMEOUT, Services
-from archo_tui.robot.sim_clock import SimClock
-from archo_tui.robot.snapshot_sender import SnapshotSender
+from archo_tui.robot.snapshot_sender import Receiver, SnapshotSender
 from archo_tui.robot.state import (
+    MASK,
     Diagnostic,
     Event,
     Goal,
@@ -70,11 +70,8 @@ from archo_tui.robot.state import (
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop_sender import StopSender
 from archo_tui.robot.stop_verbs import StopVerbs
-from archo_tui.robot.telemetry import Telemetry
-from archo_tui.robot.thread import RosThread
 from archo_tui.robot.topics.follow import TopicFollower
 from archo_tui.robot.topics.inspect import Inspection
-from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot.verb_runner import VerbRunner
 from archo_tui.robot_file import model
 
@@ -98,7 +95,7 @@ class Robot:
     ) -> None:
         # True if every verb is refused, and no service is called but those that only read.
         self.watching = watching
-        self.file = file  # The robot file.
+        self.file = file
         self._clock = clock
         # Returns the full names of the nodes that this process hosts.
         self.own_nodes: Callable[[], Collection[str]] = tuple
@@ -356,7 +353,7 @@ class Robot:
         async def there() -> None:
             self._goals.sending_has_ended = True
 
-        await self._thread.run(there, services.DEADLINE)
+        await self._thread.run(there, calls.DEADLINE)
 
     def allow_sending_goals(self) -> None:
         """Undo `stop_sending_goals`: the console does not end after all."""
@@ -524,7 +521,7 @@ class Robot:
             self._snapshots.send()
 
         with contextlib.suppress(TimeoutError):  # The thread is busy: go on without them.
-            await self._thread.run(there, services.DEADLINE)
+            await self._thread.run(there, calls.DEADLINE)
 
     # All below runs on the ROS thread.
 

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from archo_tui.robot.graph import Graph
+from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.state import Latch, Snapshot
 from archo_tui.robot.stop.gate import HELD, HOLDS, UNCERTAIN, UNCONFIRMED, Gate
 from archo_tui.robot.stop_sender import StopSender
-from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind, RobotFile
 

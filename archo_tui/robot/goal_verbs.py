@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.robot import ros2_command
+from archo_tui.robot.calls import Services
 from archo_tui.robot.goal_guard import GoalGuard
 from archo_tui.robot.goal_watcher import GoalWatcher
 from archo_tui.robot.goals.client import Goals
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.lifecycle import Lifecycles
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
+from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.services import Services
 from archo_tui.robot.state import ACTION, values_text
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Void
 from archo_tui.robot.stop_sender import StopSender

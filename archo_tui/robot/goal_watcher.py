@@ -8,11 +8,11 @@ from rclpy.node import Node
 from archo_tui.clock import Clock
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.goals.machine import FARTHEST
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.parameters import Parameters
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import linked_number
-from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.model import GoalKind, ParameterRef
 
 WATCH_PERIOD = 0.2  # Seconds between two checks of the goals that run.

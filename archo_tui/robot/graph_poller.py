@@ -6,16 +6,16 @@ from collections.abc import Callable, Collection
 
 from archo_tui.clock import Clock
 from archo_tui.robot.arrivals import Arrivals
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.lifecycle import Lifecycles
-from archo_tui.robot.parameters import Parameters
-from archo_tui.robot.recorded_topics import RecordedTopics
-from archo_tui.robot.reporter import Reporter
+from archo_tui.robot.events import Reporter
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
+from archo_tui.robot.graph.lifecycle import Lifecycles
+from archo_tui.robot.graph.parameters import Parameters
+from archo_tui.robot.other_clients import CLIENT, CONSOLE, UnexplainedChanges
+from archo_tui.robot.readings.subscriptions import RecordedTopics
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.stop_sender import StopSender
-from archo_tui.robot.telemetry import Telemetry
-from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import RobotFile
 

@@ -10,19 +10,18 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.robot import audit_records
-from archo_tui.robot.clock_offsets import ClockOffsets
+from archo_tui.robot.clocks import ClockOffsets
 from archo_tui.robot.consoles import author
-from archo_tui.robot.events import ROUTINE
+from archo_tui.robot.events import ROUTINE, Reporter
 from archo_tui.robot.goals.client import Goals
-from archo_tui.robot.graph import Graph
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.other_clients import UnexplainedChanges
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.reading_subscriptions import News
-from archo_tui.robot.reporter import Reporter
+from archo_tui.robot.readings.subscriptions import News
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event, Motion, level_word, logger_node
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop_sender import StopSender
-from archo_tui.robot.unexplained_changes import UnexplainedChanges
 from archo_tui.robot_file.model import RobotFile
 
 

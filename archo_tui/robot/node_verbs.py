@@ -7,15 +7,14 @@ from typing import Any
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot import ros2_command
-from archo_tui.robot.lifecycle import CHANGE_TIMEOUT, Lifecycles
+from archo_tui.robot.calls import QUESTION_TIMEOUT
+from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT, Lifecycles
+from archo_tui.robot.graph.nodes import Nodes, set_level_command
+from archo_tui.robot.graph.parameters import Parameters, is_secret, masked
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.parameters import Parameters
-from archo_tui.robot.secret_names import is_secret, masked
-from archo_tui.robot.services import QUESTION_TIMEOUT
+from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.state import NodeInfo, TopicInfo
-from archo_tui.robot.thread import RosThread
 from archo_tui.robot.verb_runner import VerbRunner
 
 _NO_ANSWER = f"no answer in {QUESTION_TIMEOUT:g} s from the console's own node"

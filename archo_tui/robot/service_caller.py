@@ -8,13 +8,13 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
-from archo_tui.robot import services
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Services
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import SLOW_CALL, Answer, Code, Outcome, outcome_of, says_more
-from archo_tui.robot.services import Services
 from archo_tui.robot.state import not_offered
 from archo_tui.robot.stop.gate import Gate
 
@@ -58,7 +58,7 @@ class ServiceCaller:
             srv_type, name, request, gate=gate, late=lambda answer: late(_outcome_of(answer))
         )
         if answer is None:
-            text = f"no answer in {services.DEADLINE:g} s: the robot may still do it"
+            text = f"no answer in {calls.DEADLINE:g} s: the robot may still do it"
             return Outcome(Code.TIMEOUT, text)
         return _outcome_of(answer)
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.robot import ros2_command
-from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.events import Reporter
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import CALL_WAIT, Code, Outcome
-from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.requester import current_requester
 from archo_tui.robot.service_caller import ServiceCaller
 from archo_tui.robot.state import Event

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.clock import Clock
+from archo_tui.robot.calls import Services
 from archo_tui.robot.goals.client import Goals
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.interface_checks import InterfaceChecks
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.service_caller import ServiceCaller
-from archo_tui.robot.services import Services
 from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import Gate, Stops
 from archo_tui.robot.stop_sender import FIRST_FOUND, StopSender

@@ -8,14 +8,14 @@ from typing import Any
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.events import Reporter
 from archo_tui.robot.outcome import WATCHING, Answer, Code, Outcome, answer_of
-from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.requester import current_requester
+from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Event
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Stops, Void
 from archo_tui.robot.stop_sender import ALL_ANSWERS, FIRST_FOUND
-from archo_tui.robot.thread import RosThread
 from archo_tui.safe_text import harmless
 
 # Seconds: more than any verb takes that can still end. STOP waits for a server, and then for all.

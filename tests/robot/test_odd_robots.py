@@ -24,9 +24,9 @@ from std_msgs.msg import Float32
 
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.goals.machine import Event, TrackedGoal
+from archo_tui.robot.other_clients import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
-from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from tests.support import clock
 from tests.support.archo import ARCHO, go
 from tests.support.clock import NOW

@@ -10,8 +10,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float32
 
 from archo_tui.replay.topics import RecordedTopics
-from archo_tui.robot.listener import Listener
-from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.node import Listener
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot

@@ -22,7 +22,7 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
 
-from archo_tui.robot import services
+from archo_tui.robot import calls
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
@@ -267,7 +267,7 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
 
     real = load_class
     monkeypatch.setattr(
-        "archo_tui.robot.reading_subscriptions.load_class",
+        "archo_tui.robot.readings.subscriptions.load_class",
         lambda name: None if name == "std_msgs/msg/Float32" else real(name),
     )
 
@@ -488,7 +488,7 @@ async def test_a_battery_that_is_published_with_best_effort_is_heard() -> None:
 async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(services, "MOST_UNANSWERED", 1)
+    monkeypatch.setattr(calls, "MOST_UNANSWERED", 1)
     made: list[Node] = []
 
     def make(**options: Any) -> Node:

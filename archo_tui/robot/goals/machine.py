@@ -23,7 +23,7 @@ from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.values import number, text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Period
-from archo_tui.robot.readings import as_received, read
+from archo_tui.robot.readings.fields import as_received, read
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
 from archo_tui.robot.state.goal import RUNNING
 from archo_tui.robot.stop.gate import NEVER_LEFT

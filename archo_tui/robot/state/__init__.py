@@ -1,4 +1,4 @@
-"""The types of a snapshot, which holds all that is known of the robot: each in its own file.
+"""The types of a snapshot, which holds all that is known of the robot.
 
 They are frozen. `received`, `sent` and the like are seconds on the monotonic clock of this
 process, `time` is a Unix time. None means that nothing was received, or that this robot does not
@@ -7,31 +7,56 @@ report it.
 Most are NamedTuples, which are made and copied in a fraction of a dataclass's time.
 """
 
-from archo_tui.robot.state.diagnostic import GONE, WORST_FIRST, Diagnostic, DiagnosticLevel
-from archo_tui.robot.state.event import LAUNCH, OWN_LEVELS, Event
 from archo_tui.robot.state.goal import Goal, Phase, values_text
-from archo_tui.robot.state.hosted import Hosted, Life
-from archo_tui.robot.state.names import in_namespace, logger_node, not_offered
-from archo_tui.robot.state.node import LEVELS, LogLevel, Names, NodeInfo, NodeState, level_word
-from archo_tui.robot.state.parameter import (
+from archo_tui.robot.state.graph import (
+    ACTION,
+    LEVELS,
+    MASK,
     NO_PARAMETER_SERVICES,
     NOT_REPORTED,
-    Parameter,
-    linked_number,
-)
-from archo_tui.robot.state.resource import ACTION, SERVICE, TOPIC, Resource
-from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.robot.state.stop import Latch, OpenStop, StopAnswer
-from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
-from archo_tui.robot.state.topic_info import TopicEnd, TopicInfo
-from archo_tui.robot.state.topic_view import (
+    SERVICE,
     SHOWN_ELEMENTS,
+    TOPIC,
     Curve,
     FieldKind,
     FieldView,
+    Hosted,
+    Life,
+    LogLevel,
+    Names,
+    NodeInfo,
+    NodeState,
+    Parameter,
     Range,
+    Resource,
+    TopicEnd,
+    TopicInfo,
     TopicRequest,
     TopicView,
+    in_namespace,
+    level_word,
+    linked_number,
+    logger_node,
+    not_offered,
+)
+from archo_tui.robot.state.readings import (
+    GONE,
+    WORST_FIRST,
+    Battery,
+    Diagnostic,
+    DiagnosticLevel,
+    GaugeReading,
+    Motion,
+    Pose,
+)
+from archo_tui.robot.state.snapshot import (
+    LAUNCH,
+    OWN_LEVELS,
+    Event,
+    Latch,
+    OpenStop,
+    Snapshot,
+    StopAnswer,
 )
 
 __all__ = [
@@ -39,6 +64,7 @@ __all__ = [
     "GONE",
     "LAUNCH",
     "LEVELS",
+    "MASK",
     "NOT_REPORTED",
     "NO_PARAMETER_SERVICES",
     "OWN_LEVELS",

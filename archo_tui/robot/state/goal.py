@@ -68,14 +68,14 @@ class Goal(NamedTuple):
     kind: GoalKind  # Its kind, in the robot file or made for `send_goal`.
     fields: Mapping[str, Any]  # The values that were typed, by dotted path.
     phase: Phase
-    sent: float  # When it was sent.
+    sent: float
     time: float  # The Unix time of the last change of its phase.
     length: float | None = None  # The length of the whole way, in the unit of `remaining`.
     # The way that is left by the last feedback, in the unit of the robot file.
     remaining: float | None = None
     heard: float | None = None  # When the last feedback or answer came.
     started: float | None = None  # When it was accepted.
-    ended: float | None = None  # When it ended.
+    ended: float | None = None
     cancel_asked: float | None = None  # When its cancel was requested.
     lost: float | None = None  # Since when it is LOST.
     unreadable: str = ""  # The last remaining way as received, if it is none; else "".

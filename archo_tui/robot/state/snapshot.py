@@ -3,30 +3,81 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import Enum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.messages.types import TypedField
-from archo_tui.robot.state.diagnostic import Diagnostic
-from archo_tui.robot.state.event import Event
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.state.goal import Goal
-from archo_tui.robot.state.names import in_namespace, not_offered
-from archo_tui.robot.state.node import NodeState
-from archo_tui.robot.state.parameter import Parameter, linked_number
-from archo_tui.robot.state.resource import Resource
-from archo_tui.robot.state.stop import Latch, OpenStop
-from archo_tui.robot.state.telemetry import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot.state.graph import (
+    NodeState,
+    Parameter,
+    Resource,
+    in_namespace,
+    linked_number,
+    not_offered,
+)
+from archo_tui.robot.state.readings import Battery, Diagnostic, GaugeReading, Motion, Pose
 from archo_tui.robot_file.model import FormField, GoalKind, Limit, ParameterRef, RobotFile
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
+class StopAnswer(Enum):
+    """The answer so far to a STOP that is not confirmed; the value is the word for it."""
+
+    AWAITED = ""
+    NONE = "no answer"  # Not from every server in time.
+    NOT_SENT = "NOT SENT"
+    REFUSED = "REFUSED"
+    UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
+
+
+class OpenStop(NamedTuple):
+    """A STOP that was requested and that the robot has not confirmed."""
+
+    asked: float  # When it was requested, in monotonic seconds; a repeat does not change it.
+    answer: StopAnswer = StopAnswer.AWAITED
+    why: str = ""  # Details of the answer for people; "" if there are none.
+
+
+class Latch(Enum):
+    """The state of the last STOP that the robot or another console has reported as confirmed."""
+
+    NONE = "none"  # There was none, or it was released.
+    HELD = "held"
+    UNCERTAIN = "uncertain"  # It may no longer hold; `Snapshot.latch_doubt` says why.
+
+
+# The levels of the console's own events: what the person, a shell or an assistant did, how goals
+# ended, and what other consoles did.
+OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
+LAUNCH = "launch"  # The source of what the user's launch file says.
+
+
+@dataclass(frozen=True)  # A tuple has a `count` of its own.
+class Event:
+    """A log line of a node, or an event of the console. The times are Unix times of the receipt."""
+
+    time: float  # When it was received; for equal events, when the last of them was.
+    level: str  # `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
+    source: str  # The name of the logger, or who or what the event is about.
+    text: str
+    command: str = ""  # The `ros2` command line that does the same; "" if there is none.
+    count: int = 1  # The number of equal events for which this one stands.
+    first: float = 0.0  # When the first of these was received.
+    number: int = 0  # The number of the first of these, which no other event has.
+    audit_record: AuditRecord | None = None  # The record of what was done; None if nothing was.
+    code: str = ""  # The code of its outcome, which recordings keep, too; "" if none is known.
+
+
 class Snapshot(NamedTuple):
     """Everything that a front end can show of the robot, at one moment."""
 
-    file: RobotFile = RobotFile()  # The robot file.
+    file: RobotFile = RobotFile()
     battery: Battery = Battery()
     motion: Motion = Motion()
     pose: Pose = Pose()
@@ -37,13 +88,13 @@ class Snapshot(NamedTuple):
     goal: Goal | None = None
     running: int = 0  # The number of goals that run, of all clients.
     history: tuple[Goal, ...] = ()  # The last 20 goals that ended, newest first.
-    parameters: tuple[Parameter, ...] = ()  # The parameters of all nodes.
+    parameters: tuple[Parameter, ...] = ()
     # Why a node's parameters are not known, by its full name.
     unreported: Mapping[str, str] = _NOTHING
     nodes: tuple[NodeState, ...] = ()  # The nodes in the robot's namespace.
     # The names of the robot file for which a node publishes or serves something.
     offered: frozenset[str] = frozenset()
-    events: tuple[Event, ...] = ()  # The events, newest last.
+    events: tuple[Event, ...] = ()
     # Samples of the charge since charging began or ended: monotonic seconds and percent.
     charge: tuple[tuple[float, float], ...] = ()
     open_stop: OpenStop | None = None  # The STOP that is not confirmed; None if there is none.
@@ -58,7 +109,7 @@ class Snapshot(NamedTuple):
     stop_not_obeyed: bool = False  # True if the robot moves though it has confirmed a STOP.
     # The names of goals that still run after a STOP was answered.
     still_running_after_stop: tuple[str, ...] = ()
-    namespace: str = "/"  # The namespace of the robot.
+    namespace: str = "/"
     # Why a topic, a service or an action is not used, by its name in the robot file.
     faults: Mapping[str, str] = _NOTHING
     # The nodes of each topic of the robot file that several nodes publish.

@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.node import Node
 
 from archo_tui.robot import ros2_command
-from archo_tui.robot.graph import Graph
+from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.typed import is_number
 from archo_tui.robot.messages.types import TypedField, field_paths, field_types, kinds, load_class

@@ -14,11 +14,11 @@ from rclpy.action import (
 )
 from rclpy.node import Node
 
-from archo_tui.robot import ros2_command, services
-from archo_tui.robot.endpoints import topic_info
-from archo_tui.robot.graph import is_hidden, is_of_every_node
+from archo_tui.robot import calls, ros2_command
+from archo_tui.robot.calls import Services
+from archo_tui.robot.graph.endpoints import topic_info
+from archo_tui.robot.graph.graph import is_hidden, is_of_every_node
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.services import Services
 from archo_tui.robot.state import LEVELS, LogLevel, Names, NodeInfo, TopicInfo
 from archo_tui.robot.stop.gate import Gate
 
@@ -55,7 +55,7 @@ class Nodes:
             return None
         level = await self._level(name)
         offers = self._has_levels(name)
-        silent = f"no answer in {services.DEADLINE:g} s"
+        silent = f"no answer in {calls.DEADLINE:g} s"
         why = "" if level else silent if offers else "not offered by the node"
         return found._replace(level=level, no_level=why)
 
@@ -81,7 +81,7 @@ class Nodes:
             return Outcome(Code.DONE, f"{name.lstrip('/')} logs {level.text}")
         if not self._has_levels(name):
             return Outcome(Code.NOT_OFFERED, f"{name} {_NO_LEVELS}")
-        return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {name}")
+        return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {name}")
 
     async def _level(self, name: str) -> LogLevel | None:
         """Return a node's log level; None if the node does not offer it, or does not answer."""
@@ -112,7 +112,7 @@ class Nodes:
             SetLoggerLevels, f"{name}/{_SET}", _request(name, level), gate=gate
         )
         if answer is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {name}")
+            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {name}")
         if not (answer.results and answer.results[0].successful):
             reason = answer.results[0].reason if answer.results else ""
             return Outcome(Code.REFUSED, reason or "refused, no reason given")

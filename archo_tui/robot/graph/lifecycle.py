@@ -11,10 +11,10 @@ from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 
 from archo_tui.clock import Clock
-from archo_tui.robot import services
-from archo_tui.robot.listener import Listener
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Services
+from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.services import Services
 from archo_tui.robot.state import NodeState
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
@@ -114,7 +114,7 @@ class Lifecycles:
             return Outcome(Code.NOT_OFFERED, f"{node} is not a managed node")
         available = await self._available(node)
         if available is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
         found = next((transition for transition in available if transition.label == word), None)
         if found is None:
             words = ", ".join(dict.fromkeys(transition.label for transition in available)) or "none"

@@ -13,8 +13,8 @@ from rclpy.node import Node
 
 from archo_tui.robot.audit_records import TOPIC
 from archo_tui.robot.consoles import author
-from archo_tui.robot.message_rate import MessageRate
-from archo_tui.robot.resources import SEND, Resources, Types
+from archo_tui.robot.graph.resources import SEND, Resources, Types
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.state import NodeState, Resource, in_namespace
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import package_of

@@ -6,6 +6,8 @@ never one that was only requested.
 
 from __future__ import annotations
 
+import re
+from collections import deque
 from collections.abc import Callable, Container, Iterable, Mapping
 from operator import is_
 from typing import Any
@@ -16,15 +18,13 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.clock import Clock
-from archo_tui.robot import services
-from archo_tui.robot.listener import Listener
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Services
+from archo_tui.robot.graph.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.messages.values import checked, same, text_of
+from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.parameter_polling import ParameterPolling
-from archo_tui.robot.parameter_values import TYPES, as_python, value_field
-from archo_tui.robot.secret_names import MASK, is_secret, masked, masked_text
-from archo_tui.robot.services import Services
-from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
+from archo_tui.robot.state import MASK, NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 
@@ -194,7 +194,7 @@ class Parameters:
             gate=gate,
         )
         if answer is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
         if not answer.result.successful:
             reason = masked_text(answer.result.reason, values)
             return Outcome(Code.REFUSED, reason or "refused, no reason given")
@@ -300,3 +300,67 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
         read_only=descriptor.read_only,
         is_secret=is_secret(name),
     )
+
+
+PERIOD = 30.0  # Seconds from the beginning of a round to that of the next.
+SLICE = 200  # Parameters in one request.
+# Requests a poll, of which there is one a second. With more than 150 requests a round takes longer.
+MAX_REQUESTS = 5
+
+
+class ParameterPolling:
+    """The schedule by which all parameters of all nodes are read again, in rounds of PERIOD."""
+
+    def __init__(self) -> None:
+        self._left: deque[tuple[str, list[str]]] = deque()  # Requests of this round.
+        self._next = 0.0  # Monotonic seconds at which the next round may begin.
+        self._each = 0  # Requests a poll in this round.
+
+    def take_due(
+        self, now: float, names: Mapping[str, Iterable[str]]
+    ) -> list[tuple[str, list[str]]]:
+        """Remove and return the requests for this poll; [] while the next round is not due.
+
+        A round begins PERIOD after the last one began, or later if that is not done.
+        """
+        if not self._left:
+            if now < self._next:
+                return []
+            self._next = now + PERIOD
+            for node in sorted(names):
+                known = list(names[node])
+                slices = range(0, len(known), SLICE)
+                self._left.extend((node, known[first : first + SLICE]) for first in slices)
+            self._each = min(MAX_REQUESTS, 1 + int(len(self._left) / PERIOD))
+        return [self._left.popleft() for _ in range(min(self._each, len(self._left)))]
+
+
+_ALWAYS = ("password", "token", "secret", "apikey")  # Also at the end of a word: `dbpassword`.
+_KEY = "key"  # Secret only as the last word of a part: `api_key`, but not `key_bindings`.
+_HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_WORD = re.compile(r"[^\W\d_]+")
+
+
+def is_secret(name: str) -> bool:
+    """Return True for a secret parameter, such as `wifi.password`, `apiKey` or `auth_tokens`."""
+    return any(word.endswith(_ALWAYS) for word in _words(name)) or any(
+        _words(part)[-1:] == [_KEY] for part in name.split(".")
+    )
+
+
+def masked(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a copy of values by name, with MASK in place of the secret ones."""
+    return {name: MASK if is_secret(name) else value for name, value in values.items()}
+
+
+def masked_text(text: str, values: Mapping[str, Any]) -> str:
+    """Return a text, such as the reason for a refusal, with MASK in place of secrets it quotes."""
+    for name, value in values.items():
+        if isinstance(value, str) and value and is_secret(name):
+            text = text.replace(value, MASK)
+    return text
+
+
+def _words(name: str) -> list[str]:
+    """Return the words of a name in lower case and singular: `apiKeys2` is `api`, `key`."""
+    return [word.casefold().removesuffix("s") for word in _WORD.findall(_HUMP.sub(" ", name))]

@@ -9,12 +9,12 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.robot.diagnostics import Diagnostics
-from archo_tui.robot.listener import Listener
 from archo_tui.robot.messages.values import number
+from archo_tui.robot.node import Listener
 from archo_tui.robot.period import Period
-from archo_tui.robot.reading_subscriptions import News, Reader, ReadingSubscriptions
-from archo_tui.robot.readings import Fields, as_received, flag, integer, read, yaw
+from archo_tui.robot.readings.diagnostics import Diagnostics
+from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
+from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
 from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
