@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from archo_tui.recording.console_recorder import ConsoleRecorder
     from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
     from archo_tui.robot.state import Event
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
@@ -217,7 +217,7 @@ class Session:
         from archo_tui.hosting.node_files import NodeFile
         from archo_tui.recording.box import BlackBox
         from archo_tui.recording.console_recorder import ConsoleRecorder
-        from archo_tui.robot.client import Robot
+        from archo_tui.robot.robot import Robot
 
         self.box = BlackBox(
             state_file("recordings"),

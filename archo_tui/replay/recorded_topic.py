@@ -15,9 +15,9 @@ from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.replay.message_reader import EncodedMessage
 from archo_tui.replay.player import Player
 from archo_tui.robot.state import Snapshot, TopicEnd, TopicInfo, TopicRequest, TopicView
-from archo_tui.robot.topics.follow import PERIOD, SHARE, TopicWatch
 from archo_tui.robot.topics.inspect import MessageIntake
 from archo_tui.robot.topics.series import SPAN
+from archo_tui.robot.topics.watch import PERIOD, SHARE, TopicWatch
 from archo_tui.robot_file.field_units import field_units
 
 # Seconds of messages that are read before the position, and behind it a quarter of that: fewer

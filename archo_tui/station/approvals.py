@@ -19,7 +19,7 @@ from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.queue import QueuedGoal
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 
 class Approvals:

@@ -20,7 +20,7 @@ from archo_tui.station.protocols import Frontend
 from archo_tui.station.queue import GoalQueue, QueuedGoal
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"

@@ -10,7 +10,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 LIMIT = 100  # Changes that are kept.
 

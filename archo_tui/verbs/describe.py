@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.sightings import take_sightings
+from archo_tui.robot.requests.topics import take_sightings
 from archo_tui.robot_file.proposal import propose
 from archo_tui.robot_file.proposal_text import text_of
 from archo_tui.robot_file.sighting import Sighting

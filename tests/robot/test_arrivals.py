@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.robot.arrivals import SETTLED, Arrivals
+from archo_tui.robot.poller import SETTLED, Arrivals
 from tests.support.clock import seconds
 from tests.support.plain import operated
 from tests.support.quiet import until
@@ -71,7 +71,7 @@ async def test_a_node_that_visits_the_robot_is_seen_to_come_and_leave() -> None:
     async with robot(Lamp) as it:
         began = seconds()
         await until(lambda: seconds() > began + SETTLED + 2.0)
-        visitor = Node("visitor", context=it._node.context)
+        visitor = Node("visitor", context=it.node.context)
 
         def told() -> list[str]:
             return [e.text for e in it.snapshot.events if e.text.startswith("node ")]

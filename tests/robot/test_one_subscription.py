@@ -98,6 +98,6 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
         assert it.snapshot.faults["refused"] == f"refused {why}"
         texts = [event.text for event in it.snapshot.events]
         assert f"not recorded: /refused {why}" in texts
-        assert not it._node.listens(Float32, "/refused")
+        assert not it.node.listens(Float32, "/refused")
         await while_passes(3)
         assert [event.text for event in it.snapshot.events] == texts

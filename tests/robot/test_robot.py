@@ -23,8 +23,8 @@ from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
 
 from archo_tui.robot import calls
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
@@ -500,7 +500,7 @@ async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
         await until(lambda: "reset_encoder" in it.snapshot.offered)
         for _ in range(3):
             assert not (await ended(reset(it))).ok
-        client = it._services.client(ResetEncoder, "reset_encoder")
+        client = it.services.client(ResetEncoder, "reset_encoder")
         assert len(client._pending_requests) == 1
         made[0].destroy_node()
 

@@ -13,8 +13,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.robot import calls
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch
 from tests.support import clock
 from tests.support.quiet import ended, until

@@ -15,11 +15,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float32, Float64, String, UInt8MultiArray
 
-from archo_tui.robot.client import Robot
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import TopicRequest, TopicView
 from archo_tui.robot.topics import inspect
-from archo_tui.robot.topics.follow import TopicWatch
 from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.watch import TopicWatch
 from tests.support import chosen
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
@@ -161,7 +161,7 @@ async def test_two_types_on_a_topic_are_said_and_the_first_is_shown() -> None:
 
 
 async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("archo_tui.robot.topics.follow.load_class", lambda _: None)
+    monkeypatch.setattr("archo_tui.robot.requests.topics.load_class", lambda _: None)
     async with robot(making([], Talker), nodes=1) as it, following(it, "/fast") as views:
         await until(lambda: has(views, "/fast is std_msgs/msg/Float32, which is not installed"))
         assert has(views, "install its package std_msgs")

@@ -12,9 +12,9 @@ from archo_tui.robot.state import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.topics.follow import TopicWatch
 from archo_tui.robot.topics.inspect import MessageIntake
 from archo_tui.robot.topics.rows import shown_elements
+from archo_tui.robot.topics.watch import TopicWatch
 from tests.support.clock import TIME
 
 TYPE = "archo_interfaces/msg/BatteryStatus"
