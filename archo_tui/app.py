@@ -20,6 +20,7 @@ from archo_tui.commands.footer import blocked_commands, keys_of_footer
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
@@ -27,7 +28,6 @@ from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.shutdown import RESTART
 from archo_tui.station import form_history
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.terminal.stop_marks import now

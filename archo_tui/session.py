@@ -24,6 +24,7 @@ from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import LAUNCH
 from archo_tui.robot_file import load as robot_files
 from archo_tui.robot_file.model import GoalKind
@@ -31,7 +32,6 @@ from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
 from archo_tui.station.event_journal import EventJournal
 from archo_tui.station.journal import Journal, unreleased_stop
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 
@@ -281,7 +281,7 @@ class Session:
             self.send_stop()
         station.edits.restore(Edit(*edit) for edit in left.edits)
         known = {(kind.id, kind.action): kind for kind in self.file.goals}
-        station.queue.restore(
+        station.goals.restore(
             [
                 QueuedGoal(known.get((kind[0], kind[2]), GoalKind(*kind)), values)
                 for *kind, values in left.goals

@@ -126,6 +126,9 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _own_folders
         engine.activate("ros2")
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
+        # A goal whose executor ends before it begins.
+        unbegun = "ignore:coroutine 'ActionServer._execute_goal' was never awaited:RuntimeWarning"
+        config.addinivalue_line("filterwarnings", unbegun)
     # the textbook's listings say `warn`, of which rclpy warns
     config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor:DeprecationWarning")
 

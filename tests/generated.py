@@ -22,7 +22,7 @@ from archo_tui.remote.verb_help import verbs_of_file
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.robot_file.typed_yaml import NONE_WORDS
-from tests.stop_picture import picture, table
+from tests.state_pictures import goal_picture, goal_table, stop_picture, stop_table
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -210,7 +210,13 @@ def words() -> str:
     return "\n".join((*rows, ""))
 
 
-_PARTS = {"robot_file": robot_file, "keys": keys, "verbs": words, "stop_table": table}
+_PARTS = {
+    "robot_file": robot_file,
+    "keys": keys,
+    "verbs": words,
+    "stop_table": stop_table,
+    "goal_table": goal_table,
+}
 
 
 def files() -> dict[Path, str]:
@@ -221,7 +227,8 @@ def files() -> dict[Path, str]:
 
     pages = {page: page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")}
     made = {page: _PART.sub(part, text) for page, text in pages.items() if _PART.search(text)}
-    made[DOCS / "pictures" / "stop_states.svg"] = picture()
+    made[DOCS / "pictures" / "stop_states.svg"] = stop_picture()
+    made[DOCS / "pictures" / "goal_phases.svg"] = goal_picture()
     return made | {SCHEMA: json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"}
 
 

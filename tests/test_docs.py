@@ -462,3 +462,12 @@ def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
         (kind, priority.value, f"{after:g} s" if (after := ON_DELAY.get(kind)) else "")
         for kind, priority in alarms._PRIORITIES.items()
     ]
+
+
+def test_every_invariant_of_stop_is_checked_in_the_explorations() -> None:
+    explorations = (ROOT / "tests" / "robot").glob("explore*.py")
+    explored = "".join(path.read_text() for path in explorations)
+    rows = (ROOT / "docs" / "stop.md").read_text().split("; invariant")[1:]
+    named = [words for row in rows for words in re.findall(r"\*([^*|]+)\*", row.split("|")[0])]
+    assert len(named) >= 15
+    assert [words for words in named if f'"{words}"' not in explored] == []

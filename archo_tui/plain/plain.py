@@ -23,12 +23,12 @@ from archo_tui.plain.input import Input, TypedLine
 from archo_tui.plain.output import Output
 from archo_tui.plain.printer import Printer
 from archo_tui.plain.stop_sender import StopSender
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT, Void
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.approval_requests import READING_TIME
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb

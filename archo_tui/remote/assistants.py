@@ -7,13 +7,13 @@ from typing import Any
 
 from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RequestTimedOut, timeout_of, wait_for
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import parse_all, typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
 from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approval_requests import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Verb

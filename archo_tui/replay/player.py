@@ -14,9 +14,9 @@ from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.replay_state import ReplayState
 from archo_tui.replay.topics import guess_namespace
 from archo_tui.replay.window import SPAN, TimelineMark, Window
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.view import View
 
 _FRAME = 0.1  # Seconds between two updates while it plays or is being read.

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.robot.goals.queue import Holding
+
 
 class Priority(Enum):
     """The urgency of an alarm, by which the operator acts; the value is glyph and word."""
@@ -60,6 +62,7 @@ EARLIER_STOP = "earlier stop"
 JOURNAL_NOT_WRITTEN = "journal not written"
 RECORDING_TROUBLE = "recordings"
 BATTERY_ALARMS = LOW_BATTERY, BATTERY_EMPTY
+_HOLDING = (CONTACT_LOST, *BATTERY_ALARMS)
 
 # Within a priority, the alarm that is listed first is shown first.
 _PRIORITIES = {
@@ -167,3 +170,18 @@ def kind_of(name: str) -> str:
 def is_diagnostic(alarm: Alarm) -> bool:
     """Return True if an alarm is about a part that the robot reports by diagnostics."""
     return kind_of(alarm.name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
+
+
+def holding(alarms: Iterable[Alarm]) -> Holding:
+    """Return the alarms that hold every queue.
+
+    These are a lost contact, acknowledged or not, and a low or empty battery that is not
+    acknowledged.
+    """
+    active = [alarm for alarm in alarms if alarm.name in _HOLDING and not alarm.is_over]
+    now = (
+        alarm.name
+        for alarm in active
+        if alarm.name == CONTACT_LOST or alarm.state == AlarmState.UNACKNOWLEDGED
+    )
+    return Holding(next(now, ""), frozenset(alarm.name for alarm in active))

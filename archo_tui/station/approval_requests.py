@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from enum import Enum
 from typing import Any, NamedTuple
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import Goal
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.yaml_text.dump import flow
 
 MAX_WAITING = 3  # Requests that may wait for a person at a time.

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.station.approval_requests import ApprovalRequest, ApprovalRequests, ApprovalStatus
 from archo_tui.station.goal_driver import GoalDriver
-from archo_tui.station.queue import QueuedGoal
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot

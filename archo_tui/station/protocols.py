@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine, Sequence
 from typing import Any, Protocol
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.view import View
 
 

@@ -13,18 +13,18 @@ from collections.abc import Callable, Coroutine, Iterable
 from typing import TYPE_CHECKING, Any
 
 from archo_tui.clock import Clock
+from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal, Latch, Snapshot
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
 from archo_tui.station.alarm_bell import AlarmBell
 from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import STOPPED, Alarm
+from archo_tui.station.alarms import STOPPED, Alarm, holding
 from archo_tui.station.approval_requests import ApprovalRequests
 from archo_tui.station.approvals import Approvals
 from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.history import History
-from archo_tui.station.ledger import RELEASE
 from archo_tui.station.protocols import Frontend, Recorder
 from archo_tui.station.undo import Edit, UndoList
 from archo_tui.station.view import View
@@ -68,8 +68,6 @@ class Station:
         stops_before_restart: STOPs that had been read when the screen began to end for a restart.
         edits: The parameter changes that can be undone.
         goals: Sends goals, one after the other, and cancels them.
-        ledger: The requests without an answer.
-        queue: The goals that wait.
         requests: The approval requests of assistants.
         approvals: Asks the operator about these requests, and carries out the answers.
         clients: The programs that are connected, by their names for people.
@@ -124,9 +122,9 @@ class Station:
             robot,
             clock,
             self.refresh,
-            lambda queued, goal: requests.on_goal_ended(queued.end, goal),
+            requests.on_goal_ended,
         )
-        self.ledger, self.queue = self.goals.ledger, self.goals.queue
+        self._releases = 0
         self.approvals = Approvals(requests, robot, clock, self.goals, self.refresh)
         self.clients: tuple[str, ...] = ()
         self.history = History()
@@ -153,7 +151,17 @@ class Station:
     @property
     def running_goal(self) -> Goal | None:
         """Our goal on its way to the robot, else the running goal; None if there is neither."""
-        return self.ledger.running_goal(self.robot.snapshot)
+        return self.queue.running_goal(self.robot.snapshot)
+
+    @property
+    def queue(self) -> GoalQueue:
+        """The goals that are wanted and not settled yet."""
+        return self.goals.queue
+
+    @property
+    def is_releasing(self) -> bool:
+        """True while a release of the robot has no answer yet."""
+        return self._releases > 0
 
     def attach(self, frontend: Frontend) -> None:
         """Let a frontend send goals and run posted work from now on; call it on its event loop.
@@ -162,8 +170,7 @@ class Station:
         send is dropped.
         """
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
-        self.goals.frontend = frontend
-        self.ledger.remove_goal()  # A goal that an earlier frontend did not begin to send.
+        self.goals.attach(frontend)
         self._begin_posted()
 
     def detach(self) -> None:
@@ -282,7 +289,7 @@ class Station:
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)
         changed = self._board.update(found, now, self.clock.now(), known_over)
         self._record(changed)
-        self.goals.update(self._snapshot, self._board.all())
+        self.goals.update(self._snapshot, holding(self._board.all()))
         self.approvals.close_outdated()
         self.view = self._view()
         self.recorder.on_view(self.view, changed)
@@ -290,8 +297,11 @@ class Station:
 
     async def release(self) -> Outcome:
         """Release the robot after a STOP, so that it accepts moves again; return its answer."""
-        with self.ledger.pending(RELEASE):
+        self._releases += 1
+        try:
             return await self.robot.release_emergency_stop()
+        finally:
+            self._releases -= 1
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
         """Acknowledge alarms: the operator has seen them. Update the view and the journal.
@@ -359,7 +369,7 @@ class Station:
             self._board.all(),
             self.host.states(),
             watching=self.robot.watching,
-            queue=tuple(self.queue.waiting),
+            queue=self.queue.waiting,
             held=self.queue.hold_reason,
             changing=self.edits.is_changing,
             clients=self.clients,

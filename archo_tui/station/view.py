@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import Hosted, Snapshot
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.approval_requests import ApprovalRequest
 from archo_tui.station.history import History
-from archo_tui.station.queue import QueuedGoal
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Sequence
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
@@ -13,8 +14,6 @@ from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
 from archo_tui.station.alarm_conditions import is_battery_low
 from archo_tui.station.alarms import BATTERY_ALARMS
-from archo_tui.station.ledger import RELEASE
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
@@ -259,7 +258,7 @@ class ContinueQueue(Verb):
     acts = moves = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
-        if station.ledger.is_pending(RELEASE):
+        if station.is_releasing:
             return "the release has no answer yet"
         return "" if station.queue.hold_reason else "no queue is held"
 
@@ -268,7 +267,7 @@ class ContinueQueue(Verb):
 
         They may be held if the goal before them is being cancelled, or has just ended.
         """
-        if station.ledger.is_pending(RELEASE):
+        if station.is_releasing:
             return False
         goal = station.robot.snapshot.goal
         ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.types import INTEGERS
 from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.words.state import BAD, OLD, PLAIN, STRONG, WARN
 
 PAGE = 200  # The most numbers on a page.

@@ -176,8 +176,10 @@ async def test_what_a_waiting_client_wants_is_not_taken_along() -> None:
     async with console(*FAST, handover=LEFT) as op:
         waiting = Requester("SHELL", "pid 7")
         waiting.waits = True
-        queue = op.session.station.queue
-        queue.waiting[0] = queue.waiting[0]._replace(requester=waiting)
+        goals = op.session.station.goals
+        first, *rest = goals.queue.waiting
+        waits = first._replace(requester=waiting)
+        goals.queue = goals.queue._replace(waiting=(waits, *rest))
         left = op.session.hand_over()
         assert [values for *_, values in left.goals] == [{"shelf_number": 5}]
         assert [*left.edits] == [*EDITS]

@@ -134,8 +134,7 @@ async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> No
         station = person._plain._station
         waits = client("go", "12", "7", "--wait")
         await heard(person, "MOVING to 12")
-        station.queue.hold("an obstacle")
-        station.refresh()
+        station.goals._become(station.queue._hold("an obstacle"))
         await heard(person, "queue held: 7 (an obstacle)")
         assert (await typed("continue")).code == 0
         assert (await typed("set", "motor_controller", "time_scale", "75")).code == 0

@@ -128,11 +128,6 @@ def runs(world: World) -> bool:
     return world.other_runs or any(goal.phase in ("runs", "moving") for goal in world.goals)
 
 
-def may_start(world: World) -> bool:
-    """True if the console may send a goal: no STOP is open, holds or is in doubt."""
-    return world.stop.open is None and world.stop.latch is Latch.NONE
-
-
 # What happens.
 
 
@@ -322,7 +317,7 @@ def _with_goal(world: World, place: int, **changes: Any) -> World:
 
 def send_goal(place: int, world: World) -> World:
     goal = world.goals[place]
-    if goal.stops < world.stops_read or not may_start(world):
+    if goal.stops < world.stops_read or not world.stop.may_start:
         return _with_goal(world, place, phase="over")
     return _with_goal(world, place, phase="sent", turn=next_turn(world))
 

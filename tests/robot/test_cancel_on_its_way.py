@@ -9,13 +9,12 @@ from typing import Any, cast
 
 import pytest
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state import Phase
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.ledger import Ledger
 from archo_tui.station.protocols import Frontend
-from archo_tui.station.queue import QueuedGoal
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console
@@ -141,32 +140,6 @@ async def test_a_shells_cancel_ends_when_that_goals_cancel_is_answered(
         made[0].answer()
         assert (await cancelling).code == 0
         assert (await going).code == 5
-
-
-# the rule, without a robot
-
-
-def running(number: int, *, mine: bool, phase: Phase = Phase.MOVING) -> Goal:
-    return Goal(SHELF, {"shelf_number": 1}, phase, 0.0, 0.0, mine=mine, number=number)
-
-
-def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refused() -> None:
-    ledger, others = Ledger(), Snapshot(goal=running(4, mine=False))
-    assert ledger.running_goal(others) == others.goal
-    ledger.enter_goal(SHELF, {"shelf_number": 12}, others)
-    ledger.remove_goal_if_shown(
-        others._replace(goal=running(5, mine=False))
-    )  # another one of somebody else's
-    ours = ledger.running_goal(others)
-    assert ours is not None
-    assert ours.name == "shelf 12"
-    seen = Snapshot(goal=running(6, mine=False), history=(running(7, mine=True),))
-    ledger.remove_goal_if_shown(seen)
-    assert ledger.running_goal(seen) == seen.goal
-    ledger.enter_goal(SHELF, {"shelf_number": 12}, seen)
-    ledger.remove_goal_if_shown(seen)
-    ledger.remove_goal()
-    assert ledger.running_goal(seen) == seen.goal
 
 
 async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> None:

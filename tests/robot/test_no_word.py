@@ -11,12 +11,12 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 
+from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.poller import check_goals
 from archo_tui.robot.requester import Requester, on_behalf_of
 from archo_tui.robot.state import Phase
 from archo_tui.station.alarms import GOAL_SILENT
-from archo_tui.station.queue import QueuedGoal
 from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds

@@ -24,6 +24,7 @@ from textual.message import Message
 from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
 from archo_tui.parameters import save_load
+from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
@@ -148,7 +149,7 @@ class Desk:
         app._leaves = False
         app.typed.clear()
         app.theme = "textual-dark"
-        app.station.queue.waiting.clear()
+        app.station.goals.queue = GoalQueue()
         app.station.edits.__init__()  # type: ignore[misc]
         app.clear_notifications()
         app._gone_notice = Region(), -math.inf  # Else a click there is dropped for some time.

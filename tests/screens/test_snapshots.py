@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from archo_tui.app import ArchoApp
+from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
 from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.history import History
-from archo_tui.station.queue import QueuedGoal
 from archo_tui.terminal.ascii import in_ascii
 from tests.support.archo import SHELF
 from tests.support.clock import NOW, TIME
@@ -90,9 +90,9 @@ async def pictures(
     clock.passed = -3.0
     first = SIZES[next(iter(sizes))]
     app = stub_app(snapshot, clock, hosted, size=first, in_field=not keys)
-    app.station.queue.waiting = [QueuedGoal(SHELF, {"shelf_number": n}) for n in queue]
     if queue:  # none of them is sent while another one is on its way
-        app.station.ledger.enter_goal(SHELF, {"shelf_number": 1}, snapshot)
+        wanted = [QueuedGoal(SHELF, {"shelf_number": n}) for n in (1, *queue)]
+        app.station.goals.queue = GoalQueue().submit(wanted, Snapshot())._replace(todo=())
     for before in past(seconds):
         app.station.history.add_sample(*before)
     found = {}

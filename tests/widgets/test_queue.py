@@ -5,15 +5,8 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
-import pytest
-
-from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
 from archo_tui.station import form_history
-from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY, Alarm, AlarmState
-from archo_tui.station.queue import GoalQueue, QueuedGoal
-from tests.support.archo import ARCHO, SHELF
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.plain import plain
@@ -208,90 +201,3 @@ def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) ->
     assert form_history.load("shelf") == []
     form_history.add("shelf", ["1"])
     assert form_history.load("shelf") == [["1"]]
-
-
-# the rules, without a robot
-
-
-def target(number: int) -> QueuedGoal:
-    return QueuedGoal(SHELF, {"shelf_number": number})
-
-
-def ended(number: int, phase: Phase = Phase.ARRIVED) -> Goal:
-    return Goal(SHELF, {"shelf_number": number}, phase, 0.0, 0.0, number=number + 1)
-
-
-def queue(*numbers: int) -> GoalQueue:
-    """What waits after a first goal that has arrived."""
-    made = GoalQueue()
-    made.submit([target(0), *(target(number) for number in numbers)], Snapshot(file=ARCHO))
-    made.on_answer(ok=True)
-    return made
-
-
-ARRIVED = Snapshot(file=ARCHO, goal=ended(0))
-
-
-@pytest.mark.parametrize(
-    ("change", "alarms", "why"),
-    [
-        ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
-        ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
-        ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
-        ({"goal": ended(0, Phase.ABORTED), "open_stop": OpenStop(1.0)}, [], "STOP"),
-        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW_BATTERY, "", 0.0)], "cancelled"),
-        ({"open_stop": OpenStop(1.0)}, [], "STOP"),
-        ({"motion": Motion(stopped=True)}, [], "STOP"),
-        ({}, [Alarm(LOW_BATTERY, "", 0.0)], LOW_BATTERY),
-        ({}, [Alarm(BATTERY_EMPTY, "", 0.0)], BATTERY_EMPTY),
-        ({}, [Alarm(CONTACT_LOST, "", 0.0)], CONTACT_LOST),
-    ],
-)
-def test_what_holds_the_queue_stays_until_the_operator_goes_on(
-    change: dict[str, Any], alarms: list[Alarm], why: str
-) -> None:
-    waiting = queue(7)
-    assert waiting.take_due(Snapshot(file=ARCHO, **{"goal": ended(0), **change}), alarms) is None
-    assert waiting.hold_reason == why
-    assert waiting.take_due(ARRIVED, []) is None  # whatever it was is over
-    waiting.resume()
-    assert waiting.take_due(ARRIVED, []) == target(7)
-
-
-def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
-    waiting = queue(7)
-    low = Alarm(LOW_BATTERY, "", 0.0)
-    for alarms, said in (
-        ([low], "low battery"),
-        ([low._replace(until=1.0, state=AlarmState.RETURNED)], "was: low battery"),
-        ([], "was: low battery"),
-        ([low], "low battery"),
-    ):
-        assert waiting.take_due(ARRIVED, alarms) is None
-        assert waiting.hold_reason == said
-
-
-def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
-    aborted = Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED))
-    stopped = aborted._replace(motion=Motion(stopped=True))
-    for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
-        waiting = queue(7)
-        for snapshot in seen:
-            assert waiting.take_due(snapshot, [], stops) is None
-        assert waiting.hold_reason == "STOP"
-
-
-def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
-    seen = Alarm(LOW_BATTERY, "", 0.0, AlarmState.ACKNOWLEDGED)
-    assert queue(7).take_due(ARRIVED, [seen]) == target(7)
-
-
-def test_the_next_one_waits_until_the_one_before_was_seen_to_run() -> None:
-    waiting = queue(7, 3)
-    assert waiting.take_due(Snapshot(file=ARCHO), []) is None  # accepted, and not seen yet
-    assert waiting.take_due(Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
-    assert waiting.take_due(ARRIVED, []) == target(7)
-    assert waiting.take_due(ARRIVED, []) is None
-    waiting.on_answer(ok=True)
-    assert waiting.take_due(ARRIVED, []) is None
-    assert waiting.take_due(Snapshot(file=ARCHO, goal=ended(7)), []) == target(3)

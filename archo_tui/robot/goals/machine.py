@@ -52,20 +52,20 @@ _NOT_TAKEN = f"the robot does not know this goal: it did not take it in {NEVER_T
 class Event(Enum):
     """An event of a goal that runs."""
 
-    ACCEPTED = auto()
-    REFUSED = auto()  # By its server, or it was not sent at all.
-    NO_ANSWER = auto()  # To its request, in time.
-    FEEDBACK = auto()
-    SAYS_CANCELING = auto()  # Its status.
+    ACCEPTED = auto()  # Its server said yes, in time or late.
+    REFUSED = auto()  # Its server said no, or it could not be sent.
+    NO_ANSWER = auto()  # Its request was not answered in time.
+    FEEDBACK = auto()  # Feedback of it came.
+    SAYS_CANCELING = auto()  # Its status says that it is being cancelled.
     CANCEL = auto()  # Its cancel leaves.
     CANCEL_FAILED = auto()  # It was rejected, or not answered, and no other one is awaited.
-    SILENT = auto()
-    HEARD = auto()  # The robot is, but not the goal.
-    ARRIVED = auto()
-    CANCELLED = auto()
-    ABORTED = auto()
-    DISPUTED = auto()  # The action and its result differ.
-    NODE_LEFT = auto()
+    SILENT = auto()  # Nothing was heard of it, or of the robot, for too long.
+    HEARD = auto()  # The robot is heard again, but not the goal.
+    ARRIVED = auto()  # Its server says that it succeeded.
+    CANCELLED = auto()  # Its server says that it was cancelled.
+    ABORTED = auto()  # Its server says that it was aborted, or does not know it any more.
+    DISPUTED = auto()  # Its status and its result differ.
+    NODE_LEFT = auto()  # Its node has left: nobody will tell how it ended.
 
 
 _S, _M, _C, _U, _L = RUNNING

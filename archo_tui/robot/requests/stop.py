@@ -9,7 +9,6 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.run import late_report, run
 from archo_tui.robot.requests.services import call_named
-from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot.stop_sender import FIRST_FOUND
 from archo_tui.robot_file.model import NO_STOP
@@ -102,9 +101,8 @@ def early_stop_request(robot: Parts) -> tuple[str, Mapping[str, Any]]:
 
     They are "" and {} if no STOP holds, is open or is on its way. Any thread.
     """
-    stop, known = robot.file.stop, robot.stop_sender.stop
-    holds = known.open is not None or known.latch is not Latch.NONE
-    if stop is None or (not holds and robot.stops.are_answered):
+    stop, may_start = robot.file.stop, robot.stop_sender.stop.may_start
+    if stop is None or (may_start and robot.stops.are_answered):
         return "", {}
     return robot.checks.full(stop.service), stop.request
 

@@ -162,6 +162,11 @@ class Stop(NamedTuple):
         return Latch.UNCERTAIN if self.state is State.DOUBTED else Latch[self.state.name]
 
     @property
+    def may_start(self) -> bool:
+        """True if a goal, a program or the console may start: no STOP is lost behind it."""
+        return self.open is None and self.state is State.NONE
+
+    @property
     def is_held_by_nobody(self) -> bool:
         """True if all nodes that held the STOP ran here and have ended, and no STOP is open."""
         return self.open is None and self.holders_have_ended

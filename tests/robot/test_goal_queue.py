@@ -1,0 +1,208 @@
+"""The queue of goals: its rules one by one, and explored to the last state of small worlds."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from archo_tui.robot.goals import queue as machine
+from archo_tui.robot.goals.queue import Do, GoalQueue, QueuedGoal, Stage
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
+from archo_tui.station.alarms import (
+    BATTERY_EMPTY,
+    CONTACT_LOST,
+    LOW_BATTERY,
+    Alarm,
+    AlarmState,
+    holding,
+)
+from tests.robot.explore_queue import SMALL, WORLDS, explore
+from tests.support.archo import ARCHO, SHELF
+
+YES = Outcome(Code.ACCEPTED, "accepted")
+
+
+def target(number: int) -> QueuedGoal:
+    return QueuedGoal(SHELF, {"shelf_number": number})
+
+
+def ended(number: int, phase: Phase = Phase.ARRIVED) -> Goal:
+    return Goal(SHELF, {"shelf_number": number}, phase, 0.0, 0.0, number=number + 1)
+
+
+ARRIVED = Snapshot(file=ARCHO, goal=ended(0))
+
+
+def queue(*numbers: int) -> GoalQueue:
+    """What waits behind a goal that the robot has accepted."""
+    goals = [target(0), *map(target, numbers)]
+    made = GoalQueue().submit(goals, Snapshot(file=ARCHO)).hand_over().answered(YES)
+    return made._replace(todo=())
+
+
+def look(
+    waiting: GoalQueue, snapshot: Snapshot, alarms: Any = (), stops: int = 0
+) -> tuple[GoalQueue, str]:
+    """The queue after a look at the robot, and what is sent then."""
+    after = waiting.seen(snapshot, 0.0, stops, holding(alarms))
+    sent = [deed.goal.text for deed in after.todo if deed.do is Do.SEND and deed.goal]
+    return after._replace(todo=()), ", ".join(sent)
+
+
+@pytest.mark.parametrize(
+    ("change", "alarms", "why"),
+    [
+        ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
+        ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
+        ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
+        ({"goal": ended(0, Phase.ABORTED), "open_stop": OpenStop(1.0)}, [], "STOP"),
+        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW_BATTERY, "", 0.0)], "cancelled"),
+        ({"open_stop": OpenStop(1.0)}, [], "STOP"),
+        ({"motion": Motion(stopped=True)}, [], "STOP"),
+        ({}, [Alarm(LOW_BATTERY, "", 0.0)], LOW_BATTERY),
+        ({}, [Alarm(BATTERY_EMPTY, "", 0.0)], BATTERY_EMPTY),
+        ({}, [Alarm(CONTACT_LOST, "", 0.0)], CONTACT_LOST),
+    ],
+)
+def test_what_holds_the_queue_stays_until_the_operator_goes_on(
+    change: dict[str, Any], alarms: list[Alarm], why: str
+) -> None:
+    seen = Snapshot(file=ARCHO, **{"goal": ended(0), **change})
+    waiting, sent = look(queue(7), seen, alarms)
+    assert (sent, waiting.hold_reason.removeprefix("was: ")) == ("", why)
+    waiting, sent = look(waiting, ARRIVED)  # Whatever it was is over.
+    assert sent == ""
+    assert look(waiting.resume(0), ARRIVED)[1] == "7"
+
+
+def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
+    waiting, low = queue(7), Alarm(LOW_BATTERY, "", 0.0)
+    for alarms, said in (
+        ([low], "low battery"),
+        ([low._replace(until=1.0, state=AlarmState.RETURNED)], "was: low battery"),
+        ([], "was: low battery"),
+        ([low], "low battery"),
+    ):
+        waiting, sent = look(waiting, ARRIVED, alarms)
+        assert (sent, waiting.hold_reason) == ("", said)
+
+
+def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
+    aborted = Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED))
+    stopped = aborted._replace(motion=Motion(stopped=True))
+    for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
+        waiting = queue(7)
+        for snapshot in seen:
+            waiting, sent = look(waiting, snapshot, (), stops)
+            assert sent == ""
+        assert waiting.hold_reason == "STOP"
+
+
+def test_an_alarm_that_was_acknowledged_holds_nothing_but_a_lost_contact_does() -> None:
+    for name, sent in ((LOW_BATTERY, "7"), (CONTACT_LOST, "")):
+        seen = Alarm(name, "", 0.0, AlarmState.ACKNOWLEDGED)
+        assert look(queue(7), ARRIVED, [seen])[1] == sent
+
+
+def test_the_next_one_waits_until_the_one_before_was_seen_to_end() -> None:
+    waiting, sent = look(queue(7, 3), Snapshot(file=ARCHO))  # Accepted, and not seen yet.
+    assert sent == ""
+    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)))
+    assert sent == ""
+    waiting, sent = look(waiting, ARRIVED)
+    assert (sent, waiting.stage(2), waiting.stage(3)) == ("7", Stage.ON_ITS_WAY, Stage.WAITING)
+    assert look(waiting, ARRIVED)[1] == ""
+    waiting = waiting.hand_over().answered(YES)
+    assert look(waiting, ARRIVED)[1] == ""
+    waiting, sent = look(waiting, Snapshot(file=ARCHO, goal=ended(7)))
+    assert (sent, waiting.stage(2)) == ("3", Stage.SETTLED)
+
+
+def running(number: int, *, mine: bool) -> Goal:
+    return Goal(SHELF, {"shelf_number": 1}, Phase.MOVING, 0.0, 0.0, mine=mine, number=number)
+
+
+def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refused() -> None:
+    others = Snapshot(file=ARCHO, goal=ended(3), history=(ended(3),))
+    sent = GoalQueue().submit([target(12)], others)
+    others = others._replace(goal=running(5, mine=False))
+    assert GoalQueue().running_goal(others) == others.goal
+    ours = sent.running_goal(others)
+    assert ours is not None
+    assert (ours.name, ours.phase) == ("shelf 12", Phase.SENT)
+    seen = Snapshot(goal=running(6, mine=False), history=(running(7, mine=True),))
+    assert sent.running_goal(seen) == seen.goal
+    refused = sent.hand_over().answered(Outcome(Code.REFUSED, "no"))
+    assert refused.running_goal(others) == others.goal
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_every_promise_of_the_queue_holds_in_every_state(name: str) -> None:
+    found = explore(WORLDS[name]())
+    assert found.broken == "", found.way
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("name", [name for name in WORLDS if name not in SMALL])
+def test_every_promise_of_the_queue_holds_in_larger_worlds_too(name: str) -> None:
+    found = explore(WORLDS[name]())
+    assert found.broken == "", found.way
+
+
+SOURCE = Path(machine.__file__).read_text()
+CLIENT, LISTS = "a client's list", "two lists"
+SCREEN, ALARM, OTHER = "a restart and the end of a screen", "an alarm", "another's goal"
+# A rule, what it says instead, and the world in which that is found.
+BROKEN = [
+    # A refused list leaves nothing; nor does a client that has left.
+    ("goal.is_first and outcome.code in _REFUSALS", "False", CLIENT),
+    ("lambda goal: goal.requester is requester, reason", "lambda goal: False, reason", CLIENT),
+    ("is_abandoned=True)).call_off()", "is_called_off=True))", CLIENT),
+    ("(may_run and coming.is_abandoned)", "False", CLIENT),
+    ("if not coming.is_abandoned:", "if True:", CLIENT),
+    ("is_doubtful = outcome.code is Code.TIMEOUT", "is_doubtful = False", CLIENT),
+    # A STOP, a failure and a cancel hold what waits, and only the operator continues.
+    ("if snapshot.is_stopped or any(", "if any(", CLIENT),
+    ("any(goal.stop_count < stop_count for goal in after.waiting)", "False", CLIENT),
+    ("goal._replace(stop_count=stop_count) for goal in self.waiting", "self.waiting", CLIENT),
+    ('._hold("STOP")\n                return after', "\n                return after", CLIENT),
+    ('._hold("restart")', "", SCREEN),
+    ("if not self.waiting or self.hold_reason:", "if True:", CLIENT),
+    ("return self if self.waiting else", "return self if True else", CLIENT),
+    # One goal at a time, each once, until it is seen to end.
+    ("is_free = after.coming is None and", "is_free =", LISTS),
+    (" and after.running_goal(snapshot) is None", "", OTHER),
+    (
+        "self.coming.is_handed_over:\n            return self\n        return self._replace(coming",
+        "False:\n            return self\n        return self._replace(coming",
+        LISTS,
+    ),
+    ("waiting=tuple(rest))._send", "waiting=after.waiting)._send", LISTS),
+    ("after = self._replace(coming=None)\n", "after = self\n", LISTS),
+    ("for other in after.underway if other is not pair", "for other in after.underway", LISTS),
+    ("after = after._hold(_REASONS", "after = after._hold('' and _REASONS", LISTS),
+    ("if goal.mine or goal is snapshot.goal", "if goal is snapshot.goal", OTHER),
+]  # fmt: skip
+
+
+def test_each_rule_that_can_be_broken_is_found_in_the_queue() -> None:
+    assert [before for before, _, _ in BROKEN if SOURCE.count(before) != 1] == []
+
+
+def _broken(before: str, after: str) -> ModuleType:
+    spec = spec_from_loader("broken_queue", None)
+    assert spec is not None
+    module = sys.modules["broken_queue"] = module_from_spec(spec)
+    exec(compile(SOURCE.replace(before, after), "broken_queue", "exec"), module.__dict__)
+    return module
+
+
+@pytest.mark.parametrize(("before", "after", "name"), BROKEN)
+def test_a_broken_rule_of_the_queue_is_found(before: str, after: str, name: str) -> None:
+    assert explore(WORLDS[name](module=_broken(before, after))).broken != ""
