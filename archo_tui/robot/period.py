@@ -30,6 +30,8 @@ class Period(NamedTuple):
 
     Once the typical interval is learnt it does not follow a link that becomes slower, so that the
     silence of such a link is noticed. Silences of the same length, three in a row, make it longer.
+    Regular messages that are much more frequent show that it was learnt from outages: unless such
+    silences taught it, it is learnt anew.
     """
 
     intervals: tuple[float, ...] = ()  # The first intervals between messages, in seconds.

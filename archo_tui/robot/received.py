@@ -14,7 +14,7 @@ from archo_tui.robot import audit_records
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import ROUTINE
-from archo_tui.robot.graph.parameters import is_secret
+from archo_tui.robot.graph.secrets import is_secret
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.readings.subscriptions import News

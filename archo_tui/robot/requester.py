@@ -17,7 +17,7 @@ class Requester:
     """A person or a program that requests something, as events and journal name it."""
 
     def __init__(self, level: str, source: str) -> None:
-        self.level, self.source = level, source
+        self.level, self.source = level, source  # Of its events: `SHELL` and `pid 4711`.
         # Futures for the outcomes of the goals that it requested.
         self.ends: list[Future[Outcome]] = []
         self.goal: Goal | None = None  # The last of these goals that ended; None if none has.

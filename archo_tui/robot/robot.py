@@ -29,7 +29,8 @@ from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.graph.nodes import Nodes
-from archo_tui.robot.graph.parameters import Parameters, without_secrets
+from archo_tui.robot.graph.parameters import Parameters
+from archo_tui.robot.graph.secrets import without_secrets
 from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import Listener, MessageCallback
 from archo_tui.robot.other_clients import UnexplainedChanges
@@ -66,17 +67,10 @@ class Robot(Parts):
     ) -> None:
         """Create the console's node, which joins the graph; importing its messages may take long.
 
-        Args:
-            context: The rclpy context of the console's node.
-            file: The robot file.
-            clock: The clock of all times.
-            on_event: Called on the ROS thread with each event, also with one that repeats another.
-            on_message: Called on the ROS thread with the topic and each message that is received,
-                secret values of parameters masked.
-            watching: True to refuse every request that changes something.
+        `on_event` and `on_message` are called on the ROS thread: with each event, also with one
+        that repeats another, and with the topic and each message, secrets masked.
         """
         self.file, self.clock, self.watching = file, clock, watching
-        self.begun = clock.monotonic()
         self.own_nodes = self.unended_nodes = tuple  # The session sets them.
         self.faults = {}
         load_all(file)
@@ -133,6 +127,7 @@ class Robot(Parts):
         for kind in file.goals:
             self.goals.actions.track(kind)
         self.thread = RosThread(node, context, clock, self.reporter.error)
+        self.begun = clock.monotonic()
         for text in self.checks.unfit.values():
             self.reporter.warn(text)
         self.snapshots.send()  # What the robot file says is known before any message comes.
@@ -167,6 +162,7 @@ class Robot(Parts):
     inspect = topics.inspect
     resubscribe_if_needed = topics.resubscribe_if_needed
     follow_topic = topics.follow_topic
+    take_sightings = topics.take_sightings
 
     def start(self) -> None:
         """Start the ROS thread: poll the graph at once, and receive messages from now on."""

@@ -24,8 +24,7 @@ from archo_tui.robot.messages.values import number, text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings.fields import as_received, read
-from archo_tui.robot.state import Goal, Motion, Phase, not_offered
-from archo_tui.robot.state.goal import RUNNING
+from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, not_offered
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind, MessageField
 from archo_tui.safe_text import harmless

@@ -6,7 +6,6 @@ never one that was only requested.
 
 from __future__ import annotations
 
-import re
 from collections import deque
 from collections.abc import Callable, Container, Iterable, Mapping
 from operator import is_
@@ -21,15 +20,20 @@ from archo_tui.clock import Clock
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Services
 from archo_tui.robot.graph.parameter_values import TYPES, as_python, value_field
+from archo_tui.robot.graph.secrets import is_secret, masked, masked_text
 from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import MASK, NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
+from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
 _DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.
+PERIOD = 30.0  # Seconds from the beginning of a round to that of the next.
+SLICE = 200  # Parameters in one request.
+# Requests a poll, of which there is one a second. With more than 150 requests a round takes longer.
+MAX_REQUESTS = 5
 
 
 class Parameters:
@@ -260,30 +264,6 @@ class Parameters:
             self._on_new_value(node, known.value, value)
 
 
-def without_secrets(message: ParameterEvent) -> ParameterEvent:
-    """Return a message with MASK in place of secret values; the same object if it has none."""
-    parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
-    if not any(is_secret(parameter.name) for part in parts for parameter in part):
-        return message
-    hidden = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
-    new, changed, deleted = (
-        [
-            ParameterMessage(name=parameter.name, value=hidden)
-            if is_secret(parameter.name)
-            else parameter
-            for parameter in part
-        ]
-        for part in parts
-    )
-    return ParameterEvent(
-        stamp=message.stamp,
-        node=message.node,
-        new_parameters=new,
-        changed_parameters=changed,
-        deleted_parameters=deleted,
-    )
-
-
 def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
     low = high = None
     for allowed in (*descriptor.floating_point_range, *descriptor.integer_range):
@@ -300,12 +280,6 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
         read_only=descriptor.read_only,
         is_secret=is_secret(name),
     )
-
-
-PERIOD = 30.0  # Seconds from the beginning of a round to that of the next.
-SLICE = 200  # Parameters in one request.
-# Requests a poll, of which there is one a second. With more than 150 requests a round takes longer.
-MAX_REQUESTS = 5
 
 
 class ParameterPolling:
@@ -333,34 +307,3 @@ class ParameterPolling:
                 self._left.extend((node, known[first : first + SLICE]) for first in slices)
             self._each = min(MAX_REQUESTS, 1 + int(len(self._left) / PERIOD))
         return [self._left.popleft() for _ in range(min(self._each, len(self._left)))]
-
-
-_ALWAYS = ("password", "token", "secret", "apikey")  # Also at the end of a word: `dbpassword`.
-_KEY = "key"  # Secret only as the last word of a part: `api_key`, but not `key_bindings`.
-_HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
-_WORD = re.compile(r"[^\W\d_]+")
-
-
-def is_secret(name: str) -> bool:
-    """Return True for a secret parameter, such as `wifi.password`, `apiKey` or `auth_tokens`."""
-    return any(word.endswith(_ALWAYS) for word in _words(name)) or any(
-        _words(part)[-1:] == [_KEY] for part in name.split(".")
-    )
-
-
-def masked(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a copy of values by name, with MASK in place of the secret ones."""
-    return {name: MASK if is_secret(name) else value for name, value in values.items()}
-
-
-def masked_text(text: str, values: Mapping[str, Any]) -> str:
-    """Return a text, such as the reason for a refusal, with MASK in place of secrets it quotes."""
-    for name, value in values.items():
-        if isinstance(value, str) and value and is_secret(name):
-            text = text.replace(value, MASK)
-    return text
-
-
-def _words(name: str) -> list[str]:
-    """Return the words of a name in lower case and singular: `apiKeys2` is `api`, `key`."""
-    return [word.casefold().removesuffix("s") for word in _WORD.findall(_HUMP.sub(" ", name))]

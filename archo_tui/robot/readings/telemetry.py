@@ -68,6 +68,11 @@ class Telemetry:
         readers = tuple(self._make_readers())
         self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
         self._periods: dict[object, Period] = {}
+        topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
+        # Those of the robot file, in seconds.
+        self._fixed: dict[object, float | None] = {
+            key: topic.period for key, topic in topics.items() if topic is not None
+        }
         self.battery = Battery()
         self.motion = Motion()
         self.pose = Pose()
@@ -83,31 +88,28 @@ class Telemetry:
         return self._subscriptions.faults
 
     def resubscribe(self) -> None:
-        """Subscribe to what is published now, with its types and QoS.
-
-        It updates the faults, and the silence that each reading allows. Call it after the graph
-        changed.
-        """
+        """Subscribe to what is published now, and update the faults and the silences allowed."""
         self._subscriptions.update()
-        self.battery = self.battery._replace(grace=self._grace("battery"))
-        self.motion = replace(self.motion, grace=self._grace("motion"))
-        self.pose = self.pose._replace(grace=self._grace("pose"))
+        self._change_all(lambda key: {"grace": self._grace(key)})
+
+    def _change_all(self, changes: Callable[[object], dict[str, Any]]) -> None:
+        self.battery = self.battery._replace(**changes("battery"))
+        self.motion = replace(self.motion, **changes("motion"))
+        self.pose = self.pose._replace(**changes("pose"))
         self.gauges = tuple(
-            reading._replace(grace=self._grace(place)) for place, reading in enumerate(self.gauges)
+            reading._replace(**changes(place)) for place, reading in enumerate(self.gauges)
         )
 
     def _make_readers(self) -> Iterator[Reader]:
         """Yield a reader for each reading that the robot file names."""
-        battery, motion = self._robot.battery, self._robot.motion
-        if battery is not None:
-            types = {kind: _named_fields(fields) for kind, fields in battery.types.items()}
-            yield Reader("battery", battery.topic, types, self._on_battery)
-        if motion is not None:
-            types = {kind: _named_fields(fields) for kind, fields in motion.types.items()}
-            yield Reader("motion", motion.topic, types, self._on_motion)
-        if (pose := self._robot.pose) is not None:
-            types = {kind: _named_fields(fields) for kind, fields in pose.types.items()}
-            yield Reader("pose", pose.topic, types, self._on_pose)
+        for key, topic_of, callback in (
+            ("battery", self._robot.battery, self._on_battery),
+            ("motion", self._robot.motion, self._on_motion),
+            ("pose", self._robot.pose, self._on_pose),
+        ):
+            if topic_of is not None:
+                types = {kind: _named_fields(fields) for kind, fields in topic_of.types.items()}
+                yield Reader(key, topic_of.topic, types, callback)
         if topic := self._robot.diagnostics:
             yield Reader("diagnostics", topic, {DIAGNOSTICS: {}}, self._on_diagnostics)
         for place, gauge in enumerate(self._robot.gauges):
@@ -130,15 +132,7 @@ class Telemetry:
         for key, period in self._periods.items():
             is_its = node in self._subscriptions.publishers.get(key, ())
             self._periods[key] = period.measured_again(old if is_its else None, new)
-        known = {key: period.typical for key, period in self._periods.items()}
-        fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
-        self.battery = self.battery._replace(period=fixed[0] or known.get("battery"))
-        self.motion = replace(self.motion, period=fixed[1] or known.get("motion"))
-        of_pose = self._fixed(self._robot.pose) or known.get("pose")
-        self.pose = self.pose._replace(period=of_pose)
-        self.gauges = tuple(
-            reading._replace(period=known.get(place)) for place, reading in enumerate(self.gauges)
-        )
+        self._change_all(lambda key: {"period": self._period(key)})
 
     def saved(self) -> SavedReadings:
         """Return a copy of all readings and measured periods, for `restore`."""
@@ -176,7 +170,7 @@ class Telemetry:
             discharging=flag(found.get("discharging")),
             health=harmless(str(found.get("health") or "")) or None,
             received=now,
-            period=self._fixed(self._robot.battery) or self._measured("battery", now),
+            period=self._period_after("battery", now),
             unreadable=unreadable,
             grace=self._grace("battery"),
         )
@@ -193,7 +187,7 @@ class Telemetry:
             moving=flag(found.get("moving")),
             stopped=flag(found.get("stopped")),
             received=now,
-            period=self._fixed(self._robot.motion) or self._measured("motion", now),
+            period=self._period_after("motion", now),
             grace=self._grace("motion"),
         )
         return _news(last, self.motion, *_MOTION)
@@ -207,7 +201,7 @@ class Telemetry:
             yaw=yaw(found.get("orientation")),
             frame=harmless(str(found.get("frame") or "")),
             received=now,
-            period=self._fixed(self._robot.pose) or self._measured("pose", now),
+            period=self._period_after("pose", now),
             grace=self._grace("pose"),
         )
         return _news(last, self.pose, *_POSE)
@@ -223,25 +217,25 @@ class Telemetry:
         unreadable = "" if reading is not None else as_received(value)
         if unreadable and not last.unreadable:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
-        period, grace = self._measured(place, now), self._grace(place)
+        period, grace = self._period_after(place, now), self._grace(place)
         new = GaugeReading(gauge, reading, now, period, unreadable, grace)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
         return _news(last, new, *_GAUGE)
 
-    def _measured(self, key: object, now: float) -> float | None:
-        """Count a message at `now`; return the typical interval, or None. Both in seconds."""
+    def _period_after(self, key: object, now: float) -> float | None:
+        """Count a message at `now`, and return the period of the reading."""
         self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
-        return self._periods[key].typical
+        return self._period(key)
+
+    def _period(self, key: object) -> float | None:
+        measured = self._periods.get(key)
+        return self._fixed.get(key) or (None if measured is None else measured.typical)
 
     def _grace(self, key: object) -> float | None:
         """Return the seconds of silence allowed while a period is not known; None for any."""
         if key in self._subscriptions.graces:
             return self._subscriptions.graces[key]
         return self._periods.get(key, Period()).grace
-
-    def _fixed(self, topic: Any) -> float | None:
-        """Return the period in seconds that the robot file gives; None if it gives none."""
-        return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
         """Add the present charge to `charge`, unless the last sample is less than a second old."""

@@ -11,8 +11,8 @@ from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.calls import QUESTION_TIMEOUT
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT
 from archo_tui.robot.graph.nodes import set_level_command
-from archo_tui.robot.graph.parameters import is_secret, masked
 from archo_tui.robot.graph.resources import SEND
+from archo_tui.robot.graph.secrets import is_secret, masked
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts

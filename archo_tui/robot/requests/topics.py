@@ -155,7 +155,7 @@ def _update(
     return view, time.thread_time() - begun
 
 
-async def take_sightings(robot: Parts, clock: Clock, seconds: float) -> tuple[Sighting, ...]:
+async def take_sightings(robot: Parts, seconds: float) -> tuple[Sighting, ...]:
     """Return what is on the graph, after listening for `seconds` to what a robot file can use.
 
     Raises:
@@ -172,7 +172,7 @@ async def take_sightings(robot: Parts, clock: Clock, seconds: float) -> tuple[Si
             name: await stack.enter_async_context(inspect(robot, name, found))
             for name, found in installed.items()
         }
-        await clock.sleep(seconds)
+        await robot.clock.sleep(seconds)
     snapshot = robot.snapshot
     lifecycles = {node.name: node.lifecycle for node in snapshot.nodes if node.lifecycle}
     return await in_daemon(_sightings, snapshot.resources, inspections, lifecycles)

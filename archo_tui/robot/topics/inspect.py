@@ -53,9 +53,11 @@ class Inspection:
         # The last message: its number, counted from 1, and its bytes; (0, b"") before the first.
         self.newest: tuple[int, bytes] = (0, b"")
         self.topic = topic
-        self.count = self.size = self.kept = self.kept_size = 0
+        self.count = self.size = 0  # Of all messages that came, and their bytes.
+        # Of those that were sent before and came because they were kept: they tell no rate.
+        self.kept = self.kept_size = 0
         self._kept_until = -math.inf
-        self.first = self.last = 0.0
+        self.first = self.last = 0.0  # When messages came that were not kept; monotonic, s.
         self.least: float | None = None  # The shortest time between two messages, in seconds.
         self.greatest: float | None = None  # The longest time between two messages, in seconds.
 
