@@ -36,7 +36,8 @@ def topic_view(topic: str, request: TopicRequest) -> TopicView:
             percentage=charge, voltage=24.5, is_charging=40 <= number < 80, battery_health="good"
         )
 
-    watch = TopicWatch(topic, TYPE, {}, intake, decode)
+    units = {"percentage": "%", "voltage": "V"}  # As a robot file may name them.
+    watch = TopicWatch(topic, TYPE, units, intake, decode)
     for number in range(120):
         now = TIME - 60 + number / 2
         intake.add(now, bytes(24))
