@@ -24,7 +24,6 @@ from archo_tui.embedded import parameter_files
 from archo_tui.remote import shell as verbs_from_shells
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.station import alarms
-from archo_tui.station.alarm_board import ON_DELAY
 from archo_tui.verbs import verbs
 from archo_tui.verbs.parse import YES, named
 from archo_tui.yaml_text import bounded_yaml
@@ -459,8 +458,8 @@ def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
     rows = [row for row in read(ROOT / "docs" / "alarms.md").rows if "alarm" in row]
     told = [(codes(row["alarm"])[0], codes(row["priority"])[0], row["after"]) for row in rows]
     assert told == [
-        (kind, priority.value, f"{after:g} s" if (after := ON_DELAY.get(kind)) else "")
-        for kind, priority in alarms._PRIORITIES.items()
+        (kind.name, kind.priority.value, f"{kind.delay:g} s" if kind.delay else "")
+        for kind in alarms.KINDS.values()
     ]
 
 

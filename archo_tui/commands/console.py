@@ -44,7 +44,7 @@ class ShowAlarms(Command):
         from archo_tui.screens.alarms import AlarmList
         from archo_tui.screens.request import AnswerRequest
 
-        station, waiting = console.station, console.station.requests.waiting
+        station, waiting = console.station, console.station.approvals.waiting
         if waiting and not any_urgent(console.view.alarms):  # Alarms of high priority come first.
             on_end = partial(_answer, console), console.drop_following_keys
             seen = (lambda: console.is_stuck), (lambda: console.input)

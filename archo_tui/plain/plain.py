@@ -28,7 +28,7 @@ from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT, Void
 from archo_tui.shutdown import Shutdown
-from archo_tui.station.approval_requests import READING_TIME
+from archo_tui.station.approvals import READING_TIME
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
@@ -522,7 +522,7 @@ class Plain:
         await self._conditions.wait(lambda: self._input.is_quiet)
         number, (read_at, pause) = int(rest[0]), self._input.last_line_timing
         shown_at = self._printer.requests_shown_at.get(number)
-        if shown_at is None and self._station.requests.get(number) is None:
+        if shown_at is None and self._station.approvals.get(number) is None:
             return Outcome(Code.REFUSED, f"there is no request {number}")
         # Whoever types an answer ahead, or pastes it with other lines, has not read the request.
         is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_line_or_end

@@ -11,7 +11,7 @@ from archo_tui.plain.output import Output
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.station.approval_requests import LIFETIME
+from archo_tui.station.approvals import LIFETIME
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs.status import Status
 from archo_tui.words import line_by_line

@@ -13,7 +13,7 @@ from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
 from archo_tui.safe_text import harmless, is_deceptive
-from archo_tui.station.approval_requests import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
+from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Verb
@@ -246,7 +246,7 @@ class Assistants:
         """
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10
-        request = self._station.requests.get(int(number)) if is_number else None
+        request = self._station.approvals.get(int(number)) if is_number else None
         if request is None or request.requester is not requester:
             raise ValueError(f"no request {number[:20]!r} of this assistant")
         return request

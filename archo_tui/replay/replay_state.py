@@ -34,8 +34,8 @@ from archo_tui.robot.state import (
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import Alarm
+from archo_tui.station.alarms import Alarm, conditions
+from archo_tui.station.conditions import Situation
 
 ROSOUT = "/rosout"
 _MAX_TIME = 1e11  # Unix time; a date much later cannot be shown.
@@ -197,7 +197,7 @@ class ReplayState:
         for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
             self._evaluated_until = float(second)
             self._board.update(
-                conditions(self.snapshot, self._evaluated_until),
+                conditions(Situation(self.snapshot, self._evaluated_until)),
                 self._evaluated_until,
                 self._evaluated_until,
             )
@@ -344,7 +344,7 @@ class ReplayState:
             snapshot: The state's snapshot.
             now: Unix time in s.
         """
-        found = conditions(snapshot, now, self.console.hosted)
+        found = conditions(Situation(snapshot, now, self.console.hosted))
         self._evaluate_alarms_until(now)
         alarms = self.console.alarms if self.has_console_state else self._board.all()
         return tuple(

@@ -12,7 +12,7 @@ from textual.containers import Vertical
 
 from archo_tui.robot.state import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.alarm_conditions import diagnostics_worst_first
+from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text

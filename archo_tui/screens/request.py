@@ -16,7 +16,7 @@ from textual.widgets import Static
 
 from archo_tui.safe_text import harmless
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.approval_requests import READING_TIME, ApprovalRequest, quoted
+from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import InputTime, now
 from archo_tui.widgets.button import Button

@@ -11,27 +11,12 @@ from enum import Enum
 
 from archo_tui.robot.period import LEAST_SILENCE, Pause
 from archo_tui.station.alarms import (
-    BATTERY_EMPTY,
-    BATTERY_HEALTH,
-    CLOCKS_DIFFER,
     CONTACT_LOST,
-    DIAGNOSTIC_ERROR,
-    DIAGNOSTIC_WARNING,
-    DUPLICATE_NAME,
-    GAUGE_WARNING,
-    GOAL_SILENT,
     LAST_KNOWN,
-    LOW_BATTERY,
-    MOTOR_SILENT,
-    NO_CLOCK,
-    NO_NODES,
-    SEVERAL_PUBLISHERS,
-    SEVERAL_STOP_SERVERS,
-    STOP_UNCERTAIN,
-    STOP_UNCONFIRMED,
-    STOPPED,
     Alarm,
     AlarmState,
+    Priority,
+    graver_name,
     kind_of,
 )
 
@@ -66,39 +51,7 @@ TRANSITIONS: dict[tuple[AlarmState, Change], AlarmState] = {
     (_RETURNED, Change.SHELVE): _SHELVED,
     (_SHELVED, Change.UNSHELVE): _NORMAL,
 }
-# The alarms that follow from what the robot reports. While contact is lost they stay as they were.
-_REPORTED = (
-    *(BATTERY_EMPTY, STOPPED, LOW_BATTERY, BATTERY_HEALTH),
-    *(MOTOR_SILENT, GOAL_SILENT, GAUGE_WARNING, DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING),
-)
-# Seconds that a condition must hold before the alarm is raised (ISA-18.2's on-delay). 30 s, because
-# a killed node stays on the graph of ROS 2 for about 20 s.
-ON_DELAY = {
-    LOW_BATTERY: 2.0,
-    BATTERY_EMPTY: 2.0,
-    BATTERY_HEALTH: 2.0,
-    GAUGE_WARNING: 2.0,
-    DIAGNOSTIC_ERROR: 2.0,
-    DIAGNOSTIC_WARNING: 2.0,
-    STOP_UNCONFIRMED: 0.0,  # The condition itself waits for an answer.
-    STOP_UNCERTAIN: 1.0,
-    SEVERAL_STOP_SERVERS: 2.0,
-    SEVERAL_PUBLISHERS: 30.0,
-    DUPLICATE_NAME: 30.0,
-    NO_NODES: 5.0,
-    NO_CLOCK: 5.0,
-    CLOCKS_DIFFER: 5.0,
-}
 SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
-
-
-def _graver_name(name: str) -> str:
-    """Return the name of the graver alarm that may have the same cause; "" if there is none."""
-    if name == LOW_BATTERY:
-        return BATTERY_EMPTY
-    if kind_of(name) == DIAGNOSTIC_WARNING:
-        return DIAGNOSTIC_ERROR + name.removeprefix(DIAGNOSTIC_WARNING)
-    return ""
 
 
 class AlarmBoard:
@@ -109,11 +62,10 @@ class AlarmBoard:
     """
 
     def __init__(self) -> None:
-        """Make an empty board."""
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
+        self._last_found: dict[str, tuple[float, str]] = {}  # When, and the text.
         self._pause = Pause()
-        self._last_found: dict[str, tuple[float, str]] = {}  # Of diagnostics: when, and the text.
 
     def copy(self) -> AlarmBoard:
         """Return another board with the same alarms, which changes independently."""
@@ -127,66 +79,39 @@ class AlarmBoard:
     ) -> list[Alarm]:
         """Raise, clear, replace and unshelve alarms by the conditions that hold now.
 
-        A condition must have held for its ON_DELAY before its alarm is raised; a diagnostics
-        condition counts as holding for the same time after it was last found. The texts of alarms
-        that stay are brought up to date, too. Alarms about silence are not raised just after this
-        process was suspended.
-
-        Args:
-            found: The texts of the conditions that hold, by alarm name (see `conditions`).
-            monotonic: The time now, in monotonic seconds.
-            now: The same as a Unix time.
-            known_over: Names of alarms that may be cleared although contact is lost. All others
-                that follow from the robot's reports stay, as last known, until there is contact
-                again.
-
-        Returns:
-            The alarms whose state has changed. An alarm that comes off the shelf while its
-            condition holds is in the list twice: gone, and raised again.
+        `known_over` may be cleared although contact is lost. An alarm that comes off the shelf
+        while its condition holds is returned twice: gone, and raised again.
         """
-        changed: list[Alarm] = []
         self._pause = self._pause.checked_at(monotonic)
-        just_resumed = monotonic - self._pause.resumed < LEAST_SILENCE
-        for alarm in list(self._alarms.values()):
-            if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
-                changed += self._change(alarm, Change.UNSHELVE, now)
-            elif alarm.shelf_ends is not None:
-                until = now + alarm.shelf_ends - monotonic
-                # The clock of the computer was set: people see when the shelf really ends.
-                if abs(until - (alarm.shelved_until or 0.0)) > 1.0:
-                    self._alarms[alarm.name] = alarm._replace(shelved_until=until)
-        flapping = self._flapping(found, monotonic)
-        found = {**found, **flapping}
-        for name in flapping:  # The warning of a part that has just reported an error.
-            if kind_of(name) == DIAGNOSTIC_ERROR and self._is_active(name):
-                found.pop(DIAGNOSTIC_WARNING + name.removeprefix(DIAGNOSTIC_ERROR), None)
+        changed = self._unshelve(monotonic, now)
+        recent = self._recent(found, monotonic)
+        # The warning of a part that has just reported an error is none beside it.
+        graver = {name for name in recent if self._is_active(name)}
+        found = {name: text for name, text in found.items() if graver_name(name) not in graver}
+        found |= recent
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
-            elif name in flapping:
-                continue
-            elif kind_of(name) in (CONTACT_LOST, MOTOR_SILENT, GOAL_SILENT) and just_resumed:
-                continue  # The silence was this process's own: it was suspended.
-            elif monotonic - self._pending[name] >= ON_DELAY.get(kind_of(name), 0.0):
+            elif name not in recent and self._is_due(name, monotonic):
                 raised = known or Alarm(name, text, now, AlarmState.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
         for alarm in list(self._alarms.values()):
-            graver = _graver_name(alarm.name)
-            if alarm.is_over and graver in found and not self._is_active(graver):
-                # The battery is at least low until BATTERY_EMPTY has held for its on-delay.
+            graver_one = graver_name(alarm.name)
+            if alarm.is_over and graver_one in found and not self._is_active(graver_one):
+                # The battery is at least low until it has been empty for that alarm's delay.
                 changed += self._change(alarm, Change.RAISED, now)
         for alarm in list(self._alarms.values()):
-            graver = _graver_name(alarm.name)
+            graver_one = graver_name(alarm.name)
             if alarm.name in found or alarm.is_over:
                 continue
-            if graver in found:
+            if graver_one in found:
                 # One cause has one alarm at a time, and no moment without an alarm.
-                if self._is_active(graver):
+                if self._is_active(graver_one):
                     changed += self._change(alarm, Change.REPLACED, now)
                 continue
-            is_reported = kind_of(alarm.name) in _REPORTED and alarm.name not in known_over
+            is_reported = kind_of(alarm.name).is_reported and alarm.name not in known_over
             if CONTACT_LOST in found and is_reported:
                 text = alarm.text.removesuffix(LAST_KNOWN) + LAST_KNOWN
                 self._alarms[alarm.name] = alarm._replace(text=text)
@@ -194,42 +119,49 @@ class AlarmBoard:
             changed += self._change(alarm, Change.CLEARED, now)
         return changed
 
-    def _flapping(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
-        """Return the diagnostics alarms found less than their ON_DELAY ago, but not in `found`.
+    def _unshelve(self, monotonic: float, now: float) -> list[Alarm]:
+        changed: list[Alarm] = []
+        for alarm in list(self._alarms.values()):
+            if alarm.shelf_ends is None:
+                continue
+            until = now + alarm.shelf_ends - monotonic
+            if monotonic >= alarm.shelf_ends:
+                changed += self._change(alarm, Change.UNSHELVE, now)
+            # The clock of the computer was set: people see when the shelf really ends.
+            elif abs(until - (alarm.shelved_until or 0.0)) > 1.0:
+                self._alarms[alarm.name] = alarm._replace(shelved_until=until)
+        return changed
 
-        A warning is left out if the error of the same part is in `found`. So a part that is bad
-        again and again has its alarm, though it is never bad for the whole delay. The diagnostics
-        in `found` are remembered for the next calls.
+    def _recent(self, found: Mapping[str, str], monotonic: float) -> dict[str, str]:
+        """Return what was found within its off-delay, and is not found now, nor as a graver one.
 
-        Returns:
-            The last text of each alarm, by its name.
+        So a part that is bad again and again has its alarm, though never for the whole delay.
         """
-        for name, text in found.items():
-            if kind_of(name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING):
-                self._last_found[name] = monotonic, text
+        self._last_found |= {name: (monotonic, text) for name, text in found.items()}
         self._last_found = {
-            name: (last, text)
-            for name, (last, text) in self._last_found.items()
-            if monotonic - last < ON_DELAY[kind_of(name)]
+            name: last
+            for name, last in self._last_found.items()
+            if monotonic - last[0] < kind_of(name).off_delay
         }
         return {
             name: text
             for name, (_, text) in self._last_found.items()
-            if name not in found and _graver_name(name) not in found
+            if name not in found and graver_name(name) not in found
         }
 
+    def _is_due(self, name: str, monotonic: float) -> bool:
+        """Return True if a condition has held for its delay.
+
+        A silence just after this process was suspended was its own.
+        """
+        kind = kind_of(name)
+        is_own = kind.is_silence and monotonic - self._pause.resumed < LEAST_SILENCE
+        return not is_own and monotonic - self._pending[name] >= kind.delay
+
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
-        """Acknowledge an alarm: the operator has seen it.
+        """Acknowledge an alarm; one whose condition is over leaves the board.
 
-        An alarm whose condition is over leaves the board. One that is acknowledged, shelved or gone
-        already stays as it is.
-
-        Args:
-            alarm: The alarm as the operator saw it; the alarm of its name on the board is changed.
-            now: The time now, as a Unix time.
-
-        Returns:
-            The alarm if its state has changed, else an empty list.
+        The alarm of that name on the board is changed, if it is there and not acknowledged.
         """
         known = self._alarms.get(alarm.name)
         return [] if known is None else self._change(known, Change.ACKNOWLEDGE, now)
@@ -237,17 +169,7 @@ class AlarmBoard:
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
         """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
 
-        An alarm that is taken off is gone, and raised again by the next `update` if its condition
-        holds.
-
-        Args:
-            alarm: The alarm as the operator saw it; the alarm of its name on the board is changed.
-            monotonic: The time now, in monotonic seconds.
-            now: The same as a Unix time.
-            reason: The reason for shelving it, for the list and the journal.
-
-        Returns:
-            The alarm if its state has changed, else an empty list.
+        One that is taken off is gone, and raised again by the next `update` if it holds.
         """
         if alarm.name not in self._alarms:
             return []
@@ -259,23 +181,16 @@ class AlarmBoard:
         return self._change(shelved, Change.SHELVE, now)
 
     def all(self) -> tuple[Alarm, ...]:
-        """Return all alarms in the order of `Alarm.rank`.
-
-        Unacknowledged alarms come first, then acknowledged, then shelved ones; among them active
-        ones before those that are over, then the more important kinds.
-        """
+        """Return all alarms in the order of `Alarm.rank`."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
     def _is_active(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
-        """Put an alarm on the board in the state and with the times that a change gives it.
+        """Put an alarm on the board as a change makes it; return it if its state differs.
 
         The state stays if TRANSITIONS has no other. An alarm that is gone is removed.
-
-        Returns:
-            The alarm as it is now, if its state differs; else an empty list.
         """
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
@@ -291,3 +206,27 @@ class AlarmBoard:
         else:
             self._alarms[alarm.name] = new
         return [new] if state != alarm.state else []
+
+
+class AlarmBell:
+    """The record of which alarms the operator was called for, by bell and notification.
+
+    An alarm of high priority calls once each time that it is raised. The caller rings.
+    """
+
+    def __init__(self) -> None:
+        self._rung: set[tuple[str, float]] = set()  # Name, and Unix time at which it was raised.
+
+    def take_new(self, alarms: Iterable[Alarm]) -> list[Alarm]:
+        """Return the alarms to ring for now, and remember that they have rung."""
+        on_board = {(alarm.name, alarm.since): alarm for alarm in alarms}
+        self._rung &= on_board.keys()
+        new = {
+            key: alarm
+            for key, alarm in on_board.items()
+            if alarm.priority == Priority.HIGH
+            and alarm.state == AlarmState.UNACKNOWLEDGED
+            and key not in self._rung
+        }
+        self._rung |= new.keys()
+        return list(new.values())

@@ -1,12 +1,18 @@
-"""The kinds of alarms, their priorities, and the alarm itself with its state by ISA-18.2."""
+"""The alarms, one entry each, and an alarm with its state by ISA-18.2.
+
+A further alarm is a function in conditions.py, a row of KINDS here, and a row of docs/alarms.md.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.robot.goals.queue import Holding
+from archo_tui.robot.state import Snapshot
+from archo_tui.station import conditions as when
+from archo_tui.station.conditions import Found, Situation
 
 
 class Priority(Enum):
@@ -20,6 +26,145 @@ class Priority(Enum):
     def glyph(self) -> str:
         """The one character that stands for the priority."""
         return self.value[0]
+
+
+class Holds(Enum):
+    """Until when an alarm holds the queue of goals."""
+
+    UNTIL_OVER = "over"
+    UNTIL_ACKNOWLEDGED = "acknowledged"
+
+
+class Remedy(NamedTuple):
+    """A command that helps against an alarm, and the words around the way to give it."""
+
+    command: str
+    words: str
+
+
+# The names that other modules ask for.
+CONTACT_LOST = "contact lost"
+BATTERY_EMPTY = "battery empty"
+STOPPED = "stopped"
+LOW_BATTERY = "low battery"
+DIAGNOSTIC_ERROR = "diagnostics error"
+DIAGNOSTIC_WARNING = "diagnostics"
+_CHARGE = "charge"  # The robot file's command that charges, whatever its id is.
+
+
+class Kind(NamedTuple):
+    """All that is fixed about an alarm.
+
+    Attributes:
+        name: As lists, journal and `--plain` name it; behind it may stand a node, topic or part.
+        condition: Yields what it is about, and its text, for each that holds.
+        delay: Seconds that the condition must hold before it is raised (ISA-18.2's on-delay).
+        off_delay: Seconds for which it counts on after it was last found.
+        graver: The alarm that replaces it, since it may have the same cause.
+        is_reported: True if it follows from what the robot reports: it stays as last known, and is
+            not raised, while contact is lost.
+        is_silence: True if it is about silence, which is this process's own after it was suspended.
+        has_text: True if behind its name stands any text, not the name of a node or topic.
+    """
+
+    name: str
+    priority: Priority
+    condition: Callable[[Situation], Found]
+    delay: float = 0.0
+    off_delay: float = 0.0
+    graver: str = ""
+    is_reported: bool = False
+    is_silence: bool = False
+    has_text: bool = False
+    holds: Holds | None = None
+    remedy: Remedy | None = None
+
+
+_HIGH, _MED, _LOW = Priority
+_AFTER_GRAPH = 30.0  # A killed node stays on the graph of ROS 2 for about 20 s.
+# Of one priority, the one that is listed first is shown first.
+_ALL = (
+    Kind("moves after stop", _HIGH, when.moves_after_stop),
+    Kind("stop not confirmed", _HIGH, when.stop_unconfirmed),
+    Kind("stop not certain", _HIGH, when.stop_uncertain, 1.0),
+    Kind("several stops", _HIGH, when.several_stop_servers, 2.0),
+    Kind(CONTACT_LOST, _HIGH, when.contact_lost, is_silence=True, holds=Holds.UNTIL_OVER),
+    Kind(
+        *(BATTERY_EMPTY, _HIGH, when.battery_empty, 2.0),
+        is_reported=True,
+        holds=Holds.UNTIL_ACKNOWLEDGED,
+    ),
+    Kind("motor silent", _HIGH, when.motor_silent, is_reported=True, is_silence=True),
+    Kind("no word of the goal", _HIGH, when.goal_silent, is_reported=True, is_silence=True),
+    Kind("node crashed", _HIGH, when.node_crashed),
+    Kind(
+        *(DIAGNOSTIC_ERROR, _HIGH, when.diagnostic_error, 2.0, 2.0),
+        is_reported=True,
+        has_text=True,
+    ),
+    Kind(
+        *(STOPPED, _MED, when.stopped),
+        is_reported=True,
+        remedy=Remedy("release", ", then {} to release"),
+    ),
+    Kind(
+        *(LOW_BATTERY, _MED, when.low_battery, 2.0),
+        graver=BATTERY_EMPTY,
+        is_reported=True,
+        holds=Holds.UNTIL_ACKNOWLEDGED,
+        remedy=Remedy(_CHARGE, ", or {} to charge"),
+    ),
+    Kind("battery health", _MED, when.unhealthy_battery, 2.0, is_reported=True),
+    Kind("gauge", _MED, when.gauge_warning, 2.0, is_reported=True, has_text=True),
+    Kind(
+        *(DIAGNOSTIC_WARNING, _MED, when.diagnostic_warning, 2.0, 2.0),
+        graver=DIAGNOSTIC_ERROR,
+        is_reported=True,
+        has_text=True,
+    ),
+    Kind("several publishers", _MED, when.several_publishers, _AFTER_GRAPH),
+    Kind("name twice", _MED, when.duplicate_name, _AFTER_GRAPH),
+    Kind("no nodes", _MED, when.no_nodes, 5.0),
+    Kind("no clock", _MED, when.no_clock, 5.0),
+    Kind("clocks differ", _LOW, when.clocks_differ, 5.0),
+    Kind(
+        *("earlier stop", _LOW, when.earlier_stop),
+        remedy=Remedy("release", ": {} to release"),
+    ),
+    Kind("journal not written", _LOW, when.journal_not_written),
+    Kind("recordings", _LOW, when.recording_trouble),
+)
+KINDS = {kind.name: kind for kind in _ALL}
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of an alarm by its full name."""
+    with_text = (kind for kind in _ALL if kind.has_text and name.startswith(f"{kind.name} "))
+    return next(with_text, None) or KINDS[name.partition(" /")[0]]
+
+
+def graver_name(name: str) -> str:
+    """Return the name of the graver alarm that may have the same cause; "" if there is none."""
+    kind = kind_of(name)
+    return kind.graver and kind.graver + name.removeprefix(kind.name)
+
+
+def conditions(seen: Situation) -> dict[str, str]:
+    """Return the texts of the alarms whose conditions hold, by their full names.
+
+    While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
+    that are still received.
+    """
+    is_lost = seen.contact_is_lost
+    found = {}
+    for kind in _ALL:
+        is_left_out = is_lost and kind.is_reported and kind.condition not in _STILL_HEARD
+        for subject, text in () if is_left_out else kind.condition(seen):
+            found[f"{kind.name} {subject}".rstrip()] = text
+    return found
+
+
+_STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
 
 
 class AlarmState(Enum):
@@ -37,61 +182,6 @@ class AlarmState(Enum):
     REPLACED = "replaced by a graver one"
 
 
-# The kinds of alarms, as lists, journal and --plain name them.
-MOVES_AFTER_STOP = "moves after stop"
-STOP_UNCONFIRMED = "stop not confirmed"
-STOP_UNCERTAIN = "stop not certain"
-SEVERAL_STOP_SERVERS = "several stops"
-CONTACT_LOST = "contact lost"
-BATTERY_EMPTY = "battery empty"
-MOTOR_SILENT = "motor silent"
-GOAL_SILENT = "no word of the goal"
-NODE_CRASHED = "node crashed"
-STOPPED = "stopped"
-LOW_BATTERY = "low battery"
-BATTERY_HEALTH = "battery health"
-GAUGE_WARNING = "gauge"
-DIAGNOSTIC_ERROR = "diagnostics error"
-DIAGNOSTIC_WARNING = "diagnostics"
-SEVERAL_PUBLISHERS = "several publishers"
-DUPLICATE_NAME = "name twice"
-NO_NODES = "no nodes"
-NO_CLOCK = "no clock"
-CLOCKS_DIFFER = "clocks differ"
-EARLIER_STOP = "earlier stop"
-JOURNAL_NOT_WRITTEN = "journal not written"
-RECORDING_TROUBLE = "recordings"
-BATTERY_ALARMS = LOW_BATTERY, BATTERY_EMPTY
-_HOLDING = (CONTACT_LOST, *BATTERY_ALARMS)
-
-# Within a priority, the alarm that is listed first is shown first.
-_PRIORITIES = {
-    MOVES_AFTER_STOP: Priority.HIGH,
-    STOP_UNCONFIRMED: Priority.HIGH,
-    STOP_UNCERTAIN: Priority.HIGH,
-    SEVERAL_STOP_SERVERS: Priority.HIGH,
-    CONTACT_LOST: Priority.HIGH,
-    BATTERY_EMPTY: Priority.HIGH,
-    MOTOR_SILENT: Priority.HIGH,
-    GOAL_SILENT: Priority.HIGH,
-    NODE_CRASHED: Priority.HIGH,
-    DIAGNOSTIC_ERROR: Priority.HIGH,
-    STOPPED: Priority.MED,
-    LOW_BATTERY: Priority.MED,
-    BATTERY_HEALTH: Priority.MED,
-    GAUGE_WARNING: Priority.MED,
-    DIAGNOSTIC_WARNING: Priority.MED,
-    SEVERAL_PUBLISHERS: Priority.MED,
-    DUPLICATE_NAME: Priority.MED,
-    NO_NODES: Priority.MED,
-    NO_CLOCK: Priority.MED,
-    CLOCKS_DIFFER: Priority.LOW,
-    EARLIER_STOP: Priority.LOW,
-    JOURNAL_NOT_WRITTEN: Priority.LOW,
-    RECORDING_TROUBLE: Priority.LOW,
-}
-_ORDER = list(_PRIORITIES)
-
 LAST_KNOWN = " (last known)"
 
 
@@ -99,15 +189,13 @@ class Alarm(NamedTuple):
     """An alarm that is not normal.
 
     Attributes:
-        name: The kind of the alarm, followed by the node, topic, gauge or part where there may be
+        name: The name of its kind, followed by the node, topic, gauge or part if there may be
             several.
         text: The situation, and what to do.
         since: Unix time at which it was raised.
-        state: The state of the alarm by ISA-18.2.
         until: Unix time at which its condition was over; None while the condition holds.
         shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
-        shelf_ends: The same in monotonic seconds, so that setting the clock of the computer does
-            not silence the alarm for longer.
+        shelf_ends: The same in monotonic seconds, which no setting of the clock changes.
         reason: The operator's reason for shelving it; "" for none.
     """
 
@@ -121,9 +209,19 @@ class Alarm(NamedTuple):
     reason: str = ""
 
     @property
+    def kind(self) -> Kind:
+        """All that is fixed about it."""
+        return kind_of(self.name)
+
+    @property
     def priority(self) -> Priority:
         """The urgency, which its kind decides."""
-        return _PRIORITIES[kind_of(self.name)]
+        return self.kind.priority
+
+    @property
+    def waits_for_acknowledgement(self) -> bool:
+        """True if it holds the queue until the operator acknowledges it."""
+        return self.kind.holds is Holds.UNTIL_ACKNOWLEDGED
 
     @property
     def short_text(self) -> str:
@@ -144,7 +242,7 @@ class Alarm(NamedTuple):
     def rank(self) -> tuple[bool, bool, bool, int]:
         """The key to sort alarms by: what needs attention first comes first, shelved ones last."""
         shelved = self.state == AlarmState.SHELVED
-        return shelved, self.acknowledged, self.is_over, _ORDER.index(kind_of(self.name))
+        return shelved, self.acknowledged, self.is_over, _ALL.index(self.kind)
 
 
 def any_urgent(alarms: Iterable[Alarm]) -> bool:
@@ -155,33 +253,44 @@ def any_urgent(alarms: Iterable[Alarm]) -> bool:
     )
 
 
-# Behind their names stands the title of a gauge, or the name of a part: any text.
-_WITH_TEXT = (GAUGE_WARNING, DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
-
-
-def kind_of(name: str) -> str:
-    """Return the name of an alarm without the node, topic, gauge or part that it is about."""
-    for kind in _WITH_TEXT:
-        if name.startswith(f"{kind} "):
-            return kind
-    return name.partition(" /")[0]
-
-
 def is_diagnostic(alarm: Alarm) -> bool:
     """Return True if an alarm is about a part that the robot reports by diagnostics."""
-    return kind_of(alarm.name) in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
+    return alarm.kind.name in (DIAGNOSTIC_ERROR, DIAGNOSTIC_WARNING)
 
 
 def holding(alarms: Iterable[Alarm]) -> Holding:
-    """Return the alarms that hold every queue.
-
-    These are a lost contact, acknowledged or not, and a low or empty battery that is not
-    acknowledged.
-    """
-    active = [alarm for alarm in alarms if alarm.name in _HOLDING and not alarm.is_over]
+    """Return the alarms that hold every queue."""
+    active = [alarm for alarm in alarms if alarm.kind.holds is not None and not alarm.is_over]
     now = (
         alarm.name
         for alarm in active
-        if alarm.name == CONTACT_LOST or alarm.state == AlarmState.UNACKNOWLEDGED
+        if not alarm.waits_for_acknowledgement or alarm.state == AlarmState.UNACKNOWLEDGED
     )
     return Holding(next(now, ""), frozenset(alarm.name for alarm in active))
+
+
+def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
+    """Return the text of an alarm, with the command that helps now.
+
+    `hints` tell how to give each command, from `remedy_hints`.
+    """
+    remedy = alarm.kind.remedy
+    is_past = alarm.is_over or alarm.text.endswith(LAST_KNOWN)
+    if remedy is None or remedy.command not in hints or is_past:
+        return alarm.text
+    return alarm.text + remedy.words.format(hints[remedy.command])
+
+
+def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str, str]:
+    """Return how to give each command that helps against alarms, as `press R`, if it is offered.
+
+    `hints_by_id` has the commands by their ids.
+    """
+    robot, hints = snapshot.file, {}
+    if robot.stop is not None and not snapshot.unavailable(robot.stop.release):
+        hints["release"] = hints_by_id.get("release", "")
+    for command in robot.commands:
+        charges = "battery.charging" in command.toggle.values()
+        if charges and not snapshot.unavailable(command.service):
+            hints.setdefault(_CHARGE, hints_by_id.get(command.id, ""))
+    return {command: hint for command, hint in hints.items() if hint}

@@ -17,7 +17,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal, Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT, NOT_SENT
-from archo_tui.station.protocols import Frontend
+from archo_tui.station.frontend import Frontend
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from archo_tui.robot.state import Phase, Snapshot
-from archo_tui.station.alarm_conditions import battery_health, is_battery_low
+from archo_tui.station.conditions import battery_health, is_battery_low
 
 Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it from others.
 

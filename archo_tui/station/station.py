@@ -17,17 +17,15 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal, Latch, Snapshot
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
-from archo_tui.station.alarm_bell import AlarmBell
-from archo_tui.station.alarm_board import AlarmBoard
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import STOPPED, Alarm, holding
-from archo_tui.station.approval_requests import ApprovalRequests
+from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
+from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
 from archo_tui.station.approvals import Approvals
+from archo_tui.station.conditions import Situation
+from archo_tui.station.frontend import Frontend
 from archo_tui.station.goal_driver import GoalDriver
 from archo_tui.station.history import History
-from archo_tui.station.protocols import Frontend, Recorder
 from archo_tui.station.undo import Edit, UndoList
-from archo_tui.station.view import View
+from archo_tui.station.view import Recorder, View
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
@@ -68,8 +66,7 @@ class Station:
         stops_before_restart: STOPs that had been read when the screen began to end for a restart.
         edits: The parameter changes that can be undone.
         goals: Sends goals, one after the other, and cancels them.
-        requests: The approval requests of assistants.
-        approvals: Asks the operator about these requests, and carries out the answers.
+        approvals: The requests of assistants, which the operator answers.
         clients: The programs that are connected, by their names for people.
         history: The curves of the last hour, and the goals that ended.
         view: The view to show, as of the last `refresh` or the last change of an alarm here.
@@ -117,15 +114,14 @@ class Station:
         self.is_restarting, self.stops_before_restart = False, 0
         self.earlier_stop: float | None = None
         self.edits = UndoList()
-        self.requests = requests = ApprovalRequests()
         self.goals = GoalDriver(
             robot,
             clock,
             self.refresh,
-            requests.on_goal_ended,
+            lambda end, goal: self.approvals.on_goal_ended(end, goal),
         )
         self._releases = 0
-        self.approvals = Approvals(requests, robot, clock, self.goals, self.refresh)
+        self.approvals = Approvals(robot, clock, self.goals, self.refresh)
         self.clients: tuple[str, ...] = ()
         self.history = History()
         self._frontend: Frontend | None = None
@@ -284,7 +280,7 @@ class Station:
         """
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
-        found = conditions(self._snapshot, now, self.host.states(), *troubles)
+        found = conditions(Situation(self._snapshot, now, self.host.states(), *troubles))
         # A confirmed release ends the alarm also while the robot reports nothing.
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)
         changed = self._board.update(found, now, self.clock.now(), known_over)
@@ -373,7 +369,7 @@ class Station:
             held=self.queue.hold_reason,
             changing=self.edits.is_changing,
             clients=self.clients,
-            requests=self.requests.waiting,
+            requests=self.approvals.waiting,
             restart_waits=bool(self.waiting_restart) and not self.is_restarting,
             is_restarting=self.is_restarting,
         )

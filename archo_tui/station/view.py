@@ -1,13 +1,16 @@
-"""Everything that a frontend shows at one moment."""
+"""Everything that a frontend shows at one moment, and the recorder that keeps it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Hosted, Snapshot
 from archo_tui.station.alarms import Alarm
-from archo_tui.station.approval_requests import ApprovalRequest
+from archo_tui.station.approvals import ApprovalRequest
 from archo_tui.station.history import History
 
 
@@ -60,3 +63,33 @@ class View:
     def waiting(self) -> tuple[str, ...]:
         """The goals of the queue in words, the next one first."""
         return tuple(goal.text for goal in self.queue)
+
+
+class Recorder(Protocol):
+    """The part of the black box that the station uses."""
+
+    @property
+    def trouble(self) -> str:
+        """A failure of recordings that the operator has to know; "" if there is none."""
+
+    def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
+        """Record a new view.
+
+        Args:
+            view: The view.
+            changed: The alarms whose state differs from the last view.
+        """
+
+    @property
+    def kept(self) -> str:
+        """The name of the last recording that was begun by hand; "" if none is on the disk."""
+
+    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
+        """Begin to record the last minute by hand; call it on the loop.
+
+        Args:
+            written: Is called on the loop when the recording is on the disk, or cannot be written.
+
+        Returns:
+            DONE if the recording has begun: only then `written` is called, once.
+        """

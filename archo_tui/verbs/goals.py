@@ -12,8 +12,7 @@ from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
-from archo_tui.station.alarm_conditions import is_battery_low
-from archo_tui.station.alarms import BATTERY_ALARMS
+from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
@@ -35,7 +34,7 @@ def low_battery_question(station: Station, does: str) -> Question | None:
     """
     snapshot = station.robot.snapshot
     active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-    if any(alarm.name in BATTERY_ALARMS and alarm.acknowledged for alarm in active):
+    if any(alarm.waits_for_acknowledgement and alarm.acknowledged for alarm in active):
         return None
     if not is_battery_low(snapshot):
         return None
@@ -50,7 +49,7 @@ def _accept_low_battery(station: Station) -> None:
     """Acknowledge the alarm that was asked about, so that it does not hold the goals behind it."""
     if low_battery_question(station, "") is not None:
         active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-        station.acknowledge([alarm for alarm in active if alarm.name in BATTERY_ALARMS])
+        station.acknowledge([alarm for alarm in active if alarm.waits_for_acknowledgement])
 
 
 class Go(Verb):

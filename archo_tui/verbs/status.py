@@ -10,9 +10,8 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import Alarm
+from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.history import SPANS, Quantity, current_values
-from archo_tui.station.remedies import advice, remedy_hints
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.as_data import goal as goal_data

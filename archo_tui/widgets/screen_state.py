@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from archo_tui.station.alarms import Alarm
-from archo_tui.station.remedies import advice, remedy_hints
+from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.view import View
 
 NONE_RECORDED = "-- none recorded"  # The text of an empty list in a replay.

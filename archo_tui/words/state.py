@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from archo_tui.robot.state import GaugeReading, Latch, Snapshot, StopAnswer
-from archo_tui.station.alarm_conditions import battery_health, is_battery_low, open_stop_texts
+from archo_tui.station.conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
 ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from archo_tui.remote import socket_files
-from archo_tui.station.approval_requests import READING_TIME
+from archo_tui.station.approvals import READING_TIME
 from tests.assistant.support import Assistant, assistant
 from tests.assistant.test_console_connection import VALUES
 from tests.support.shells import until

@@ -21,7 +21,7 @@ from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
 from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
-from archo_tui.station import approval_requests
+from archo_tui.station import approvals
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
@@ -61,7 +61,7 @@ async def read(op: Console) -> None:
     dialog = op.app.screen
     assert isinstance(dialog, request.AnswerRequest)
     await op.until(lambda: dialog._drawn_at < math.inf)
-    dialog._drawn_at -= approval_requests.READING_TIME
+    dialog._drawn_at -= approvals.READING_TIME
     await op.at(seconds() + 0.4)  # A pause, as no paste has it.
 
 
@@ -129,7 +129,7 @@ async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> 
         await op.settle()
         op.app.post_message(events.Paste("\t\r"))
         await op.settle()
-        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
         assert op.app.view.snapshot.goal is None
 
 
@@ -146,7 +146,7 @@ async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
         busy(op, 0.5)
         op.send("enter")  # read at the same time, and taken later
         await op.until("Read it first, then answer.")
-        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
 
 
 async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken(
@@ -165,7 +165,7 @@ async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken(
             request, "READING_TIME", seconds() - since
         )  # also where all of it took longer
         await op.until("Read it first, then answer.")
-        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
 
 
 async def test_a_click_counts_as_late_as_a_key() -> None:
@@ -243,7 +243,7 @@ async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> 
         await read(op)
         await op.press("enter")
         await op.until("▲ Not all of it")
-        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
         assert op.app.view.snapshot.goal is None
 
 
@@ -303,11 +303,11 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         elif way == "goal":
             assert (await other.ask("go", "3"))["code"] == "accepted"
         elif way == "time":
-            monkeypatch.setattr(approval_requests, "LIFETIME", 0.0)
+            monkeypatch.setattr(approvals, "LIFETIME", 0.0)
         else:
             assistant.close()
         await op.until(lambda: "An assistant asks" not in op.text)
-        await op.until(lambda: not op.app.station.requests.waiting)
+        await op.until(lambda: not op.app.station.approvals.waiting)
         refused = op.app.station.approvals.answer(1, allowed=True)
         assert refused.text.startswith("request 1 is ")
         if way != "gone":
@@ -335,7 +335,7 @@ async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() 
         await asks(assistant)
         made[0].tell("release")
         await op.until("release: done")
-        assert [one.number for one in op.app.station.requests.waiting] == [2]
+        assert [one.number for one in op.app.station.approvals.waiting] == [2]
 
 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
@@ -347,7 +347,7 @@ async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
         await asks(assistant)
         op.app.action_command("alarms")  # as a click on the request does: the field has the focus
         await op.until("An assistant asks")
-        monkeypatch.setattr(approval_requests, "LIFETIME", 0.0)
+        monkeypatch.setattr(approvals, "LIFETIME", 0.0)
         await op.until(lambda: "An assistant asks" not in op.text)
         await op.press("enter")  # for the answer
         await op.until("The request is over: press the key again.")
@@ -517,7 +517,7 @@ async def test_who_gives_up_waiting_may_ask_again() -> None:
         assistant.send({"give_up": True})
         assert (await assistant.result())["code"] == "cancelled"
         assert (await asks(assistant))["code"] == "asked"
-        assert [one.number for one in op.app.station.requests.waiting] == [1, 2]
+        assert [one.number for one in op.app.station.approvals.waiting] == [1, 2]
 
 
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:

@@ -14,7 +14,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.protocols import Frontend
+from archo_tui.station.frontend import Frontend
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console

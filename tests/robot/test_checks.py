@@ -17,13 +17,12 @@ from std_srvs.srv import SetBool
 
 from archo_tui.robot.period import UNMEASURED, Period, is_silent
 from archo_tui.robot.state import Snapshot
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import BATTERY_HEALTH, DUPLICATE_NAME, SEVERAL_PUBLISHERS
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.widgets.bars import header
 from archo_tui.words.state import age_text, battery_line, battery_word, motion_word, plain_text
 from tests.support import chosen, clock
+from tests.support.alarms import conditions
 from tests.support.archo import go
 from tests.support.console import console
 from tests.support.quiet import Quiet, ended, until
@@ -109,7 +108,7 @@ async def test_an_unknown_word_of_health_is_shown_and_hides_no_low_battery() -> 
     async with robot(battery(percentage=80.0, voltage=24.0, battery_health="swollen")) as it:
         await until(lambda: it.snapshot.battery.received)
         assert battery_word(it.snapshot)[:2] == ("?", "swollen")
-        assert BATTERY_HEALTH in conditions(it.snapshot, clock.seconds())
+        assert "battery health" in conditions(it.snapshot, clock.seconds())
     async with robot(battery(percentage=10.0, voltage=21.0, battery_health="swollen")) as it:
         await until(lambda: it.snapshot.battery.received)
         assert battery_word(it.snapshot)[1] == "LOW"
@@ -265,14 +264,14 @@ async def test_two_publishers_are_named_in_the_panel_and_an_alarm_when_they_stay
         assert "PUBLISHERS" not in op.text.splitlines()[1]  # one that was killed lingers so long
         await op.until("2 PUBLISHERS of battery_level: /publisher_battery_level, /second")
         names = conditions(op.app.view.snapshot, clock.seconds())
-        assert f"{SEVERAL_PUBLISHERS} /battery_level" in names
+        assert "several publishers /battery_level" in names
 
 
 async def test_two_nodes_of_one_name_are_an_alarm() -> None:
     twin = lambda **options: Node("twin", **options)  # noqa: E731
     async with robot(twin, twin, nodes=1) as it:
         await until(lambda: it.snapshot.duplicate_nodes == ("/twin",))
-        assert f"{DUPLICATE_NAME} /twin" in conditions(it.snapshot, clock.seconds())
+        assert "name twice /twin" in conditions(it.snapshot, clock.seconds())
 
 
 async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from archo_tui.robot.clocks import ClockOffsets
-from archo_tui.station.alarm_conditions import conditions
+from tests.support.alarms import conditions
 from tests.support.clock import NOW
 from tests.support.quiet import until
 from tests.support.robot import making, robot

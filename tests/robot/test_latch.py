@@ -21,8 +21,8 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import UNCERTAIN
-from archo_tui.station.alarm_conditions import conditions
 from archo_tui.words.state import motion_word, plain_text
+from tests.support.alarms import conditions
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.console import FAST

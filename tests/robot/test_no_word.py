@@ -16,7 +16,6 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.poller import check_goals
 from archo_tui.robot.requester import Requester, on_behalf_of
 from archo_tui.robot.state import Phase
-from archo_tui.station.alarms import GOAL_SILENT
 from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
@@ -132,7 +131,7 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
         assert outcome.text.startswith("goal lost: no word from it for ")
         assert 8 <= seconds() - began < 12
         assert station.running_goal is not None
-        assert GOAL_SILENT in {alarm.name for alarm in station.view.alarms}
+        assert "no word of the goal" in {alarm.name for alarm in station.view.alarms}
 
 
 async def test_input_that_is_over_waits_for_it_no_longer_and_ends_with_1(

@@ -20,10 +20,9 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch, Phase
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
-from archo_tui.station.alarm_conditions import conditions
-from archo_tui.station.alarms import STOP_UNCERTAIN
 from archo_tui.verbs import verbs
 from archo_tui.words.state import motion_word, plain_text
+from tests.support.alarms import conditions
 from tests.support.clock import seconds
 from tests.support.peer import Peer
 from tests.support.plain import operated
@@ -147,7 +146,7 @@ async def test_when_the_robot_moves_it_is_no_longer_certain_until_r_or_another_s
         await until(lambda: it.snapshot.motion.moving is False)
         await while_passes(3.0)
         assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "✗ STOP NOT CERTAIN"
-        text = conditions(it.snapshot, seconds())[STOP_UNCERTAIN]
+        text = conditions(it.snapshot, seconds())["stop not certain"]
         assert text.startswith("STOP OF ")
         assert text.endswith(" IS NO LONGER CERTAIN: the robot moves: stop again, or release it")
         assert (await ended(go(it))).text == UNCERTAIN

@@ -11,13 +11,13 @@ import pytest
 
 from archo_tui.app import ArchoApp
 from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal
-from archo_tui.robot.requester import Requester
+from archo_tui.robot.requester import Requester, on_behalf_of
 from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
 from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.history import History
 from archo_tui.terminal.ascii import in_ascii
 from tests.support.archo import SHELF
-from tests.support.clock import NOW, TIME
+from tests.support.clock import TIME
 from tests.support.console import send
 from tests.support.night import corners
 from tests.support.pictures import differs, steady
@@ -92,7 +92,10 @@ async def pictures(
     app = stub_app(snapshot, clock, hosted, size=first, in_field=not keys)
     if queue:  # none of them is sent while another one is on its way
         wanted = [QueuedGoal(SHELF, {"shelf_number": n}) for n in (1, *queue)]
-        app.station.goals.queue = GoalQueue().submit(wanted, Snapshot())._replace(todo=())
+        waits = GoalQueue().seen(snapshot, 0.0, 0).submit(wanted, Snapshot())
+        assert waits.coming is not None
+        coming = waits.coming._replace(before=99, is_handed_over=True)  # No snapshot shows it.
+        app.station.goals.queue = waits._replace(coming=coming, todo=())
     for before in past(seconds):
         app.station.history.add_sample(*before)
     found = {}
@@ -379,8 +382,9 @@ async def test_what_an_assistant_asks_looks_as_accepted(
         await outside(lambda: not app.has_sent, "what was sent before: nothing")
         requester = Requester("AI", "assistant 4711")
         goal = QueuedGoal(SHELF, {"shelf_number": 12})
-        app.station._frontend = app
-        app.station.requests.add(requester, goal, "go to shelf 12", NOW, 0)
+        app.station._frontend = app.station.goals.frontend = app
+        with on_behalf_of(requester):
+            app.station.approvals.request(goal, "go to shelf 12")
         app.update_screen()
         await rest(app, quiet)
         if name == "request opened":

@@ -1,14 +1,12 @@
-"""The parts of the console that a station calls: its frontend and its recorder."""
+"""The frontend of a station: the part that shows it to its operator and runs its work."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Coroutine
 from typing import Any, Protocol
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
-from archo_tui.station.alarms import Alarm
-from archo_tui.station.view import View
 
 
 class Frontend(Protocol):
@@ -41,34 +39,4 @@ class Frontend(Protocol):
 
         Args:
             why: The reason in words, for the operator.
-        """
-
-
-class Recorder(Protocol):
-    """The part of the black box that the station uses."""
-
-    @property
-    def trouble(self) -> str:
-        """A failure of recordings that the operator has to know; "" if there is none."""
-
-    def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record a new view.
-
-        Args:
-            view: The view.
-            changed: The alarms whose state differs from the last view.
-        """
-
-    @property
-    def kept(self) -> str:
-        """The name of the last recording that was begun by hand; "" if none is on the disk."""
-
-    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
-        """Begin to record the last minute by hand; call it on the loop.
-
-        Args:
-            written: Is called on the loop when the recording is on the disk, or cannot be written.
-
-        Returns:
-            DONE if the recording has begun: only then `written` is called, once.
         """

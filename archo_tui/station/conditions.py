@@ -1,0 +1,356 @@
+"""The conditions of alarms: each says in which situation it holds, and with which words.
+
+Pure functions over a Situation. Each yields what it is about (a node, a topic, a part; "" for
+the robot) and a text: what is the case, and behind a colon what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import (
+    WORST_FIRST,
+    Diagnostic,
+    DiagnosticLevel,
+    Hosted,
+    Latch,
+    Life,
+    OpenStop,
+    Phase,
+    Snapshot,
+    StopAnswer,
+    not_offered,
+)
+
+Found = Iterator[tuple[str, str]]
+
+_ANSWER_TIME = 1.0  # Seconds that a STOP may take before it is an alarm.
+_MOST_OFFSETS = 3  # Clocks that are named.
+_MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all other alarms.
+_OTHERS = "others"  # Of the alarm for the parts that have none of their own.
+
+
+class Situation(NamedTuple):
+    """All that alarms go by.
+
+    Attributes:
+        now: Monotonic time in seconds.
+        hosted: The nodes that this process runs.
+        journal_failure: Why the journal cannot be written; "" if it can.
+        recorder_trouble: A failure of recordings that the operator has to know.
+        unseen: Where nodes were looked for, in words; "" to raise no alarm about that.
+        earlier_stop: Unix time of a STOP from before the start that may still hold.
+    """
+
+    snapshot: Snapshot
+    now: float
+    hosted: tuple[Hosted, ...] = ()
+    journal_failure: str = ""
+    recorder_trouble: str = ""
+    unseen: str = ""
+    earlier_stop: float | None = None
+
+    @property
+    def has_reports(self) -> bool:
+        """True if a message about battery or motion was received since the start."""
+        snapshot = self.snapshot
+        return snapshot.battery.received is not None or snapshot.motion.received is not None
+
+    @property
+    def contact_is_lost(self) -> bool:
+        """True if battery and motion are silent, as far as the robot has reported them before."""
+        battery, motion = self.snapshot.battery, self.snapshot.motion
+        is_battery_silent = battery.received is None or battery.is_old(self.now)
+        is_motion_silent = motion.received is None or motion.is_old(self.now)
+        return self.has_reports and is_battery_silent and is_motion_silent
+
+
+# STOP.
+
+
+def moves_after_stop(seen: Situation) -> Found:
+    runs = seen.snapshot.still_running_after_stop
+    if runs:
+        word = "RUNS" if len(runs) == 1 else "RUN"
+        yield "", f"STOP WAS ANSWERED, BUT {', '.join(runs)} STILL {word}: use the hardware stop"
+    elif _moves_after_stop(seen.snapshot, seen.now):
+        yield "", "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
+
+
+def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
+    """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
+
+    For an open STOP that was sent, the message must have come 1 s or more after it was asked for.
+    """
+    stop, motion = snapshot.open_stop, snapshot.motion
+    if motion.received is None or motion.is_old(now):
+        return False
+    if stop is None or stop.answer == StopAnswer.NOT_SENT:
+        return snapshot.stop_not_obeyed
+    return bool(motion.moving) and motion.received - stop.asked >= _ANSWER_TIME
+
+
+def stop_unconfirmed(seen: Situation) -> Found:
+    stop, now = seen.snapshot.open_stop, seen.now
+    if stop is not None and (stop.answer != StopAnswer.AWAITED or now - stop.asked >= _ANSWER_TIME):
+        yield "", f"{open_stop_texts(seen.snapshot, stop, now)[0]}: use the hardware stop"
+
+
+def stop_uncertain(seen: Situation) -> Found:
+    snapshot = seen.snapshot
+    if snapshot.latch is Latch.UNCERTAIN:
+        remedy = f"{snapshot.latch_doubt}: stop again, or release it"
+        if snapshot.stop_held_by_nobody:
+            remedy = "every node that held it has ended here: release it"
+        at = time_of_day(snapshot.latch_time)[:-3]
+        yield "", f"STOP OF {at} IS NO LONGER CERTAIN: {remedy}"
+
+
+def several_stop_servers(seen: Situation) -> Found:
+    served = seen.snapshot.file.stop
+    nodes = () if served is None else seen.snapshot.duplicate_servers.get(served.service, ())
+    if served is not None and nodes:
+        yield (
+            "",
+            f"{len(nodes)} NODES SERVE {served.service}: {', '.join(nodes)}: STOP must be "
+            "confirmed by all of them; keep the hardware stop at hand",
+        )
+
+
+def earlier_stop(seen: Situation) -> Found:
+    motion, at = seen.snapshot.motion, seen.earlier_stop
+    is_known = seen.snapshot.released is not None or seen.snapshot.is_stopped
+    if at is not None and not (is_known or motion.stopped is not None or motion.moving):
+        yield (
+            "",
+            f"STOP OF {time_of_day(at)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
+            "the robot may still be stopped",
+        )
+
+
+def stopped(seen: Situation) -> Found:
+    if seen.snapshot.is_at_rest:
+        yield "", "STOPPED: look for the cause"
+
+
+def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
+    """Return the state of a STOP that the robot has not confirmed: in full, then shorter."""
+    waited, answer, why = now - stop.asked, stop.answer, stop.why
+    if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
+        return (f"STOP {answer.value} {why}".rstrip(),)
+    service = "" if snapshot.file.stop is None else snapshot.file.stop.service
+    if service not in snapshot.offered and answer == StopAnswer.AWAITED:
+        # The STOP waits for a server, or the server that it was sent to has left.
+        return f"STOP NOT CONFIRMED ({not_offered(service)})", "STOP NOT CONFIRMED"
+    if waited < 1:
+        return ("STOP SENT",)
+    silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
+    again = answer == StopAnswer.NONE
+    more = ", sent again while the robot is heard" if again else " (not confirmed by the robot)"
+    return silent + more, silent, f"STOP SENT, unanswered {waited:.0f} s"
+
+
+# What the robot reports.
+
+
+def contact_lost(seen: Situation) -> Found:
+    if seen.contact_is_lost:
+        battery, motion = seen.snapshot.battery, seen.snapshot.motion
+        last = max(battery.received or 0.0, motion.received or 0.0)
+        yield "", f"CONTACT LOST for {seen.now - last:.0f} s: the robot may still be moving"
+
+
+def battery_empty(seen: Situation) -> Found:
+    battery, described = seen.snapshot.battery, seen.snapshot.file.battery
+    charge = None if battery.is_old(seen.now) else battery.percentage
+    if charge is not None and charge <= 0.0:
+        refuses = described is not None and described.empty_refuses_moves
+        more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
+        yield "", f"BATTERY EMPTY: {more}"
+
+
+def low_battery(seen: Situation) -> Found:
+    battery = seen.snapshot.battery
+    if battery.percentage is None or battery.percentage <= 0.0 or battery.is_old(seen.now):
+        return
+    if is_battery_low(seen.snapshot) and not battery.charging:
+        is_moving = seen.snapshot.running_goal is not None
+        dock = "dock the robot when this move is done" if is_moving else "dock the robot"
+        yield "", f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+
+
+def unhealthy_battery(seen: Situation) -> Found:
+    battery = seen.snapshot.battery
+    if not battery.health or battery.is_old(seen.now):
+        return
+    meaning = battery_health(seen.snapshot)
+    if not meaning:
+        yield "", f"BATTERY HEALTH {battery.health}: the console does not know this word"
+    elif meaning == "replace":
+        yield "", f"BATTERY HEALTH {battery.health}: have the battery replaced"
+
+
+def is_battery_low(snapshot: Snapshot) -> bool:
+    """Return True if the battery is low by the health it reports, or by its percentage.
+
+    A percentage below the threshold counts even if the robot calls the battery good.
+    """
+    charge, threshold = snapshot.battery.percentage, snapshot.low_charge
+    is_below = charge is not None and (charge <= 0.0 or charge < (threshold or 0.0))
+    return is_below or battery_health(snapshot) == "low"
+
+
+def battery_health(snapshot: Snapshot) -> str:
+    """Return `good`, `low` or `replace`; "" for no health, or a word that is not in the file."""
+    described = snapshot.file.battery
+    return "" if described is None else described.health.get(snapshot.battery.health or "", "")
+
+
+def motor_silent(seen: Situation) -> Found:
+    snapshot, motion = seen.snapshot, seen.snapshot.motion
+    is_moving = snapshot.running_goal is not None or motion.moving
+    if motion.received is not None and motion.is_old(seen.now) and is_moving:
+        topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
+        yield (
+            "",
+            f"{topic} silent for {seen.now - motion.received:.0f} s while moving: "
+            "the robot may still be driving",
+        )
+
+
+def goal_silent(seen: Situation) -> Found:
+    goal = seen.snapshot.running_goal
+    if goal is not None and goal.phase == Phase.LOST and not any(motor_silent(seen)):
+        yield (
+            "",
+            f"NO WORD FROM {goal.kind.title.upper()} for "
+            f"{seen.now - (goal.heard or goal.sent):.0f} s: the robot may still be driving",
+        )
+
+
+def gauge_warning(seen: Situation) -> Found:
+    for reading in seen.snapshot.gauges:
+        if reading.warning and not reading.is_old(seen.now):
+            title, unit = reading.gauge.title, reading.gauge.unit
+            value = f"{title.upper()} {reading.value:g} {unit}".rstrip()
+            yield title, f"{value}: {reading.warning}"
+
+
+# Diagnostics: an error and a warning of one part are two alarms, of which the error counts.
+
+
+def diagnostic_error(seen: Situation) -> Found:
+    for status, text in _bad_parts(seen):
+        if status.level is DiagnosticLevel.ERROR:
+            yield _part_name(status.part), text
+
+
+def diagnostic_warning(seen: Situation) -> Found:
+    bad, topic = _bad(seen), seen.snapshot.file.diagnostics
+    if bad and not _bad_parts(seen):  # All are silent.
+        last = max(status.received for status in bad)
+        yield str(topic), f"DIAGNOSTICS STALE: nothing on {topic} for {seen.now - last:.0f} s"
+    for status, text in _bad_parts(seen):
+        if status.level is not DiagnosticLevel.ERROR:
+            yield _part_name(status.part), text
+    if _bad_parts(seen) and len(bad) > _MOST_DIAGNOSTICS:
+        yield _OTHERS, f"{len(bad) - _MOST_DIAGNOSTICS} MORE PARTS ARE NOT OK: see diagnostics"
+
+
+def _bad(seen: Situation) -> list[Diagnostic]:
+    """Return the parts that are not OK, the worst first; without contact, those still heard."""
+    every = diagnostics_worst_first(seen.snapshot, seen.now)
+    if seen.contact_is_lost:  # What is still heard may tell why the rest is silent.
+        every = [status for status in every if not status.is_silent_at(seen.now)]
+    return [status for status in every if status.level is not DiagnosticLevel.OK]
+
+
+def _bad_parts(seen: Situation) -> list[tuple[Diagnostic, str]]:
+    """Return the parts with an alarm of their own, and its texts; none if all fell silent."""
+    bad, statuses = _bad(seen), seen.snapshot.diagnostics
+    if len(bad) > 1 and all(status.is_silent_at(seen.now) for status in statuses):
+        return []
+    found = []
+    for status in bad[:_MOST_DIAGNOSTICS]:
+        silent = f"no status for {seen.now - status.received:.0f} s"
+        text = silent if status.is_silent_at(seen.now) else status.message
+        found.append((status, f"{status.level.value} {status.part}: {text or 'no message'}"))
+    return found
+
+
+def _part_name(part: str) -> str:
+    """Return a part; in quotes if it would read like the name of another alarm."""
+    return f'"{part}"' if part.startswith(("error ", "/")) or part == _OTHERS else part
+
+
+def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
+    """Return the last status of each part with its level now: ERROR, WARN, STALE, OK, by name."""
+    found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
+    return sorted(found, key=lambda status: (WORST_FIRST.index(status.level), status.key))
+
+
+# The graph, and the console itself.
+
+
+def node_crashed(seen: Situation) -> Found:
+    for node in seen.hosted:
+        if node.life == Life.CRASHED:
+            yield node.name, f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
+
+
+def several_publishers(seen: Situation) -> Found:
+    for topic, names in seen.snapshot.publishers.items():
+        text = f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed"
+        yield f"/{topic}", text
+
+
+def duplicate_name(seen: Situation) -> Found:
+    for name in seen.snapshot.duplicate_nodes:
+        yield name, f"TWO NODES NAMED {name}: a call reaches both of them"
+
+
+def no_nodes(seen: Situation) -> Found:
+    snapshot = seen.snapshot
+    is_there = seen.has_reports or seen.hosted or snapshot.nodes or snapshot.other_namespaces
+    if seen.unseen and not is_there:
+        yield "", f"NO NODES {seen.unseen}"
+
+
+def no_clock(seen: Situation) -> Found:
+    snapshot = seen.snapshot
+    waiting, still = ", ".join(snapshot.simulated_nodes), snapshot.clock_still_since
+    if waiting and not snapshot.has_clock:
+        yield (
+            "",
+            f"NO CLOCK for {waiting}: use_sim_time is true and nobody publishes /clock: "
+            "start the simulator, or set it to false",
+        )
+    elif waiting and still is not None:
+        yield (
+            "",
+            f"CLOCK STANDS STILL for {seen.now - still:.0f} s, which {waiting} goes by: "
+            "resume the simulator",
+        )
+
+
+def clocks_differ(seen: Situation) -> Found:
+    offsets = sorted(seen.snapshot.clock_offsets.items(), key=lambda item: -abs(item[1]))
+    if offsets:
+        sources = ", ".join(
+            f"{source} is {abs(offset):.1f} s {'ahead' if offset > 0 else 'behind'}"
+            for source, offset in offsets[:_MOST_OFFSETS]
+        )
+        more = ", ..." if len(offsets) > _MOST_OFFSETS else ""
+        yield "", f"CLOCKS DIFFER: {sources}{more}: set one of them (chrony or ntp)"
+
+
+def journal_not_written(seen: Situation) -> Found:
+    if seen.journal_failure:
+        yield "", f"JOURNAL NOT WRITTEN: {seen.journal_failure}"
+
+
+def recording_trouble(seen: Situation) -> Found:
+    if seen.recorder_trouble:
+        yield "", seen.recorder_trouble

@@ -1,0 +1,16 @@
+"""The alarms whose conditions hold in a state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.robot.state import Hosted, Snapshot
+from archo_tui.station import alarms
+from archo_tui.station.conditions import Situation
+
+
+def conditions(
+    snapshot: Snapshot, now: float, hosted: tuple[Hosted, ...] = (), **more: Any
+) -> dict[str, str]:
+    """Their texts by their names."""
+    return alarms.conditions(Situation(snapshot, now, hosted, **more))
