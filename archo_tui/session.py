@@ -24,9 +24,8 @@ from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
-from archo_tui.paths import config_file, journal_file, state_file
+from archo_tui.paths import journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
-from archo_tui.robot import secret_names
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state import LAUNCH
 from archo_tui.robot_file import load as robot_files
@@ -50,7 +49,7 @@ if TYPE_CHECKING:
     from archo_tui.recordings.recorder import BlackBox
     from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
     from archo_tui.robot.state import Event
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
@@ -100,7 +99,6 @@ class Session:
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
-        self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._own_overrides = files.load_files(self._own_files)
         self._user_overrides = files.load_files(options.params_files)
         self._launch_file = self._read_launch_file()
@@ -226,7 +224,7 @@ class Session:
         from archo_tui.hosting.node_files import NodeFile
         from archo_tui.recordings.console import ConsoleRecorder
         from archo_tui.recordings.recorder import BlackBox
-        from archo_tui.robot.client import Robot
+        from archo_tui.robot.robot import Robot
 
         self.box = BlackBox(
             state_file("recordings"),
@@ -245,7 +243,6 @@ class Session:
                 self._record_event,
                 self.box.receive,
                 watching=self.options.watch,
-                secrets=self._secrets,
             )
             robot = self.robot
             self.host = Host(

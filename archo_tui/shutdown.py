@@ -13,7 +13,7 @@ from archo_tui.robot.state import Goal
 from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
 RESTART = 100  # An exit code that asks to start again with the same options.

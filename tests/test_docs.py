@@ -127,11 +127,12 @@ def test_every_folder_of_the_architecture_exists() -> None:
     page = read(ROOT / "docs" / "architecture.md")
     (folders,) = (text for _, text in page.blocks if text.startswith("archo_tui/ "))
     for name in re.findall(r"\b([a-z_]+/)", folders):
-        places = (ROOT, ROOT / "archo_tui", ROOT / "tests", ROOT / "config")
+        rooms = (ROOT / "archo_tui", *(ROOT / "archo_tui").glob("*/"))
+        places = (ROOT, *rooms, ROOT / "tests", ROOT / "config")
         assert any((place / name).is_dir() for place in places), name
     named_here = set(re.findall(r"\b([a-z_]+)/", folders))
-    rooms = {path.parent.name for path in (ROOT / "archo_tui").glob("*/__init__.py")}
-    assert rooms <= named_here
+    names = {path.parent.name for path in (ROOT / "archo_tui").glob("*/__init__.py")}
+    assert names <= named_here
 
 
 def test_every_package_that_others_wrote_is_in_the_notice() -> None:

@@ -38,10 +38,10 @@ def test_without_a_screen_textual_is_not_imported() -> None:
 
 
 def test_pydoc_knows_the_operators_verbs() -> None:
-    words = [sys.executable, "-m", "pydoc", "archo_tui.robot.client"]
+    words = [sys.executable, "-m", "pydoc", "archo_tui.robot.robot"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert "class Robot" in done.stdout
-    assert "emergency_stop(self)" in done.stdout
+    assert "emergency_stop(robot" in done.stdout
 
 
 def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from itertools import islice
 from typing import Any
 
-from archo_tui.robot.values import fits_an_integer
+from archo_tui.robot.messages.values import fits_an_integer
 from archo_tui.safe_text import harmless
 
 MAX_ITEMS = 100  # Of a list or an object.

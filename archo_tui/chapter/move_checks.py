@@ -13,7 +13,7 @@ from archo_tui.chapter import near_names
 from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
 from archo_tui.hosting.hosted_node import HostedNode
-from archo_tui.robot import message_classes
+from archo_tui.robot.messages.types import kinds, load_class
 
 MOVE = "move_to_shelf"
 _ARRIVES = "move_to_shelf gives feedback 15, 12 ... 0 and arrives"
@@ -63,7 +63,7 @@ def move_checks(runner: CheckRunner) -> Iterator[Result]:
             yield near_names.missing_result(runner, title, MOVE, "serve", "action", others)
         return
     type_name = found[nodes[0]][f"/{MOVE}"][0]
-    action_class = message_classes.load(type_name)
+    action_class = load_class(type_name)
     lacks = [field for part, field in _FIELDS.items() if field not in _fields(action_class, part)]
     if lacks:
         hint = f"it is a {type_name}, without {', '.join(lacks)}: the chapter's is MoveToShelf"
@@ -85,9 +85,7 @@ def move_checks(runner: CheckRunner) -> Iterator[Result]:
 
 
 def _fields(action_class: Any, part: str) -> set[str]:
-    return (
-        message_classes.fields(getattr(action_class, part)) if action_class is not None else set()
-    )
+    return set(kinds(getattr(action_class, part))) if action_class is not None else set()
 
 
 class _MoveProbe:

@@ -12,8 +12,8 @@ from archo_tui.chapter import near_names
 from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
 from archo_tui.hosting.hosted_node import HostedNode
-from archo_tui.robot import message_classes
-from archo_tui.robot.outcome import Code
+from archo_tui.robot.messages.types import kinds, name_of
+from archo_tui.robot.outcome import Code, outcome_of
 from archo_tui.ros_names import base_name
 
 _RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
@@ -110,7 +110,7 @@ def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, wher
     Raises:
         CrashedError: One of the nodes crashed.
     """
-    type_name = message_classes.name_of(client.srv_type)
+    type_name = name_of(client.srv_type)
     if base_name(type_name) != "ResetEncoder":
         called = runner.find_text("reset_encoder")
         wrong = f"it is a {type_name}; the chapter's is an archo_interfaces/srv/ResetEncoder"
@@ -164,7 +164,7 @@ def _check_stop_answer(
     answer, why = _call(runner, nodes, client)
     if answer is None:
         return Result(_STOP, why)
-    code = message_classes.outcome_of(answer).code
-    if code is Code.REFUSED and not message_classes.fields(client.srv_type.Request):
+    code = outcome_of(answer).code
+    if code is Code.REFUSED and not kinds(client.srv_type.Request):
         return Result(_STOP, f"{where}answered False: set response.success = True")
     return Result(_STOP if code is Code.DONE else _STOP_ANSWERS)

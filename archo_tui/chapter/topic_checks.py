@@ -13,7 +13,7 @@ from archo_tui.chapter import near_names
 from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
 from archo_tui.chapter.tap import Result
 from archo_tui.hosting.hosted_node import HostedNode
-from archo_tui.robot import message_classes
+from archo_tui.robot.messages.types import name_of
 from archo_tui.ros_names import base_name
 
 LEVEL = "battery_level"
@@ -74,7 +74,7 @@ def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Resu
         return
     publisher = ends[nodes[0]][LEVEL]
     wrong = _type_hint(publisher.msg_type)
-    title = _KINDS.get(message_classes.name_of(publisher.msg_type), _KIND)
+    title = _KINDS.get(name_of(publisher.msg_type), _KIND)
     yield Result(title, f"{runner.find_text(LEVEL)}it is {wrong}" if wrong else "")
     times: list[float] = []
 
@@ -151,7 +151,7 @@ def level_of(message: Any) -> float:
 
 def _type_hint(message_class: Any) -> str:
     """Return what is wrong with a type for battery levels, or ""."""
-    name = message_classes.name_of(message_class)
+    name = name_of(message_class)
     return "" if name in _KINDS else f"a {name}; the chapter's is a {_FLOAT}"
 
 

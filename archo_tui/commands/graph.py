@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot import ros2_command
-from archo_tui.robot.interface_text import definitions_text
+from archo_tui.robot.messages.definitions import definitions_text
 from archo_tui.robot.state import TOPIC, TopicView
 
 if TYPE_CHECKING:

@@ -28,8 +28,9 @@ from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_l
 from archo_tui.hosting.tracebacks import traceback_without
 from archo_tui.hosting.user_file import NodeFileError, UserFile
 from archo_tui.hosting.workers import Workers, multi_threaded
-from archo_tui.robot import message_classes
-from archo_tui.robot.fields import filled
+from archo_tui.robot.messages.types import kinds
+from archo_tui.robot.messages.values import filled
+from archo_tui.robot.outcome import outcome_of
 from archo_tui.robot.state import Hosted, Life
 
 # Seconds to wait for a constructor before other nodes start, or for a callback before a node spins.
@@ -323,7 +324,7 @@ class HostedNode:
         kind = served.srv_type
 
         def stop() -> Any:
-            if message_classes.fields(kind.Request) != set(request):
+            if kinds(kind.Request).keys() != request.keys():
                 raise ValueError("the request of its service differs: not called")
             answer = served.callback(filled(kind.Request(), request), kind.Response())
             if isinstance(answer, Coroutine):
@@ -337,7 +338,7 @@ class HostedNode:
 
         try:
             answer = run_limited(stop, CONSTRUCTION_TIME, self.name)
-            outcome = message_classes.outcome_of(answer)
+            outcome = outcome_of(answer)
         except Exception as error:  # The user's callback may raise anything.
             return in_one_line(error)
         return "" if outcome.ok else outcome.text

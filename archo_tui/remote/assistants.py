@@ -7,10 +7,9 @@ from typing import Any
 
 from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RequestTimedOut, timeout_of, wait_for
-from archo_tui.robot import forms
 from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.messages.typed import parse_all, typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
-from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import values_text
 from archo_tui.safe_text import harmless, is_deceptive
@@ -176,7 +175,7 @@ class Assistants:
             if isinstance(given[path], (dict, list)) or given[path] is None:
                 raise ValueError(f"values: {path} is not a number, a text, true or false")
             texts[path] = typed_text(given[path])
-        return forms.parse_all(fields, verb.kind.form, texts)
+        return parse_all(fields, verb.kind.form, texts)
 
     async def _wait_for_request(
         self, requester: Requester, words: list[str], request: Mapping[str, Any]

@@ -16,7 +16,7 @@ from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, RESTARTS, is_stop, words_of
 from archo_tui.remote.server import ClientSession
 from archo_tui.remote.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
-from archo_tui.robot import messages
+from archo_tui.robot.messages.text import as_json
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
@@ -362,11 +362,11 @@ class RequestHandler:
             data = verb.data(self._station, values)
         answer = answer_of(outcome)
         if answer is not None and word == "call":
-            data = await in_daemon(messages.as_data, answer)  # A map has a million values.
+            data = await in_daemon(as_json, answer)  # A map has a million values.
         if session.is_waiting and requester.goal is not None:
             data = as_data.goal(requester.goal, self._station.clock.monotonic())
             if isinstance(verb, SendGoal) and requester.goal.result is not None:
-                data["result"] = await in_daemon(messages.as_data, requester.goal.result)
+                data["result"] = await in_daemon(as_json, requester.goal.result)
                 result["tells"] = True
         return result if data is None else {**result, "data": data}
 

@@ -46,7 +46,7 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
     Raises:
         ArchoError: The file cannot be read or is not valid.
     """
-    from archo_tui.robot.state import TypedField
+    from archo_tui.robot.messages.types import TypedField
     from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
 

@@ -20,8 +20,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from archo_tui.robot.messages.values import fits_an_integer, text_of
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.values import fits_an_integer, text_of
 from archo_tui.safe_text import harmless
 
 TOPIC = "_archo_console/acts_1"  # A hidden name, as ROS tools use.
@@ -31,18 +31,12 @@ _MAX_DEPTH = 4  # Levels of nested values that are kept.
 
 
 class AuditRecord(NamedTuple):
-    """The record of a verb that was carried out, or was refused.
+    """The record of a verb that was carried out, or was refused."""
 
-    Attributes:
-        verb: The id of the verb, such as `stop`, `go`, `set`, or that of a command in the robot
-            file.
-        arguments: The values of the verb's arguments, by their names.
-        code: How the verb ended.
-    """
-
+    # The id of the verb, such as `stop`, `go`, `set`, or that of a command in the robot file.
     verb: str
-    arguments: Mapping[str, Any]
-    code: Code
+    arguments: Mapping[str, Any]  # The values of the verb's arguments, by their names.
+    code: Code  # How the verb ended.
 
     def json_safe(self) -> AuditRecord:
         """Return a copy whose texts are safe to show, with arguments that JSON can hold."""
@@ -50,30 +44,18 @@ class AuditRecord(NamedTuple):
 
 
 class PublishedRecord(NamedTuple):
-    """A record that a console published.
+    """A record that a console published."""
 
-    Attributes:
-        console: The name of the console, as it says itself.
-        record: The record.
-        text: The line for people; it may hold any characters.
-    """
-
-    console: str
+    console: str  # The name of the console, as it says itself.
     record: AuditRecord
-    text: str
+    text: str  # The line for people; it may hold any characters.
 
 
 def to_json(console: str, record: AuditRecord, text: str) -> str:
     """Return a record as one JSON object, in the form of this module; nothing is sent.
 
     If the JSON would be longer than MAX_LENGTH, arguments that are lists become null, and so do the
-    values in those that are mappings: their names remain. If that is too long, too, there are no
-    arguments.
-
-    Args:
-        console: The name of this console.
-        record: The record.
-        text: The line for people.
+    values in those that are mappings: their names remain.
     """
     verb, arguments, code = record.json_safe()
     form = {"console": console, "verb": verb, "code": code.value, "text": text}
@@ -117,9 +99,7 @@ def parse(form: str) -> PublishedRecord | None:
 def json_safe(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return a copy of values that JSON can hold, with texts that are safe to show.
 
-    NaN, infinity, integers beyond 64 bits and everything that JSON has not become texts. A list
-    keeps its first 100 items, a text some 500 characters; lists and mappings that are nested more
-    than four levels deep become `...`.
+    NaN, infinity, integers beyond 64 bits and everything that JSON has not become texts.
     """
     return _mapping(values, 0)
 

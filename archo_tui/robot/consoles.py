@@ -31,11 +31,7 @@ def new_node_name() -> str:
 
 
 def author(node: str) -> str:
-    """Return the name of the console whose node this is: `anna_lab_4711`; "" for any other node.
-
-    Args:
-        node: The name of a node, with or without its namespace.
-    """
+    """Return the name of the console whose node this is: `anna_lab_4711`; "" for any other node."""
     last = base_name(node)
     return last.removeprefix(PREFIX) if last.startswith(PREFIX) else ""
 

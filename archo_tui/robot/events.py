@@ -1,12 +1,23 @@
-"""The log of the session's events, of bounded length, in which repeats are counted."""
+"""The events of this session: the log of bounded length, and the reports of what happens."""
 
 from __future__ import annotations
 
 import re
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from operator import itemgetter
 
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from archo_tui.clock import Clock
+from archo_tui.errors import in_one_line
+from archo_tui.robot import audit_records
+from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.consoles import author
+from archo_tui.robot.other_clients import UnexplainedChanges
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.requester import YOU, Requester
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.safe_text import harmless
 
@@ -32,8 +43,7 @@ class EventLog:
     """A log in which a log line replaces an earlier line that differs only in its decimal numbers.
 
     At most 200 events of the console itself (OWN_LEVELS) and 800 lines of nodes are kept. Of too
-    many lines of nodes, the oldest goes of those that are more: DEBUG and INFO, or all others. Of
-    one source, 50 different DEBUG and INFO lines a second are kept.
+    many lines of nodes, the oldest goes of those that are more: DEBUG and INFO, or all others.
     """
 
     def __init__(self) -> None:
@@ -49,12 +59,7 @@ class EventLog:
     def add(self, event: Event) -> Event:
         """Append an event, or replace the earlier event that it repeats, and count the repeat.
 
-        The console's own events are never repeats. If the log is full, an old event is dropped. If
-        a source logs too many DEBUG or INFO lines, one line with LEFT_OUT counts those that are
-        left out.
-
-        Returns:
-            The event as the log has it: with its number, its count, and safe texts.
+        The console's own events are never repeats. If the log is full, an old event is dropped.
         """
         self._count += 1
         self._all = None
@@ -84,12 +89,7 @@ class EventLog:
         return event
 
     def _has_room(self, source: str, time: float) -> bool:
-        """Count a line of a source; return False if 50 came before it in the present second.
-
-        Args:
-            source: The name of the logger.
-            time: Unix time in seconds.
-        """
+        """Count a line of a source; return False if 50 came before it in the present second."""
         since, lines = self._windows.get(source, (time, 0))
         if not 0 <= time - since < _PERIOD:
             since, lines = time, 0
@@ -108,12 +108,7 @@ class EventLog:
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
-        """Return a new log with these events, unchanged.
-
-        Args:
-            events: Events that a log returned, the oldest first. An event that is added later gets
-                a higher number than all of them.
-        """
+        """Return a new log with these events, unchanged."""
         log, events = cls(), tuple(events)
         for log._count, event in enumerate(events, 1):
             kept, key = log._place(event.level, event.source, event.text)
@@ -140,3 +135,73 @@ class EventLog:
             places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))
         return self._all
+
+
+MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thread is busy.
+
+
+class Reporter:
+    """The log of this console's events, and the reports to other consoles of what it did.
+
+    ROS thread only.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        clock: Clock,
+        changes: UnexplainedChanges,
+        on_event: Callable[[Event], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        self._node, self._clock, self._changes = node, clock, changes
+        self._on_event, self._on_change = on_event, on_change
+        self._console = author(node.get_name())
+        self._publisher = node.create_publisher(String, audit_records.TOPIC, MAX_UNREAD)
+        self.log = EventLog()  # The events so far.
+
+    def add(self, event: Event) -> None:
+        """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
+        self.add_log_line(event)
+        self._on_change()
+
+    def add_log_line(self, event: Event) -> Event:
+        """Add an event to the log and pass it to `on_event`; nothing is shown yet."""
+        added = self.log.add(event)
+        self._on_event(added)
+        return added
+
+    def note(self, level: str, text: str) -> None:
+        """Add an event whose source is the console."""
+        self.add(Event(self._clock.now(), level, "console", text))
+
+    def warn(self, text: str) -> None:
+        """Add an event of level WARN whose source is the console."""
+        self.note("WARN", text)
+
+    def error(self, error: Exception) -> None:
+        """Add an event of level ERROR with the text of an exception; the source is the console."""
+        self.note("ERROR", in_one_line(error))
+
+    def report_done(
+        self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
+    ) -> None:
+        """Report what this console did: as an event, in the ROS log, and to other consoles.
+
+        The record also explains changes of the robot that follow, so that no other client is
+        blamed.
+        """
+        text = harmless(text)
+        self._node.get_logger().info(text)
+        self._publisher.publish(String(data=audit_records.to_json(self._console, record, text)))
+        self._changes.on_audit_record(record, self._clock.monotonic())
+        now = self._clock.now()
+        self.add(Event(now, requester.level, requester.source, text, command, audit_record=record))
+
+    def report_stop_result(self, text: str, code: Code) -> None:
+        """Report an outcome of a STOP that no verb waits for any more, as `report_done` does."""
+        self.report_done(text, AuditRecord("stop", {"later": True}, code))
+
+    def report_cancel_of_others(self, text: str, code: Code) -> None:
+        """Report that goals of other clients were cancelled behind a STOP that is not confirmed."""
+        self.report_done(text, AuditRecord("cancel", {"all": True}, code))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, NamedTuple
 
+from archo_tui.robot.messages.types import kinds
+
 SLOW_CALL = 2.0  # Seconds after which a call without an answer is reported as running.
 CALL_WAIT = 30.0  # Seconds to wait for the answer to `call SERVICE`.
 # The text for a request for which nobody waits any more.
@@ -45,13 +47,9 @@ class Outcome(NamedTuple):
 
 
 class Answer(Outcome):
-    """The outcome of a call that was answered.
+    """The outcome of a call that was answered."""
 
-    Attributes:
-        message: The answer.
-    """
-
-    message: Any
+    message: Any  # The answer.
 
     @classmethod
     def of(cls, outcome: Outcome, message: Any) -> Answer:
@@ -62,13 +60,9 @@ class Answer(Outcome):
 
 
 class Report(Outcome):
-    """The outcome of a verb that found something out, with the findings for programs.
+    """The outcome of a verb that found something out, with the findings for programs."""
 
-    Attributes:
-        data: What the text says, in types that JSON has.
-    """
-
-    data: Any
+    data: Any  # What the text says, in types that JSON has.
 
     @classmethod
     def of(cls, text: str, data: Any) -> Report:
@@ -86,3 +80,44 @@ def data_of(outcome: Outcome) -> Any:
 def answer_of(outcome: Outcome) -> Any:
     """Return the answer in an outcome; None if it has none."""
     return outcome.message if isinstance(outcome, Answer) else None
+
+
+def _verdict_and_words(answer: Any) -> tuple[str, str]:
+    """Return the names of an answer's fields that say if it worked, and why; "" for none.
+
+    They are `success`, or else the only bool, and `message`, or else the only string.
+    """
+    found = kinds(answer)
+    bools = [name for name, kind in found.items() if kind == "boolean"]
+    texts = [name for name, kind in found.items() if kind == "string"]
+    verdict = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
+    words = "message" if "message" in texts else texts[0] if len(texts) == 1 else ""
+    return verdict, words
+
+
+def refuses(answer: Any) -> bool:
+    """Return True if a service's answer says no: its `success`, or else its only bool, is false.
+
+    False if it has neither.
+    """
+    verdict, _ = _verdict_and_words(answer)
+    return bool(verdict) and not getattr(answer, verdict)
+
+
+def says_more(answer: Any) -> bool:
+    """Return True if a service's answer has other fields than its verdict and its message."""
+    return bool(set(kinds(answer)) - set(_verdict_and_words(answer)))
+
+
+def outcome_of(answer: Any) -> Outcome:
+    """Return the outcome that a service's answer means, with the answer's message as its text.
+
+    DONE or REFUSED by `success`, or else the only bool; NOT_CONFIRMED if there is none. Without a
+    message the text is `done` or `failed`. The message may hold any characters.
+    """
+    verdict, words = _verdict_and_words(answer)
+    if not verdict:
+        return Outcome(Code.NOT_CONFIRMED, "answered, not confirmed")
+    done, text = bool(getattr(answer, verdict)), getattr(answer, words, "")
+    code = Code.DONE if done else Code.REFUSED
+    return Outcome(code, text if isinstance(text, str) and text else ("done" if done else "failed"))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeGuard
 
+from archo_tui.clock import Monotonic
+
 # All of them our choice; times are in seconds.
 LEAST_SILENCE = 2.5  # A shorter silence is never judged.
 UNMEASURED = 90.0  # Silence allowed before the period is known: longer than most topics' periods.
@@ -32,41 +34,25 @@ class Period(NamedTuple):
     silence of such a link is noticed. Silences of the same length, three in a row, make it longer.
     Regular messages that are much more frequent show that it was learnt from outages: unless such
     silences taught it, it is learnt anew.
-
-    Attributes:
-        intervals: The first intervals between messages, in seconds; at most five.
-        last: When the last message came, in monotonic seconds; None before the first.
-        known: The period in seconds from before, which holds until it is measured; or None.
-        dense: The sum of all intervals up to `_DENSE`, in seconds.
-        gaps: The longer intervals, in seconds.
-        learnt: The typical interval in seconds; None while it is being learnt.
-        silences: The last intervals that were longer than is typical, in seconds.
-        is_taught: True if silences of the same length made `learnt` longer.
-        regular: The messages in a row that came much more often than is typical.
-        regular_since: When the first of them came, in monotonic seconds.
     """
 
-    intervals: tuple[float, ...] = ()
-    last: float | None = None
+    intervals: tuple[float, ...] = ()  # The first intervals between messages, in seconds.
+    last: float | None = None  # When the last message came, in monotonic seconds.
+    # The period in seconds from before, which holds until it is measured; or None.
     known: float | None = None
-    dense: float = 0.0
-    gaps: tuple[float, ...] = ()
-    learnt: float | None = None
+    dense: float = 0.0  # The sum of all intervals up to `_DENSE`, in seconds.
+    gaps: tuple[float, ...] = ()  # The longer intervals, in seconds.
+    learnt: float | None = None  # The typical interval in seconds; None while it is being learnt.
+    # The last intervals that were longer than is typical, in seconds.
     silences: tuple[float, ...] = ()
-    is_taught: bool = False
-    regular: int = 0
-    regular_since: float = 0.0
+    is_taught: bool = False  # True if silences of the same length made `learnt` longer.
+    regular: int = 0  # The messages in a row that came much more often than is typical.
+    regular_since: float = 0.0  # When the first of them came, in monotonic seconds.
 
     def measured_again(self, old: object, new: object) -> Period:
         """Return an unmeasured period in which the present one holds until it is measured again.
 
-        For use when a parameter has changed. If the old value of the parameter is about the present
-        period, the parameter seems to set it: then its new value, at most LONGEST_SET, holds from
-        now on if it is longer. The publisher may first wait for the end of the old period.
-
-        Args:
-            old: The parameter's value before; None if it is of another node than the publisher.
-            new: The parameter's present value.
+        For use when a parameter has changed.
         """
         seconds = self.typical or self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
@@ -191,24 +177,14 @@ class Pause(NamedTuple):
 
     Pauses that follow each other count as one, or a process that pauses again and again would never
     notice a silence.
-
-    Attributes:
-        checked: When `checked_at` was called last, in monotonic seconds; None if never.
-        is_over: False if a pause was found at the last call.
-        resumed: The end of the last pause, in monotonic seconds; silence counts from then. For
-            pauses that follow each other, the end of the first.
     """
 
-    checked: float | None = None
-    is_over: bool = True
-    resumed: float = float("-inf")
+    checked: float | None = None  # When `checked_at` was called last, in monotonic seconds.
+    is_over: bool = True  # False if a pause was found at the last call.
+    resumed: float = float("-inf")  # The end of the last pause, in monotonic seconds.
 
     def checked_at(self, now: float) -> Pause:
-        """Return the pauses up to `now`; a call more than 2.5 s after the last one means a pause.
-
-        Args:
-            now: Monotonic time in seconds. Call this about once a second.
-        """
+        """Return the pauses up to `now`; more than 2.5 s since the last call are a pause."""
         paused = self.checked is not None and now - self.checked > LEAST_SILENCE
         resumed = now if paused and self.is_over else self.resumed
         return Pause(now, not paused, resumed)
@@ -222,15 +198,52 @@ def is_number(value: object) -> TypeGuard[float]:
 def is_silent(
     received: float | None, period: float | None, now: float, grace: float | None
 ) -> bool:
-    """Return True if no message came for three periods, at least 2.5 s.
-
-    Args:
-        received: When the last message came; None if none has: then it is not silent.
-        period: The period in seconds; None if it is not known.
-        now: Monotonic time in seconds, as `received`.
-        grace: The silence in seconds that is allowed without a period; None for any.
-    """
+    """Return True if no message came for three periods, at least 2.5 s."""
     if received is None:
         return False
     longest = grace if period is None else max(3 * period, LEAST_SILENCE)
     return longest is not None and now - received > longest
+
+
+RATE_INTERVALS = 3  # Fewer intervals tell no rate.
+_SMOOTHING = 0.2  # Our choice: the weight of the newest interval in a rate.
+
+
+class MessageRate(NamedTuple):
+    """The present rate of messages; immutable. After a silence it is measured anew."""
+
+    heard: Monotonic  # When the last message came, in monotonic seconds.
+    interval: float | None = None  # The smoothed interval in seconds; None before two messages.
+    intervals: int = RATE_INTERVALS  # How many intervals were measured, at most RATE_INTERVALS.
+
+    def with_message_at(self, now: float) -> MessageRate:
+        """Return the rate with one more message at `now`, in monotonic seconds.
+
+        After a silence, as by `is_silent`, the interval is not known again. The rate stays the same
+        if `now` is not later than the last message.
+        """
+        if self.is_silent(now):
+            return MessageRate(now)
+        since = now - self.heard
+        if since <= 0:
+            return self
+        if self.interval is None:
+            return MessageRate(now, since, 1)
+        interval = self.interval + _SMOOTHING * (since - self.interval)
+        return MessageRate(now, interval, min(self.intervals + 1, RATE_INTERVALS))
+
+    @property
+    def hertz(self) -> float | None:
+        """The messages in a second; None before three intervals: two messages may come at once."""
+        return 1 / self.interval if self.interval and self.intervals >= RATE_INTERVALS else None
+
+    def hertz_at(self, now: float) -> float | None:
+        """Return `hertz`, but None while the topic is silent."""
+        return None if self.is_silent(now) else self.hertz
+
+    def is_silent(self, now: float) -> bool:
+        """Return True if no message came for three intervals, and at least 2.5 s.
+
+        False while the interval is not known.
+        """
+        return is_silent(self.heard, self.interval, now, None)

@@ -14,24 +14,17 @@ ASSISTANT = "assistant"  # The beginning of an assistant's source.
 
 
 class Requester:
-    """A person or a program that requests something, as events and journal name it.
-
-    Attributes:
-        level: The level of its events: `YOU`, `SHELL`, `AI`.
-        source: The source of its events: `console`, `pid 4711`.
-        ends: Futures for the outcomes of the goals that it requested.
-        goal: The last of these goals that ended; None if none has.
-        has_left: True once it has gone: nothing more is sent for it, and what waits for an approval
-            is dropped.
-        waits: True if it waits for the end of its goals, which are cancelled if it leaves.
-    """
+    """A person or a program that requests something, as events and journal name it."""
 
     def __init__(self, level: str, source: str) -> None:
-        """Create a requester without goals."""
-        self.level, self.source = level, source
+        self.level, self.source = level, source  # Of its events: `SHELL` and `pid 4711`.
+        # Futures for the outcomes of the goals that it requested.
         self.ends: list[Future[Outcome]] = []
-        self.goal: Goal | None = None
+        self.goal: Goal | None = None  # The last of these goals that ended; None if none has.
+        # True once it has gone: nothing more is sent for it, and what waits for an approval is
+        # dropped.
         self.has_left = False
+        # True if it waits for the end of its goals, which are cancelled if it leaves.
         self.waits = False
 
     @property

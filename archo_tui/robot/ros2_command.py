@@ -6,30 +6,18 @@ from collections.abc import Mapping
 from shlex import quote
 from typing import Any
 
-from archo_tui.robot import messages
+from archo_tui.robot.messages.text import as_yaml
 from archo_tui.yaml_text.dump import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:
-    """Return the `ros2` command line that calls a service.
-
-    Args:
-        name: The full name of the service.
-        type_name: The type: `package/srv/Name`.
-        request: The request message.
-    """
-    return f"ros2 service call {name} {type_name} {quote(messages.as_yaml(request))}"
+    """Return the `ros2` command line that calls a service."""
+    return f"ros2 service call {name} {type_name} {quote(as_yaml(request))}"
 
 
 def send_goal(name: str, type_name: str, goal: Any) -> str:
-    """Return the `ros2` command line that sends a goal and prints its feedback.
-
-    Args:
-        name: The full name of the action.
-        type_name: The type: `package/action/Name`.
-        goal: The goal message.
-    """
-    return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
+    """Return the `ros2` command line that sends a goal and prints its feedback."""
+    return f"ros2 action send_goal {name} {type_name} {quote(as_yaml(goal))} --feedback"
 
 
 def echo(topic: str, type_name: str) -> str:
@@ -46,21 +34,12 @@ def cancel(name: str) -> str:
 
 
 def change_lifecycle(node: str, word: str) -> str:
-    """Return the `ros2` command line that has a managed node make a transition.
-
-    Args:
-        node: The full name of the node.
-        word: The transition, such as `activate`.
-    """
+    """Return the `ros2` command line that has a managed node make a transition."""
     return f"ros2 lifecycle set {quote(node)} {quote(word)}"
 
 
 def set_parameters(node: str, values: Mapping[str, Any]) -> str:
-    """Return a `ros2 param set` command line for each parameter, joined by `; `.
-
-    Returns:
-        The text; "" if `ros2` would guess another type for one of the values, as for an empty list.
-    """
+    """Return a `ros2 param set` command line for each parameter, joined by `; `."""
     if any(value == [] or _holds_bytes(value) for value in values.values()):
         return ""
     # A blank keeps `ros2` from taking a negative number for an option.

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import threading
 from collections.abc import Callable
 
 from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
-from archo_tui.robot.mailbox import Mailbox
 from archo_tui.robot.state import Snapshot
 
 FLUSH_PERIOD = 0.2  # Seconds between two snapshots while much happens: 5 a second.
@@ -16,24 +18,13 @@ STREAM_PERIOD = 0.4
 
 
 class SnapshotSender:
-    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only.
-
-    Attributes:
-        mailbox: The way to the front end; it holds the newest snapshot only.
-        is_stale: True if a message with a reading came since the last snapshot, even one that
-            changed nothing. Set by whoever handles the message; cleared by `send`.
-    """
+    """The sender of snapshots: has them built, and puts them into the mailbox. ROS thread only."""
 
     def __init__(self, node: Node, clock: RosClock, build: Callable[[], Snapshot]) -> None:
-        """Create the sender.
-
-        Args:
-            node: The console's node.
-            clock: The clock of the timers, which goes on whatever the robot's time does.
-            build: Returns a snapshot of the present state.
-        """
         self._build = build
-        self.mailbox = Mailbox()
+        self.mailbox = Mailbox()  # The way to the front end; it holds the newest snapshot only.
+        # True if a message with a reading came since the last snapshot, even one that changed
+        # nothing.
         self.is_stale = False
         # True while a snapshot is due within FLUSH_PERIOD, and within STREAM_PERIOD.
         self._is_due_soon = self._is_due_later = False
@@ -63,3 +54,56 @@ class SnapshotSender:
         self._flusher.cancel()
         self._streamer.cancel()
         self.mailbox.put(self._build())
+
+
+Receiver = Callable[[Snapshot], None]
+
+
+class Mailbox:
+    """The place of the newest snapshot: only one waits for delivery, however slow the loop."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._latest = Snapshot()
+        self._waiting = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._receiver: Receiver | None = None
+
+    def open(self, receiver: Receiver) -> None:
+        """Call a function on the running loop with each snapshot that is put from now on.
+
+        The function takes the place of an earlier one. The newest snapshot is not delivered again.
+        """
+        with self._lock:
+            self._waiting = False  # A delivery that an earlier loop did not get to is lost.
+            self._loop = asyncio.get_running_loop()
+            self._receiver = receiver
+
+    def close(self) -> None:
+        """Deliver no more snapshots; `put` and `latest` still work."""
+        self._receiver = None
+
+    @property
+    def latest(self) -> Snapshot:
+        """The snapshot that was put last; an empty one before the first."""
+        return self._latest
+
+    def put(self, snapshot: Snapshot) -> None:
+        """Replace the newest snapshot, and have it delivered on the loop. Any thread.
+
+        A snapshot that still waits is never delivered. Before `open` nothing is delivered.
+        """
+        with self._lock:
+            self._latest = snapshot
+            if self._waiting or self._loop is None:
+                return
+            self._waiting = True
+        with contextlib.suppress(RuntimeError):  # The loop is closed.
+            self._loop.call_soon_threadsafe(self._deliver)
+
+    def _deliver(self) -> None:
+        with self._lock:
+            self._waiting = False
+            snapshot = self._latest
+        if self._receiver is not None:
+            self._receiver(snapshot)

@@ -15,19 +15,19 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import message_classes, services
-from archo_tui.robot.fields import filled
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Services
+from archo_tui.robot.events import Reporter
 from archo_tui.robot.goals.client import Goals
-from archo_tui.robot.graph import Graph
-from archo_tui.robot.interface_checks import InterfaceChecks
-from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.reporter import Reporter
-from archo_tui.robot.services import Services
+from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.graph.interface_checks import InterfaceChecks
+from archo_tui.robot.messages.values import filled
+from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
+from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state import Latch, Motion, StopAnswer, not_offered
 from archo_tui.robot.stop.machine import NOBODY, Do, Facts, Result, Servers, Stop
-from archo_tui.robot.telemetry import Telemetry
-from archo_tui.robot.thread import RosThread
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # Seconds that the answers of several servers are waited for.
@@ -179,7 +179,7 @@ class StopSender:
         Args:
             stop: The robot file's STOP.
             asked: The nodes that serve it.
-            on_late: Called if the last answer comes later, within `services.LATE`.
+            on_late: Called if the last answer comes later, within `calls.LATE`.
         """
         name = stop.service
         if name not in self._graph.offered:
@@ -189,7 +189,7 @@ class StopSender:
             return _not_sent(Code.REFUSED, reason)
         request = filled(srv_type.Request(), stop.request)
         servers = max(self._node.count_services(name), 1)
-        wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
+        wait = calls.DEADLINE if servers == 1 else ALL_ANSWERS
         self._become(self.stop.leaving(self._services.next_turn(), asked))
         answers = await self._services.call_all(
             *(srv_type, name, request, servers, wait),
@@ -312,8 +312,8 @@ def answers_of(answers: list[Any], servers: int, wait: float) -> Answers:
     It is a yes only if every server says yes. Otherwise a refusal counts first, then a missing
     answer, then one that is neither yes nor no.
     """
-    read = [(answer, message_classes.outcome_of(answer)) for answer in answers]
-    refusals = [outcome.text for answer, outcome in read if message_classes.refuses(answer)]
+    read = [(answer, outcome_of(answer)) for answer in answers]
+    refusals = [outcome.text for answer, outcome in read if refuses(answer)]
     of = f" by {len(refusals)} of {servers}" if servers > 1 else ""
     if refusals:
         outcome = Outcome(Code.REFUSED, f"REFUSED{of}: {refusals[0]}")

@@ -13,9 +13,9 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Label, Static
 
-from archo_tui.robot.forms import default_text, parse, range_text
+from archo_tui.robot.messages.typed import default_text, parse_field, range_text
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
-from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, start_worker
@@ -168,7 +168,7 @@ class MessageForm(Dialog[None]):
             text = self._typed[message_field.path] = self._fields[number].value
             try:
                 given = self._form_field(message_field)
-                values[message_field.path] = parse(message_field, given, text)
+                values[message_field.path] = parse_field(message_field, given, text)
             except ValueError as error:
                 self.show_message(str(error))
                 self.set_focus(self._fields[number])

@@ -11,18 +11,18 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.robot import forms
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.messages.typed import check_ranges
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal
 from archo_tui.robot.stop.gate import NOT_SENT
-from archo_tui.robot.values import text_of
 from archo_tui.yaml_text.dump import flow
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
     from archo_tui.station.goal_driver import GoalDriver
 
 MAX_WAITING = 3  # Requests that may wait for a person at a time.
@@ -238,7 +238,7 @@ class Approvals:
         snapshot = self._robot.snapshot
         fields = snapshot.forms.get(goal.kind.id) or ()
         try:
-            forms.check_ranges(fields, snapshot.form(goal.kind), goal.values)
+            check_ranges(fields, snapshot.form(goal.kind), goal.values)
         except ValueError as error:
             return str(error)
         return ""

@@ -20,7 +20,7 @@ from archo_tui.robot.stop.gate import NEVER_LEFT, NOT_SENT
 from archo_tui.station.frontend import Frontend
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"

@@ -29,7 +29,7 @@ from archo_tui.station.view import Recorder, View
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
     from archo_tui.station.journal import Journal
 
 

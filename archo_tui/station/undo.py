@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from archo_tui.robot.messages.values import same
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
-from archo_tui.robot.values import same
 
 if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+    from archo_tui.robot.robot import Robot
 
 LIMIT = 100  # Changes that are kept.
 

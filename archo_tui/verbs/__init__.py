@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from archo_tui.robot.state import TypedField
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.base import Verb

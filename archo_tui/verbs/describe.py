@@ -6,7 +6,6 @@ import time
 from collections.abc import Sequence
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.sightings import take_sightings
 from archo_tui.robot_file.proposal import propose
 from archo_tui.robot_file.proposal_text import text_of
 from archo_tui.robot_file.sighting import Sighting
@@ -27,7 +26,7 @@ async def robot_file_text(station: Station) -> str:
         SeveralRobots: The namespace holds more than one robot.
         TimeoutError: The ROS thread does not answer.
     """
-    seen = await take_sightings(station.robot, station.clock, LISTENING)
+    seen = await station.robot.take_sightings(LISTENING)
     view = station.view
     attach = " --engine ros2 --attach" if station.attached else ""
     # The more names are on the graph, the longer this takes.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Sequence
 
-from archo_tui.robot import forms
 from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase, Snapshot, TypedField
+from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
@@ -72,7 +73,7 @@ class Go(Verb):
         self.id = verb or kind.id
         self.title = self.help = kind.title
         self.service = kind.action
-        several = fields is not None and len(fields) == 1 and forms.is_number(fields[0])
+        several = fields is not None and len(fields) == 1 and is_number(fields[0])
         self.arguments = tuple(_argument(kind, field, several) for field in fields or ())
 
     @property
@@ -111,8 +112,8 @@ class Go(Verb):
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
         form = self.kind.form
-        texts = [forms.texts_by_path(self._fields, form, row) for row in rows]
-        return {GOALS: [forms.parse_all(self._fields, form, row) for row in texts]}
+        texts = [texts_by_path(self._fields, form, row) for row in rows]
+        return {GOALS: [parse_all(self._fields, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if the action is offered, and the nodes with its limits have reported them.
@@ -140,7 +141,7 @@ class Go(Verb):
         """
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
-            forms.check_ranges(self._fields or (), form, goal)
+            check_ranges(self._fields or (), form, goal)
         return values
 
     def question(self, station: Station, values: Values) -> Question | None:

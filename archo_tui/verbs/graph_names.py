@@ -7,9 +7,8 @@ from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot import forms
+from archo_tui.robot.messages.typed import mapping, parse_all, texts_by_path
 from archo_tui.robot.state import Snapshot, in_namespace
-from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import mismatch
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import DISCOVERY_TIME
@@ -107,4 +106,4 @@ async def fields_of(
         raise ValueError(mismatch.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
-    return forms.parse_all(fields, {}, forms.texts_by_path(fields, {}, words, partial=True))
+    return parse_all(fields, {}, texts_by_path(fields, {}, words, partial=True))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot import message_classes, message_text
+from archo_tui.robot.messages.text import as_data, as_text
+from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state import TOPIC, Snapshot, TopicInfo
 from archo_tui.robot_file.mismatch import not_installed
@@ -21,7 +22,7 @@ from archo_tui.words.inspect import rate_text
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from archo_tui.robot.inspection import Inspection
+    from archo_tui.robot.topics.inspect import Inspection
 
 WAIT = 5.0  # Seconds to wait for a message.
 LISTEN = 5.0  # Seconds in which messages are counted.
@@ -85,7 +86,7 @@ class _TopicVerb(Verb):
         kinds = sorted({end.type for end in info.publishers or info.subscriptions})
         if len(kinds) > 1:
             raise ArchoError(f"{name} has several types: {', '.join(kinds)}")
-        message_class = await in_daemon(message_classes.load, kinds[0])
+        message_class = await in_daemon(load_class, kinds[0])
         if message_class is None:
             raise ArchoError(not_installed(name, kinds[0]))
         try:
@@ -205,9 +206,9 @@ def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
         ArchoError: There is no such field, or the message is too large or not readable.
     """
     message = inspection.decode(inspection.newest[1])
-    text = message_text.as_text(message, paths)
+    text = as_text(message, paths)
     with suppress(ArchoError):  # It is too large for a program, which gets the text only.
-        return Report.of(text, message_text.as_data(message, paths))
+        return Report.of(text, as_data(message, paths))
     return Outcome(Code.DONE, text)
 
 
@@ -229,8 +230,8 @@ def _text_or_data(
     """
     message = inspection.decode(data)
     if for_program:
-        return "", message_text.as_data(message, paths)
-    return message_text.as_text(message, paths), None
+        return "", as_data(message, paths)
+    return as_text(message, paths), None
 
 
 def _topics(snapshot: Snapshot) -> list[str]:

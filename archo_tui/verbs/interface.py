@@ -5,7 +5,7 @@ from __future__ import annotations
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot.interface_text import definition_text, names_in
+from archo_tui.robot.messages.definitions import definition_text, names_in
 from archo_tui.robot.outcome import Outcome, Report
 from archo_tui.robot.state import Snapshot
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from archo_tui.nearest import nearest_hint
-from archo_tui.robot.fields import element_of
+from archo_tui.robot.messages.types import INTEGERS, element_of
 from archo_tui.robot.state import Snapshot
-from archo_tui.robot.values import INTEGERS
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Values, Verb
 

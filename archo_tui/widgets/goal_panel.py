@@ -11,9 +11,10 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from archo_tui.robot.forms import is_integer, is_number, parse
+from archo_tui.robot.messages.typed import is_integer, is_number, parse_field
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
-from archo_tui.robot.state import Snapshot, TypedField
+from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from archo_tui.widgets.board import Board
@@ -424,7 +425,7 @@ class GoalPanel(Panel):
             values: dict[str, Any] = {}
             for number, (field, text) in enumerate(zip(self._message_fields, row, strict=True)):
                 try:
-                    values[field.path] = parse(field, form[field.path], text)
+                    values[field.path] = parse_field(field, form[field.path], text)
                 except ValueError as error:
                     raise _InvalidTextError(str(error), number) from None
             goals.append(values)

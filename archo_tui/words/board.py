@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.messages.types import INTEGERS
 from archo_tui.robot.state import Phase, Snapshot
-from archo_tui.robot.values import INTEGERS
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.words.state import BAD, OLD, PLAIN, STRONG, WARN
 

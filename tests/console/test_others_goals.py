@@ -351,7 +351,7 @@ async def test_watching_shows_everything_and_commands_nothing() -> None:
     async with console(*LONG, node_makers=[*ROBOT, other], watch=True) as op:
         await op.until(made[0].client.server_is_ready)
         assert "watching" in op.line(" ARCHO ")
-        own = op.session.robot._node
+        own = op.session.robot.node
         clients = {client.service_name for client in own.clients}
         assert not any("send_goal" in name or "cancel_goal" in name for name in clients)
         assert not any("emergency_stop" in name or "/set_parameters" in name for name in clients)

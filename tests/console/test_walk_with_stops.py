@@ -107,7 +107,7 @@ async def walk(op: Console, seed: int, rounds: int, stands: Any) -> None:
             (before if before[:1] != b"\x1b" else b"") + keys + STOP + choose.choice(_ENDS)
         )
         await typist.pause(3.5)
-        assert not op.session.robot._goals.sending_has_ended, "the walk must not quit"
+        assert not op.session.robot.goals.sending_has_ended, "the walk must not quit"
         assert stands(), f"seed {seed}, round {number}: {typist.typed}\n{op.text}"
         await typist.pause(1.0)
 

@@ -86,7 +86,7 @@ async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> No
         person.type("go 12\ncancel\nnodes\n")
         await until(lambda: made and made[0].seen)
         station, began = person._plain._station, seconds()
-        goals = station.robot._goals
+        goals = station.robot.goals
         await until(lambda: goals.ours is not None and goals.ours.is_cancelled)
         assert seconds() - began < 1.0
         assert "hesitant up" not in person.said  # what follows keeps its place

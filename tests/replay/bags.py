@@ -14,8 +14,8 @@ from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from rclpy.serialization import serialize_message
 
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
-from archo_tui.robot.definitions import definition
-from archo_tui.robot.message_classes import name_of
+from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import name_of
 
 START = 1_763_780_000  # Unix time of the first message, in s
 ALWAYS = (float("-inf"), float("inf"))

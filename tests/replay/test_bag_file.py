@@ -23,8 +23,8 @@ from archo_tui.recordings import store
 from archo_tui.recordings.replay import bag as bag_reader
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.robot import message_classes
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import load_class, name_of
 from tests.replay.bags import (
     MAGIC,
     START,
@@ -159,7 +159,7 @@ def test_each_interface_as_its_file_says_it_is_the_type_that_is_installed(tmp_pa
     assert len(found) > 40
     for file in found:
         type_name = f"{file.parent.parent.name}/msg/{file.stem}"
-        made = message_classes.load(type_name)
+        made = load_class(type_name)
         _, rule, nested = definition(made).partition("=" * 80)
         parts = schema(2, type_name, file.read_text() + rule + nested) + channel(2, 2, "/other")
         bag_file = BagFile(logs(tmp_path / "a.mcap", parts))
@@ -584,7 +584,7 @@ def test_a_file_that_goes_while_it_is_read_is_a_fault(tmp_path: Path) -> None:
 def test_a_profile_of_nobody_with_messages_of_ros_2_is_read(tmp_path: Path) -> None:
     path = written(tmp_path / "a.mcap", [("/b", BatteryStatus(percentage=5.0))], profile="")
     assert contents(path) == [("/b", BatteryStatus(percentage=5.0))]
-    assert BagFile(path).types == {"/b": message_classes.name_of(BatteryStatus)}
+    assert BagFile(path).types == {"/b": name_of(BatteryStatus)}
 
 
 def test_a_bag_that_grows_while_it_is_read_gives_what_was_there(tmp_path: Path) -> None:

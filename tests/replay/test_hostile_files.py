@@ -19,7 +19,7 @@ from rcl_interfaces.msg import Log
 from archo_tui.errors import ArchoError
 from archo_tui.recordings.replay import mcap_file
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.definitions import definition
 from tests.replay.bags import (
     ALWAYS,
     MAGIC,

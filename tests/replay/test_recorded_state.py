@@ -15,7 +15,7 @@ from archo_tui.recordings.console import STATE
 from archo_tui.recordings.replay.state import ReplayState
 from archo_tui.recordings.state import TOLD, change_key, to_json
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.requester import YOU
 from archo_tui.robot.state import (
     Event,

@@ -222,7 +222,7 @@ async def test_the_goals_of_another_console_are_known_by_its_name() -> None:
         assert (await ended(go(it, 3))).ok
         await until(lambda: made[0].goal_ids)
         (ours,) = made[0].goal_ids
-        name = author(it._node.get_name())
+        name = author(it.node.get_name())
         others = [bytes(16), bytes([1] * 16)]
         said = f"cancelling 1 goal of console {name}, 2 goals of other clients"
         assert goals_of_others([ours, *others], [name, "anna_lab_7"]) == said

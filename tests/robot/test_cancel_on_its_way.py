@@ -72,7 +72,7 @@ async def test_one_that_the_robot_refuses_meanwhile_leaves_nothing_to_cancel(
         going = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].seen)
         cancelling = asyncio.ensure_future(it.cancel())
-        await until(lambda: it._goals.ours is not None and it._goals.ours.is_cancelled)
+        await until(lambda: it.goals.ours is not None and it.goals.ours.is_cancelled)
         made[0].answer(taken=False)
         await until(lambda: going.done() and cancelling.done())
         said = "the goal was not driven: refused, no reason given"
@@ -86,7 +86,7 @@ async def test_one_whose_server_is_still_looked_for_is_never_sent(
         await until(lambda: offered(it))
         kind = GoalKind("send_goal", "Reach", "reach", SHELF.type)
         going = asyncio.ensure_future(it.send(kind, {"shelf_number": 3}))
-        await until(lambda: it._goals._coming)
+        await until(lambda: it.goals._coming)
         assert await ended(it.cancel()) == (Code.ACCEPTED, NEVER_LEFT)
         assert await ended(going) == (Code.CANCELLED, NEVER_LEFT)
 
@@ -134,7 +134,7 @@ async def test_a_shells_cancel_ends_when_that_goals_cancel_is_answered(
         going = asyncio.ensure_future(typed("go", "12", "--wait"))
         await really(lambda: made and made[0].seen)
         cancelling = asyncio.ensure_future(typed("cancel"))
-        goals = person._plain._robot._goals
+        goals = person._plain._robot.goals
         await really(lambda: goals.ours is not None and goals.ours.is_cancelled)
         assert not cancelling.done()
         made[0].answer()

@@ -277,10 +277,10 @@ async def test_two_nodes_of_one_name_are_an_alarm() -> None:
 async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
     async with robot(battery(percentage=50.0)) as it:
         await until(lambda: it.snapshot.parameters)
-        services = it._services
+        services = it.services
         before = len(services._clients)
         for _ in range(3):
-            guest = Node("guest", context=it._node.context)
+            guest = Node("guest", context=it.node.context)
             guest.declare_parameter("x", 1)
             await until(lambda: any(n.name == "/guest" for n in it.snapshot.nodes))
             guest.destroy_node()
@@ -292,15 +292,15 @@ async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
 async def test_a_node_that_never_answers_is_asked_less_and_less() -> None:
     async with robot(battery(percentage=50.0)) as it:
         asked: list[float] = []
-        load = it._parameters._load
+        load = it.parameters._load
 
         async def count(node: str) -> None:
             if node == "/mute":
                 asked.append(clock.seconds())
             await load(node)
 
-        it._parameters._load = count  # type: ignore[method-assign]
-        mute = Node("mute", context=it._node.context)  # nobody spins it
+        it.parameters._load = count  # type: ignore[method-assign]
+        mute = Node("mute", context=it.node.context)  # nobody spins it
         begin = clock.seconds()
         await until(lambda: clock.seconds() > begin + 25)
         gaps = [round(b - a) for a, b in itertools.pairwise(asked)]
@@ -334,11 +334,11 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
 
 
 async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot import message_classes
+    from archo_tui.robot.messages.types import load_class
 
-    assert message_classes.load("nonsense") is None
-    assert message_classes.load("a/b/c/d") is None
-    assert message_classes.load("rcl_interfaces/msg/Log") is Log
+    assert load_class("nonsense") is None
+    assert load_class("a/b/c/d") is None
+    assert load_class("rcl_interfaces/msg/Log") is Log
 
 
 async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one() -> None:
@@ -347,7 +347,7 @@ async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one()
         await until(lambda: it.snapshot.parameters)
         begin = clock.seconds()
         await until(lambda: clock.seconds() > begin + 3)
-        guest = Node("guest", context=it._node.context, namespace="/r2", use_global_arguments=False)
+        guest = Node("guest", context=it.node.context, namespace="/r2", use_global_arguments=False)
         await until(lambda: it.snapshot.other_namespaces == ("/r2",))
         view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1", History())
         assert "? robots seen: /r2; use --namespace /r2" in header(view, 120).plain

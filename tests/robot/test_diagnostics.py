@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from archo_tui.robot.diagnostics import Diagnostics
+from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.state import DiagnosticLevel
 
 

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Float32
 
-from archo_tui.robot.endpoints import mismatches
+from archo_tui.robot.graph.endpoints import mismatches
 from tests.support import chosen
 from tests.support.plain import operated
 from tests.support.quiet import until

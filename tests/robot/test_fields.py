@@ -16,8 +16,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Float32, Int8
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.robot.fields import checked, filled, put
-from archo_tui.robot.message_classes import load
+from archo_tui.robot.messages.types import load_class
+from archo_tui.robot.messages.values import checked, filled, put
 from archo_tui.robot.outcome import Code
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.dump import block
@@ -162,13 +162,13 @@ async def test_a_server_receives_the_values_that_were_typed(name: str) -> None:
     kind, made = f"rcl_interfaces/srv/{name}", list[Heard]()
 
     def maker(**options: Any) -> Node:
-        made.append(Heard(load(kind), **options))
+        made.append(Heard(load_class(kind), **options))
         return made[-1]
 
     chance = random.Random(name)
     async with robot(maker) as it:
         for _ in range(20):
-            values = values_of(load(kind).Request, chance)
+            values = values_of(load_class(kind).Request, chance)
             typed = bounded_yaml.load(block(values))
             assert (await ended(it.call("ask", kind, typed))).text != ""
             assert told(made[0].requests[-1]) == told(values)
@@ -178,7 +178,7 @@ async def test_a_value_that_does_not_fit_is_never_sent() -> None:
     kind, made = "rcl_interfaces/srv/SetParameters", list[Heard]()
 
     def maker(**options: Any) -> Node:
-        made.append(Heard(load(kind), **options))
+        made.append(Heard(load_class(kind), **options))
         return made[-1]
 
     async with robot(maker) as it:

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.forms import default_text, parse, range_text
-from archo_tui.robot.state import TypedField
+from archo_tui.robot.messages.typed import default_text, parse_field, range_text
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot_file.model import FormField, ParameterRef
 
 
@@ -38,7 +38,7 @@ from archo_tui.robot_file.model import FormField, ParameterRef
     ],
 )
 def test_the_type_of_the_field_decides(kind: str, text: str, value: Any) -> None:
-    assert parse(TypedField("x", kind, None), FormField(), text) == value
+    assert parse_field(TypedField("x", kind, None), FormField(), text) == value
 
 
 @pytest.mark.parametrize("text", ["1_2", "０５", "٣", "1_0.5", "infinity", "0x10", "1 2", "--1"])
@@ -49,14 +49,16 @@ def test_the_type_of_the_field_decides(kind: str, text: str, value: Any) -> None
 def test_what_only_python_or_yaml_takes_is_no_number(kind: str, what: str, text: str) -> None:
     typed = f"[{text}]" if what == "a list" else text
     with pytest.raises(ValueError) as caught:
-        parse(TypedField("x", kind, None), FormField(label="Way"), typed)
+        parse_field(TypedField("x", kind, None), FormField(label="Way"), typed)
     assert str(caught.value) == f"Way: not {what}: {typed}"
 
 
 @pytest.mark.parametrize("text", ["nan", ".nan", ".NaN"])
 def test_nan_is_the_same_in_a_field_and_in_a_list(text: str) -> None:
-    assert math.isnan(parse(TypedField("x", "float", None), FormField(), text))
-    assert math.isnan(parse(TypedField("x", "sequence<float>", None), FormField(), f"[{text}]")[0])
+    assert math.isnan(parse_field(TypedField("x", "float", None), FormField(), text))
+    assert math.isnan(
+        parse_field(TypedField("x", "sequence<float>", None), FormField(), f"[{text}]")[0]
+    )
 
 
 @pytest.mark.parametrize(
@@ -85,7 +87,7 @@ def test_what_does_not_fit_the_field_is_said_as_it_is_typed(
     kind: str, text: str, said: str
 ) -> None:
     with pytest.raises(ValueError) as caught:
-        parse(TypedField("x", kind, None), FormField(), text)
+        parse_field(TypedField("x", kind, None), FormField(), text)
     assert str(caught.value).startswith(said)
     assert len(str(caught.value).splitlines()) == 1
 
@@ -102,7 +104,7 @@ def test_what_does_not_fit_the_field_is_said_as_it_is_typed(
 )
 def test_what_is_no_number_fits_no_range(given: FormField, text: str, said: str) -> None:
     with pytest.raises(ValueError) as caught:
-        parse(TypedField("x", "double", None), given, text)
+        parse_field(TypedField("x", "double", None), given, text)
     assert str(caught.value) == said
 
 

@@ -22,8 +22,7 @@ from archo_tui.robot.goals.machine import (
     is_missed,
 )
 from archo_tui.robot.period import Period
-from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
-from archo_tui.robot.state.goal import RUNNING
+from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, Snapshot
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
 from tests.support.archo import SHELF

@@ -11,7 +11,7 @@ pytest.importorskip("depot_interfaces")
 
 from depot_interfaces.action import GoTo, Haul, Inspect
 
-from archo_tui.robot import messages
+from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot_file.model import FormField, GoalKind
 
 YAW = {"target.pose.orientation": FormField(label="yaw", convert="yaw")}
@@ -22,7 +22,7 @@ def kind(**given: Any) -> GoalKind:
 
 
 def test_a_yaw_in_degrees_is_sent_as_a_quaternion() -> None:
-    made = messages.goal_request(GoTo, kind(form=YAW), {"target.pose.orientation": 90.0})
+    made = goal_request(GoTo, kind(form=YAW), {"target.pose.orientation": 90.0})
     turned = made.target.pose.orientation
     assert (turned.x, turned.y) == (0.0, 0.0)
     assert math.degrees(2 * math.atan2(turned.z, turned.w)) == pytest.approx(90.0)
@@ -58,5 +58,5 @@ def test_what_does_not_fit_is_refused_with_its_path(
     action: Any, form: Any, fixed: Any, values: Any, said: str
 ) -> None:
     with pytest.raises(ValueError) as caught:
-        messages.goal_request(action, kind(form=form, fixed=fixed), values)
+        goal_request(action, kind(form=form, fixed=fixed), values)
     assert said in str(caught.value)

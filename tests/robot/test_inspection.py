@@ -14,10 +14,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, Float32MultiArray, String, UInt8MultiArray
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot import inspection, message_text
-from archo_tui.robot.listener import Listener
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.messages.text import as_text
+from archo_tui.robot.node import Listener
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.state import TopicRequest
+from archo_tui.robot.topics import inspect
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 
@@ -64,7 +65,7 @@ async def test_a_subscription_that_rclpy_refuses_is_a_fault_and_an_outcome(
     def refused(_: object) -> None:
         raise RuntimeError("created topic with other type")
 
-    monkeypatch.setattr(inspection.Inspection, "subscribe", refused)
+    monkeypatch.setattr(inspect.Inspection, "subscribe", refused)
     said = "/fast: no subscription: RuntimeError: created topic with other type"
     async with robot(making([], Talker)) as it:
         await until(lambda: "/fast" in {end.name for end in it.snapshot.resources})
@@ -133,7 +134,7 @@ async def test_a_caller_that_is_cancelled_leaves_no_subscription() -> None:
 async def test_a_message_beyond_the_bound_is_counted_and_not_decoded(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(inspection, "MAX_BYTES", 4_000)
+    monkeypatch.setattr(inspect, "MAX_BYTES", 4_000)
     async with robot(making([], Talker)) as it, it.inspect("/kept", UInt8MultiArray) as counted:
         await until(lambda: counted.count)
         assert counted.size > 5_000
@@ -226,7 +227,7 @@ async def test_a_secret_parameter_stays_secret() -> None:
         seen = set[str]()
         while len(seen) < 2:  # the value at the start and the one that was set then
             await until(lambda: counted.count > len(seen))
-            seen.add(text := message_text.as_text(counted.decode(counted.newest[1])))
+            seen.add(text := as_text(counted.decode(counted.newest[1])))
             assert "name: password" in text
             assert "first" not in text
             assert "hunter2" not in text

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.robot import interface_text
-from archo_tui.robot.interface_text import definition_text, names_in
+from archo_tui.robot.messages import definitions
+from archo_tui.robot.messages.definitions import definition_text, names_in
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_a_broken_package_has_an_end(package: Path, monkeypatch: pytest.MonkeyPa
     assert definition_text("odd_msgs/msg/A") == (
         "B b\n    A a\n    A again\n    absent_msgs/Gone gone"
     )
-    monkeypatch.setattr(interface_text, "_MAX_LINES", 3)
+    monkeypatch.setattr(definitions, "_MAX_LINES", 3)
     (package / "Wide.msg").write_text("B b\n" * 1000)
     assert (definition_text("odd_msgs/msg/Wide") or "").splitlines()[3:] == [
         "... and more: these are the first 3 lines"
@@ -84,7 +84,7 @@ def test_what_is_not_installed_has_no_definition() -> None:
 
 
 def test_without_its_file_a_type_is_derived_from_its_class(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(interface_text, "_folders", lambda _: [])
+    monkeypatch.setattr(definitions, "_folders", lambda _: [])
     text = definition_text("archo_interfaces/action/MoveToShelf") or ""
     assert text.splitlines() == [
         "# Derived from the installed class: its file, with comments, was not found.",

@@ -9,8 +9,7 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 
-from archo_tui.robot.poll_schedule import PERIOD
-from archo_tui.robot.resources import Resources
+from archo_tui.robot.graph.resources import PERIOD, Resources
 from archo_tui.robot.state import Resource
 
 INT, TRIGGER = "std_msgs/msg/Int32", "std_srvs/srv/Trigger"

@@ -17,8 +17,8 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch
 from archo_tui.robot.stop.gate import UNCERTAIN
 from archo_tui.words.state import motion_word, plain_text
@@ -166,11 +166,11 @@ async def test_one_that_leaves_as_it_confirms_leaves_no_stop_to_the_next() -> No
     async with stopped_elsewhere() as (it, elsewhere):
         assert (await ended(it.release_emergency_stop())).ok
         await until(lambda: it.snapshot.motion.stopped is False)
-        motor, holders = elsewhere.motor, it._graph.holders
-        it._graph.holders = lambda service: {} if motor.stopped else holders(service)  # type: ignore[method-assign]
+        motor, holders = elsewhere.motor, it.graph.holders
+        it.graph.holders = lambda service: {} if motor.stopped else holders(service)  # type: ignore[method-assign]
         assert (await ended(it.emergency_stop())).ok
         await elsewhere.kill()
-        it._graph.holders = holders  # type: ignore[method-assign]
+        it.graph.holders = holders  # type: ignore[method-assign]
         elsewhere.motor = elsewhere._made()
         assert await ended(go(it, 3)) == (Code.REFUSED, UNCERTAIN)
         await until(lambda: it.snapshot.motion.stopped is False)

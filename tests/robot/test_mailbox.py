@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from archo_tui.robot.mailbox import Mailbox
+from archo_tui.robot.snapshot_sender import Mailbox
 from archo_tui.robot.state import Motion, Snapshot
 
 

@@ -13,8 +13,8 @@ from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from std_msgs.msg import Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot import message_text
-from archo_tui.robot.message_text import as_data, as_text
+from archo_tui.robot.messages import text
+from archo_tui.robot.messages.text import as_data, as_text
 
 EVENT = ParameterEvent(
     node="/n",
@@ -65,7 +65,7 @@ def test_json_has_whole_arrays_and_texts_for_what_it_lacks() -> None:
 
 
 def test_what_does_not_fit_is_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(message_text, "_MAX_JSON", 600)
+    monkeypatch.setattr(text, "_MAX_JSON", 600)
     wide = Float32MultiArray(data=[0.25] * 300)
     assert as_data(wide)["data"] == {"type": "float32[300]", "least": 0.25, "greatest": 0.25}
     with pytest.raises(ArchoError, match="not shown: more than 0 kB as JSON: name fields"):
@@ -104,7 +104,7 @@ def test_a_wrong_field_is_one_line(path: str, why: str) -> None:
 
 
 def test_a_text_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(message_text, "_MAX_LINES", 3)
+    monkeypatch.setattr(text, "_MAX_LINES", 3)
     (*_, last) = as_text(EVENT).splitlines()
     assert last.startswith("... and ")
     assert last.endswith(" more lines: name fields")

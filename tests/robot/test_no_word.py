@@ -13,6 +13,7 @@ from rclpy.task import Future
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.poller import check_goals
 from archo_tui.robot.requester import Requester, on_behalf_of
 from archo_tui.robot.state import Phase
 from tests.support import clock
@@ -91,7 +92,7 @@ async def test_a_goal_is_not_lost_while_the_console_was_suspended() -> None:
         await while_passes(2)  # its period is known by then
         clock.current.suspend(6.0)
         # The first to go on, before the feedback is read.
-        typed._plain._station.robot._goal_watcher.check()
+        check_goals(typed._plain._station.robot)
         await while_passes(5)
         typed.type("status\n")
         await typed.until("goal MOVING to 3, 9.0 m left")

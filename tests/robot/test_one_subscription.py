@@ -10,8 +10,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float32
 
 from archo_tui.recordings.replay.state import RecordedTopics
-from archo_tui.robot.listener import Listener
-from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.node import Listener
+from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
@@ -98,6 +98,6 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
         assert it.snapshot.faults["refused"] == f"refused {why}"
         texts = [event.text for event in it.snapshot.events]
         assert f"not recorded: /refused {why}" in texts
-        assert not it._node.listens(Float32, "/refused")
+        assert not it.node.listens(Float32, "/refused")
         await while_passes(3)
         assert [event.text for event in it.snapshot.events] == texts

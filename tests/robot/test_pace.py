@@ -11,7 +11,7 @@ import pytest
 from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rclpy.node import Node
 
-from archo_tui.robot.client import Robot
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.snapshot_sender import FLUSH_PERIOD, STREAM_PERIOD
 from archo_tui.robot.state import Snapshot
 from tests.support import chosen

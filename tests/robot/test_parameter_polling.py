@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.robot.parameter_polling import MAX_REQUESTS, PERIOD, SLICE, ParameterPolling
+from archo_tui.robot.graph.parameters import MAX_REQUESTS, PERIOD, SLICE, ParameterPolling
 
 
 def looks(rounds: ParameterPolling, names: dict[str, list[str]], since: float) -> list[list[Any]]:

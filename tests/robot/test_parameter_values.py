@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.parameter_values import parse, range_text, typed_text
+from archo_tui.robot.graph.parameter_values import parse, range_text
+from archo_tui.robot.messages.typed import typed_text
+from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import text_of
 from tests.support.values import value_of
 
 

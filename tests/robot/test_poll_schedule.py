@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import islice
 
-from archo_tui.robot.poll_schedule import LEAST, PERIOD, PollSchedule
+from archo_tui.robot.graph.resources import LEAST, PERIOD, PollSchedule
 
 
 def test_a_few_are_all_due_each_time() -> None:

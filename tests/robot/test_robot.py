@@ -22,9 +22,9 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 from std_srvs.srv import Empty, SetBool
 
-from archo_tui.robot import services
-from archo_tui.robot.client import Robot
+from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
@@ -263,11 +263,12 @@ async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
 
 
 async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot import message_classes
+    from archo_tui.robot.messages.types import load_class
 
-    real = message_classes.load
+    real = load_class
     monkeypatch.setattr(
-        message_classes, "load", lambda name: None if name == "std_msgs/msg/Float32" else real(name)
+        "archo_tui.robot.readings.subscriptions.load_class",
+        lambda name: None if name == "std_msgs/msg/Float32" else real(name),
     )
 
     def make(**options: Any) -> Node:
@@ -487,7 +488,7 @@ async def test_a_battery_that_is_published_with_best_effort_is_heard() -> None:
 async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(services, "MOST_UNANSWERED", 1)
+    monkeypatch.setattr(calls, "MOST_UNANSWERED", 1)
     made: list[Node] = []
 
     def make(**options: Any) -> Node:
@@ -499,7 +500,7 @@ async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
         await until(lambda: "reset_encoder" in it.snapshot.offered)
         for _ in range(3):
             assert not (await ended(reset(it))).ok
-        client = it._services.client(ResetEncoder, "reset_encoder")
+        client = it.services.client(ResetEncoder, "reset_encoder")
         assert len(client._pending_requests) == 1
         made[0].destroy_node()
 

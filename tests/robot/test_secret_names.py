@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,10 +10,9 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
-from archo_tui.errors import ArchoError
-from archo_tui.paths import config_file, journal_file, make_folder, state_file
+from archo_tui.paths import journal_file, state_file
 from archo_tui.recordings import recorder, store
-from archo_tui.robot.secret_names import SecretNames, load
+from archo_tui.robot.graph.secrets import is_secret
 from tests.support.shells import heard, raw, served, typed
 
 SECRET = [
@@ -30,29 +28,12 @@ OPEN = [
 
 @pytest.mark.parametrize("name", SECRET)
 def test_words_of_a_name_make_it_a_secret(name: str) -> None:
-    assert SecretNames().matches(name)
+    assert is_secret(name)
 
 
 @pytest.mark.parametrize("name", OPEN)
 def test_parts_of_words_do_not(name: str) -> None:
-    assert not SecretNames().matches(name)
-
-
-def test_a_file_adds_words(tmp_path: Path) -> None:
-    file = tmp_path / "secret_names.txt"
-    assert not load(file).matches("door_pin")  # nor is a file needed
-    file.write_text("# ours\nPIN  # of doors\nwifi ssid\nSchlüssel\n\n", encoding="utf-8")
-    names = load(file)
-    assert all(map(names.matches, ("door_pin", "wifi_ssid", "home.wifiSsid", "schlüssel", "token")))
-    assert not any(map(names.matches, ("spin", "ssid", "wifi_channel", "of", "ours")))
-
-
-def test_a_list_that_cannot_be_read_is_said(tmp_path: Path) -> None:
-    with pytest.raises(ArchoError, match=str(tmp_path)):
-        load(tmp_path)
-    (tmp_path / "latin").write_bytes(b"schl\xfcssel")
-    with pytest.raises(ArchoError, match="latin: not UTF-8"):
-        load(tmp_path / "latin")
+    assert not is_secret(name)
 
 
 class Door(Node):
@@ -62,7 +43,7 @@ class Door(Node):
         super().__init__("door", **options)
         described = ParameterDescriptor(description="of the gate")
         self.declare_parameter("api_key", "hunter2", described)
-        self.declare_parameter("pin", 471135082)
+        self.declare_parameter("pin_secret", 471135082)
         self.declare_parameter("key_bindings", "qwerty")
         self.add_on_set_parameters_callback(self.check)
 
@@ -74,10 +55,8 @@ class Door(Node):
 @pytest.mark.real_time
 async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.2)
-    make_folder(config_file("secret_names.txt"))
-    config_file("secret_names.txt").write_text("pin\n")
     async with served(Door) as person:
-        person.type("set door api_key s3same\nset door pin 843237972\n")
+        person.type("set door api_key s3same\nset door pin_secret 843237972\n")
         person.type("set door key_bindings dvorak\n")
         await heard(person, "key_bindings is dvorak, was qwerty")
         assert "set door api_key ***: api_key is ***, was ***" in person.said

@@ -8,8 +8,8 @@ from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch
 from archo_tui.words.state import motion_word, plain_text
 from tests.robot.test_several_servers import Brake, Drive, alarms

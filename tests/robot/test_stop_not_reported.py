@@ -16,8 +16,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.remote.waits import RequestTimedOut, wait_for
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch, Phase
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
 from archo_tui.verbs import verbs

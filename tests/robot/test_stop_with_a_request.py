@@ -9,8 +9,8 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Latch
 from tests.support.plain import operated
 from tests.support.quiet import ended, until

@@ -14,11 +14,11 @@ from archo_interfaces.msg import BatteryStatus
 from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from std_msgs.msg import Byte, Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
-from archo_tui.robot import message_fields
-from archo_tui.robot.array_summary import ArraySummary, summarize
-from archo_tui.robot.field_history import SPAN, FieldHistory
+from archo_tui.robot.messages.text import ArraySummary, summarize
 from archo_tui.robot.state import FieldKind, FieldView, TopicRequest, in_namespace
-from archo_tui.robot.topic_fields import TopicFields
+from archo_tui.robot.topics import rows as row_module
+from archo_tui.robot.topics.rows import TopicFields
+from archo_tui.robot.topics.series import SPAN, FieldHistory
 from archo_tui.robot_file.field_units import field_units
 from archo_tui.robot_file.load import load
 from tests.support.archo import ARCHO
@@ -113,7 +113,7 @@ def test_the_rows_and_the_arrays_are_looked_at_once_a_picture(
         calls.append(element)
         return summarize(value, element)
 
-    monkeypatch.setattr(message_fields, "summarize", counted)
+    monkeypatch.setattr(row_module, "summarize", counted)
     fields = TopicFields({})
     for number in range(30):
         fields.add(number / 100, UInt8MultiArray(data=bytes([number])), {})
@@ -175,7 +175,7 @@ def test_an_array_is_a_row_until_it_is_opened_twenty_elements_at_a_time() -> Non
 
 
 def test_the_fields_beyond_the_bound_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(message_fields, "MAX_FIELDS", 3)
+    monkeypatch.setattr(row_module, "MAX_FIELDS", 3)
     fields = TopicFields({})
     fields.add(0.0, BatteryStatus(), {})
     assert len(fields.rows(0.0, TopicRequest())) == 3

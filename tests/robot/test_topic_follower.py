@@ -15,11 +15,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Float32, Float64, String, UInt8MultiArray
 
-from archo_tui.robot import inspection, message_classes
-from archo_tui.robot.client import Robot
-from archo_tui.robot.message_intake import MessageIntake
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import TopicRequest, TopicView
-from archo_tui.robot.topic_watch import TopicWatch
+from archo_tui.robot.topics import inspect
+from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.watch import TopicWatch
 from tests.support import chosen
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
@@ -161,7 +161,7 @@ async def test_two_types_on_a_topic_are_said_and_the_first_is_shown() -> None:
 
 
 async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(message_classes, "load", lambda _: None)
+    monkeypatch.setattr("archo_tui.robot.requests.topics.load_class", lambda _: None)
     async with robot(making([], Talker), nodes=1) as it, following(it, "/fast") as views:
         await until(lambda: has(views, "/fast is std_msgs/msg/Float32, which is not installed"))
         assert has(views, "install its package std_msgs")
@@ -230,7 +230,7 @@ def test_what_waits_takes_a_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_message_of_another_definition_is_said_until_one_can_be_read() -> None:
-    made = inspection.Inspection(_Plain(), None, "/fast", UInt8MultiArray)  # type: ignore[arg-type]
+    made = inspect.Inspection(_Plain(), None, "/fast", UInt8MultiArray)  # type: ignore[arg-type]
     intake = MessageIntake()
     watch = TopicWatch("/fast", "std_msgs/msg/UInt8MultiArray", {}, intake, made.decode)
     intake.add(1.0, b"\x00\x01\x00\x00\x01")

@@ -15,7 +15,7 @@ pytest.importorskip("depot_interfaces")
 from rclpy.node import Node
 from textual.widgets import TextArea
 
-from archo_tui.robot.message_classes import load as load_interface
+from archo_tui.robot.messages.types import load_class as load_interface
 from archo_tui.robot_file.dump import without
 from archo_tui.robot_file.load import load
 from archo_tui.robot_file.model import RobotFile

@@ -68,14 +68,14 @@ async def test_a_ros_thread_that_answers_too_late_leaves_no_subscription(
         robot = op.session.robot
 
         async def run_too_late(work: Callable[[], Any], _deadline: float) -> None:
-            robot._thread.submit(work)
+            robot.thread.submit(work)
             raise TimeoutError
 
         with monkeypatch.context() as patch:
-            patch.setattr(robot._thread, "run", run_too_late)
+            patch.setattr(robot.thread, "run", run_too_late)
             with pytest.raises(TimeoutError):
                 async with robot.inspect("/sampled", Float32):
                     pass
         done = asyncio.create_task(robot.wait_for_events())
         await op.until(done.done)
-        assert "/sampled" not in [s.topic_name for s in robot._node.subscriptions]
+        assert "/sampled" not in [s.topic_name for s in robot.node.subscriptions]

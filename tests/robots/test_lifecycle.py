@@ -75,7 +75,7 @@ async def test_a_refusal_names_the_inactive_server() -> None:
 async def test_two_who_ask_for_its_transitions_are_both_answered() -> None:
     async with managed() as (op, _):
         robot, go_on = op.session.station.robot, threading.Event()
-        robot._thread.submit(go_on.wait)  # So that both questions leave before an answer comes.
+        robot.thread.submit(go_on.wait)  # So that both questions leave before an answer comes.
         asked = asyncio.gather(*(robot.lifecycle_transitions("/navigator") for _ in range(2)))
         await asyncio.sleep(0)
         go_on.set()

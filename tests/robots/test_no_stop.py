@@ -17,8 +17,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 import archo_tui
-from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.robot import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.robot_file.load import load
 from tests.robots.rover import Rover

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from archo_tui.robot.client import Robot
+from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import TypedField
+from archo_tui.robot.robot import Robot
 from archo_tui.robot_file.load import default_path, load
 
 ARCHO = load(default_path())

@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.robot.client import Robot
+from archo_tui.robot.robot import Robot
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen, clock

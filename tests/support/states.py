@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.period import MessageRate
 from archo_tui.robot.state import (
     Battery,
     Event,

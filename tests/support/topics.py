@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from archo_interfaces.msg import BatteryStatus
 
-from archo_tui.robot.message_fields import shown_elements
-from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import (
     FieldKind,
     FieldView,
@@ -14,7 +12,9 @@ from archo_tui.robot.state import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.topic_watch import TopicWatch
+from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.rows import shown_elements
+from archo_tui.robot.topics.watch import TopicWatch
 from tests.support.clock import TIME
 
 TYPE = "archo_interfaces/msg/BatteryStatus"
@@ -36,7 +36,8 @@ def topic_view(topic: str, request: TopicRequest) -> TopicView:
             percentage=charge, voltage=24.5, is_charging=40 <= number < 80, battery_health="good"
         )
 
-    watch = TopicWatch(topic, TYPE, {}, intake, decode)
+    units = {"percentage": "%", "voltage": "V"}  # As a robot file may name them.
+    watch = TopicWatch(topic, TYPE, units, intake, decode)
     for number in range(120):
         now = TIME - 60 + number / 2
         intake.add(now, bytes(24))

@@ -11,7 +11,7 @@ import struct
 from pathlib import Path
 from typing import Any
 
-from archo_tui.robot.message_classes import EMPTY, load
+from archo_tui.robot.messages.types import EMPTY, load_class
 
 _LIST = re.compile(r"sequence<(.+?)(?:, (\d+))?>|(.+)\[(\d+)\]")
 _TEXTS = (
@@ -51,7 +51,7 @@ def value_of(kind: str, chance: random.Random) -> Any:
         return [value_of(found[1] or found[3], chance) for _ in range(count)]
     if "/" in kind:
         package, name = kind.split("/")
-        return values_of(load(f"{package}/msg/{name}"), chance)
+        return values_of(load_class(f"{package}/msg/{name}"), chance)
     if "string" in kind:
         bound = re.search(r"\d+", kind)
         return chance.choice(_TEXTS)[: int(bound[0]) if bound else None]
@@ -102,7 +102,7 @@ def installed() -> dict[str, Any]:
     for package in _PACKAGES:
         for kind, parts in _PARTS.items():
             for name in _names(package, kind):
-                loaded = load(f"{package}/{kind}/{name}")
+                loaded = load_class(f"{package}/{kind}/{name}")
                 for part in parts:
                     made = getattr(loaded, part, None) if part else loaded
                     if hasattr(made, "get_fields_and_field_types"):

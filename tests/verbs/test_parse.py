@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import TypedField
-from archo_tui.robot.values import INTEGERS
+from archo_tui.robot.messages.types import INTEGERS, TypedField
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go

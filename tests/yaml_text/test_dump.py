@@ -11,10 +11,11 @@ import pytest
 import yaml
 from rclpy.parameter import get_parameter_value
 
-from archo_tui.robot import messages, ros2_command
-from archo_tui.robot.fields import checked, filled
-from archo_tui.robot.forms import default_text, parse
-from archo_tui.robot.parameter_values import as_python
+from archo_tui.robot import ros2_command
+from archo_tui.robot.graph.parameter_values import as_python
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.typed import default_text, parse_field
+from archo_tui.robot.messages.values import checked, filled
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.message_form import default_yaml
 from archo_tui.yaml_text import bounded_yaml
@@ -38,9 +39,9 @@ def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(package: 
 
 def sends_untouched(name: str, made: Any) -> None:
     """A form, and a text, that are filled with that message send it."""
-    fields = list(messages.flat_fields(made))
+    fields = list(flat_fields(made))
     given = FormField()
-    typed = {field.path: parse(field, given, default_text(field, given)) for field in fields}
+    typed = {field.path: parse_field(field, given, default_text(field, given)) for field in fields}
     assert told(filled(TYPES[name](), typed)) == told(made), name
     assert told(filled(TYPES[name](), bounded_yaml.load(default_yaml(fields)))) == told(made), name
 

@@ -12,13 +12,15 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from archo_tui.clock import Clock
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.state import ConsoleState, from_json
-from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals.machine import feedback_changes
-from archo_tui.robot.graph import is_hidden
-from archo_tui.robot.message_rate import MessageRate
-from archo_tui.robot.reading_subscriptions import News
+from archo_tui.robot.graph.graph import is_hidden
+from archo_tui.robot.messages.text import flat_fields
+from archo_tui.robot.messages.types import TypedField, load_class
+from archo_tui.robot.period import MessageRate
+from archo_tui.robot.readings.subscriptions import News
+from archo_tui.robot.readings.telemetry import SavedReadings, Telemetry
 from archo_tui.robot.state import (
     OWN_LEVELS,
     TOPIC,
@@ -26,12 +28,10 @@ from archo_tui.robot.state import (
     Goal,
     NodeState,
     Snapshot,
-    TypedField,
     in_namespace,
     level_word,
     logger_node,
 )
-from archo_tui.robot.telemetry import SavedReadings, Telemetry
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard
@@ -343,5 +343,5 @@ class ReplayState:
 
 
 def _form_fields(kind: GoalKind) -> tuple[TypedField, ...]:
-    found = message_classes.load(kind.type)
-    return () if found is None else tuple(messages.flat_fields(found.Goal()))
+    found = load_class(kind.type)
+    return () if found is None else tuple(flat_fields(found.Goal()))

@@ -14,11 +14,10 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.recordings.replay.bag import EncodedMessage
 from archo_tui.recordings.replay.player import Player
-from archo_tui.robot.field_history import SPAN
-from archo_tui.robot.message_intake import MessageIntake
 from archo_tui.robot.state import Snapshot, TopicEnd, TopicInfo, TopicRequest, TopicView
-from archo_tui.robot.topic_follower import PERIOD, SHARE
-from archo_tui.robot.topic_watch import TopicWatch
+from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.series import SPAN
+from archo_tui.robot.topics.watch import PERIOD, SHARE, TopicWatch
 from archo_tui.robot_file.field_units import field_units
 
 # Seconds of messages that are read before the position, and behind it a quarter of that: fewer

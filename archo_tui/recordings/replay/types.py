@@ -12,8 +12,8 @@ import re
 from typing import Any
 
 from archo_tui.recordings.replay.mcap_file import Unreadable
-from archo_tui.robot import message_classes
-from archo_tui.robot.definitions import definition
+from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import EMPTY, load_class
 from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
 
 _MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.
@@ -73,9 +73,9 @@ def _find_class(type_name: str, encoding: str, text: str) -> Any:
 
 def _load_class(parts: InterfaceType) -> Any:
     """Return the class of a message or of an action's feedback message; None if not installed."""
-    made = message_classes.load(str(parts))
+    made = load_class(str(parts))
     if made is None and parts.kind == "action" and parts.name.endswith(_FEEDBACK):
-        action = message_classes.load(str(parts).removesuffix(_FEEDBACK))
+        action = load_class(str(parts).removesuffix(_FEEDBACK))
         made = getattr(getattr(action, "Impl", None), "FeedbackMessage", None)
     return made if hasattr(made, "get_fields_and_field_types") else None
 
@@ -113,7 +113,7 @@ def _parse_fields(text: str, owner: str) -> list[_Field]:
     found = []
     for line in text.splitlines():
         field = _FIELD.match(line.strip())
-        if field and field[5] != message_classes.EMPTY:
+        if field and field[5] != EMPTY:
             kind = _ALIASES.get(field[1], field[1])
             if kind not in _PRIMITIVES:
                 kind = _full_name(kind, owner)

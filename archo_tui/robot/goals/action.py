@@ -13,9 +13,10 @@ from rclpy.qos import qos_profile_action_status_default
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
-from archo_tui.robot import message_classes, services
-from archo_tui.robot.listener import Listener
-from archo_tui.robot.services import DEADLINE, Services
+from archo_tui.robot import calls
+from archo_tui.robot.calls import DEADLINE, Services
+from archo_tui.robot.messages.types import load_class
+from archo_tui.robot.node import Listener
 from archo_tui.robot_file.model import GoalKind
 
 FIND_PERIOD = 0.05  # Seconds between two looks for a server, or for an answer.
@@ -47,7 +48,7 @@ class GoalAction:
         self._node, self.kind, self.since, self.is_exempt = node, kind, since, is_exempt
         self.name = str(node.resolve_service_name(kind.action))
         self.reported: set[bytes] | None = None
-        self.type = message_classes.load(kind.type)
+        self.type = load_class(kind.type)
         self._client: Any = None  # None in a console that only watches.
         if self.type is None:
             return
@@ -105,7 +106,7 @@ class GoalAction:
         accepted = self.type.Impl.SendGoalService.Response(accepted=True)
         handle = ClientGoalHandle(self._client, _uuid(goal_id), accepted)
         future = handle.cancel_goal_async()
-        services.require_all_answers(future, self._servers, lambda a: len(a.goals_canceling) > 0)
+        calls.require_all_answers(future, self._servers, lambda a: len(a.goals_canceling) > 0)
         return future
 
     def ask_result(self, goal_id: bytes) -> Any:
@@ -117,7 +118,7 @@ class GoalAction:
         request = self.type.Impl.GetResultService.Request(goal_id=_uuid(goal_id))
         future = self._results.call_async(request)
         known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
-        services.require_all_answers(future, self._servers, known)
+        calls.require_all_answers(future, self._servers, known)
         return future
 
 

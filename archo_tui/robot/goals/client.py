@@ -15,15 +15,16 @@ from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import messages, services
+from archo_tui.robot import calls
+from archo_tui.robot.calls import DEADLINE, Services
 from archo_tui.robot.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
 from archo_tui.robot.goals.machine import Do, Event, TrackedGoal
-from archo_tui.robot.listener import Listener
+from archo_tui.robot.messages.values import goal_request
+from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Pause
-from archo_tui.robot.services import DEADLINE, Services
 from archo_tui.robot.state import Goal, Motion, Phase
 from archo_tui.robot.stop.gate import NEVER_LEFT, Gate
 from archo_tui.robot_file import mismatch
@@ -235,7 +236,7 @@ class Goals:
             if handle is not None:
                 self._on_answer(record, is_accepted=handle.accepted)
             answered.set_result(True)
-            services.wake(self._node)
+            calls.wake(self._node)
 
         try:
             future = record.action.send(record.id, request)
@@ -344,7 +345,7 @@ class Goals:
             if in_time.cancelled() and not len(done.result().goals_canceling):
                 self._note("WARN", "the robot rejected the cancel (its answer came late)")
             in_time.set_result(True)
-            services.wake(self._node)
+            calls.wake(self._node)
 
         future.add_done_callback(on_answer)
         self._services.cancel_at_deadline(in_time)
@@ -482,6 +483,6 @@ def _request(
 ) -> tuple[Any, Outcome | None]:
     """Return the request that sends a goal, or why the values do not fit."""
     try:
-        return messages.goal_request(action.type, kind, values), None
+        return goal_request(action.type, kind, values), None
     except ValueError as error:
         return None, Outcome(Code.MISUSE, str(error))

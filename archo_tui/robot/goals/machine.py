@@ -19,14 +19,13 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
-from archo_tui.robot import messages
+from archo_tui.robot.messages.text import one_line
+from archo_tui.robot.messages.values import number, text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Period
-from archo_tui.robot.readings import as_received, number, read
-from archo_tui.robot.state import Goal, Motion, Phase, not_offered
-from archo_tui.robot.state.goal import RUNNING
+from archo_tui.robot.readings.fields import as_received, read
+from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, not_offered
 from archo_tui.robot.stop.gate import NEVER_LEFT
-from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind, MessageField
 from archo_tui.safe_text import harmless
 
@@ -437,7 +436,7 @@ def _result_text(kind: GoalKind, result: Any) -> str:
     if kind.message:
         value = read(MessageField(kind.message), result)
         return "" if value is None else text_of(value)
-    return messages.text(result)
+    return one_line(result)
 
 
 def feedback_changes(goal: Goal, feedback: Any, now: float) -> dict[str, Any]:
@@ -448,7 +447,7 @@ def feedback_changes(goal: Goal, feedback: Any, now: float) -> dict[str, Any]:
     """
     remaining = goal.kind.remaining
     if remaining is None:
-        return {"feedback": messages.text(feedback)}
+        return {"feedback": one_line(feedback)}
     value = read(MessageField(remaining.field), feedback)
     left = number(value, 0.0, FARTHEST)
     if left is None:

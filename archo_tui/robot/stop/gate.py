@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple
 
-from archo_tui.robot.typed_request import typed_request
+from archo_tui.robot.messages.typed import typed_request
 from archo_tui.robot_file.model import StopServices
 
 # Why a request was not sent.

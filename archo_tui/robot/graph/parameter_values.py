@@ -1,0 +1,116 @@
+"""The conversion of parameter values to text and back, by the declared type."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.robot.messages.typed import MAX_LENGTH
+from archo_tui.robot.messages.typed import parse as parse_typed
+from archo_tui.robot.messages.values import checked, same, text_of
+from archo_tui.robot.state import Parameter
+from archo_tui.yaml_text.core_schema import YamlFault
+
+# The names of the numbers in rcl_interfaces/msg/ParameterType.
+TYPES = {
+    1: "bool", 2: "integer", 3: "double", 4: "string", 5: "byte[]",
+    6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
+}  # fmt: skip
+
+# The types of message fields that hold the same values.
+_FIELDS = {"bool": "boolean", "integer": "int64", "double": "double", "string": "string"}
+_FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
+
+
+def as_python(message: Any) -> Any:
+    """Return the value in an rcl_interfaces/msg/ParameterValue; None if it is not set.
+
+    Arrays become lists.
+    """
+    kind = TYPES.get(message.type)
+    if kind is None:
+        return None
+    value = getattr(message, value_field(kind))
+    return list(value) if kind.endswith("[]") else value
+
+
+def value_field(kind: str) -> str:
+    """Return the field of rcl_interfaces/msg/ParameterValue that holds a type, such as `bool[]`."""
+    return f"{kind.replace('[]', '_array')}_value"
+
+
+def range_text(parameter: Parameter) -> str:
+    """Return the allowed values of a parameter as text: `0.05 .. 2` or `read-only`; "" for any."""
+    if parameter.read_only:
+        return "read-only"
+    if parameter.low is None or parameter.high is None:
+        return ""
+    return f"{_bound(parameter.low)} .. {_bound(parameter.high)}"
+
+
+def _bound(value: float) -> str:
+    """Return a number in its shortest form without losing a digit: `0.05`, `9999`, `1e+06`."""
+    short = f"{value:g}"
+    return short if float(short) == value else str(value)
+
+
+def parse(parameter: Parameter, text: str) -> Any:
+    """Return the value that a typed text means for a parameter, by the parameter's type.
+
+    A string is taken as it is typed, with blanks and without quotes. An array is a list in YAML.
+
+    Raises:
+        ValueError: In one line, why the text is no value: of another type, out of the parameter's
+            range, longer than 10,000 characters, with a control character; or the parameter is
+            read-only or of type `byte[]` or `not set`.
+    """
+    if parameter.read_only:
+        raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
+    if len(text) > MAX_LENGTH:
+        raise ValueError(f"too long: {len(text)} characters, at most {MAX_LENGTH}")
+    if any(ord(char) < 32 or ord(char) == 127 for char in text):
+        raise ValueError("control characters are not allowed")
+    kind = parameter.type
+    if kind not in _FIELDS:
+        raise ValueError(f"a parameter of type {kind} cannot be edited here")
+    if kind != "string" and not text.strip():
+        raise ValueError(f"a value is needed ({kind})")
+    try:
+        value = parse_typed(_FIELDS[kind], text, of_parameter=True)
+    except YamlFault:
+        raise ValueError(f"not a list like [1, 2]: {text.strip()}") from None
+    _check_range(parameter, value, text.strip())
+    return value
+
+
+def fit(parameter: Parameter, value: Any) -> Any:
+    """Return a value from a file as a parameter takes it: whole numbers become doubles if need be.
+
+    Raises:
+        ValueError: In one line, why it does not fit: of another type, out of the parameter's range,
+            or other than the present value of a read-only parameter.
+    """
+    if parameter.type == "double" and type(value) is int:
+        value = float(value)
+    if parameter.type == "double[]" and type(value) is list and all(type(v) is int for v in value):
+        value = [float(item) for item in value]
+    found = _type_of(value)
+    if found != parameter.type and not (value == [] and parameter.type.endswith("[]")):
+        raise ValueError(f"needs a value of type {parameter.type}, not {text_of(value)} ({found})")
+    if parameter.read_only and not same(value, parameter.value):
+        raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
+    _check_range(parameter, value, text_of(value))
+    return checked(_FIELDS[parameter.type], value, "value")
+
+
+def _type_of(value: Any) -> str:
+    if isinstance(value, list):
+        return f"{_type_of(value[0])}[]" if value else "an empty list"
+    return {bool: "bool", int: "integer", float: "double", str: "string"}.get(type(value), "?")
+
+
+def _check_range(parameter: Parameter, value: Any, text: str) -> None:
+    """Raise an error if a number is outside the parameter's range; ROS has no ranges for lists."""
+    if parameter.low is None or parameter.high is None or isinstance(value, list):
+        return
+    if not parameter.low <= value <= parameter.high:  # This form also refuses NaN.
+        raise ValueError(f"allowed {range_text(parameter)}, not {text}")

@@ -1,0 +1,309 @@
+"""A mirror of the parameters of all nodes on the graph. ROS thread only.
+
+Every value in it is one that its node reported, by `get_parameters` or on `/parameter_events`,
+never one that was only requested.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Container, Iterable, Mapping
+from operator import is_
+from typing import Any
+
+from rcl_interfaces import srv
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
+from rclpy.parameter import Parameter as RosParameter
+
+from archo_tui.clock import Clock
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Services
+from archo_tui.robot.graph.parameter_values import TYPES, as_python, value_field
+from archo_tui.robot.graph.secrets import is_secret, masked, masked_text
+from archo_tui.robot.messages.values import checked, same, text_of
+from archo_tui.robot.node import Listener
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
+from archo_tui.robot.stop.gate import Gate
+from archo_tui.safe_text import harmless
+
+_RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
+_DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.
+PERIOD = 30.0  # Seconds from the beginning of a round to that of the next.
+SLICE = 200  # Parameters in one request.
+# Requests a poll, of which there is one a second. With more than 150 requests a round takes longer.
+MAX_REQUESTS = 5
+
+
+class Parameters:
+    """A mirror of the parameters of all nodes: loads them, follows their changes, and sets them."""
+
+    def __init__(
+        self,
+        node: Listener,
+        clock: Clock,
+        pending: Services,
+        on_change: Callable[[], None],
+        on_new_value: Callable[[str, Any, Any], None],
+        on_event: Callable[[str, str, Any, Any], None],
+    ) -> None:
+        self._tell_event = on_event
+        self._node, self._clock = node, clock
+        self._on_new_value = on_new_value
+        self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
+        self._serving: set[str] = set()  # Those of them that have parameter services.
+        # For nodes that did not answer: when to ask again (monotonic seconds), and the last wait.
+        self._retry: dict[str, tuple[float, float]] = {}
+        self._services = pending
+        self._on_change = on_change
+        self._by_node: dict[str, dict[str, Parameter]] = {}
+        self._all: tuple[Parameter, ...] = ()  # What `all` returned last.
+        self._loading: set[str] = set()
+        self._polling = ParameterPolling()
+        node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
+
+    def all(self) -> tuple[Parameter, ...]:
+        """Return all parameters, sorted by node; those of a node in the order of its list.
+
+        The tuple is the same object until something changes.
+        """
+        found = [p for node in sorted(self._by_node) for p in self._by_node[node].values()]
+        if len(found) != len(self._all) or not all(map(is_, found, self._all)):
+            self._all = tuple(found)
+        return self._all
+
+    @property
+    def unreported(self) -> dict[str, str]:
+        """The nodes whose parameters are not in the mirror, by full name, each with the reason."""
+        return {
+            node: NOT_REPORTED if node in self._serving else NO_PARAMETER_SERVICES
+            for node in self._known
+            if node not in self._by_node
+        }
+
+    def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
+        """Begin to load the parameters of new nodes, and to read a part of the others again.
+
+        The parameters of nodes that have left are dropped, and their service clients destroyed.
+        """
+        for gone in self._known.keys() - nodes.keys():
+            self._retry.pop(gone, None)
+            self._services.destroy_clients(gone)
+            if self._by_node.pop(gone, None) is not None:
+                self._on_change()
+        serving = {name for name in nodes if f"{name}/list_parameters" in offered}
+        if serving != self._serving:
+            self._serving = serving
+            self._on_change()
+        now = self._clock.monotonic()
+        for name, count in nodes.items():
+            known = name in self._by_node and count <= self._known.get(name, count)
+            known = known or name in self._loading or now < self._retry.get(name, (0.0, 0.0))[0]
+            if not known and name in serving:
+                self._loading.add(name)
+                self._task(self._load, name)
+        self._known = dict(nodes)
+        for node, names in self._polling.take_due(now, self._by_node):
+            if node in self._by_node:  # Others have left in this round.
+                self._task(self._refresh, node, names)
+
+    async def _refresh(self, node: str, names: list[str]) -> None:
+        """Read parameters of a node again; if it has others now, forget it, to load it anew."""
+        known = self._by_node.get(node, {})
+        # A parameter without a value cannot be read; its node publishes when it gets one.
+        names = [name for name in names if name in known and known[name].value is not None]
+        got = await self._values(node, names) if names else {}
+        if got is None or node not in self._by_node:
+            return
+        if len(got) != len(names):
+            self._by_node.pop(
+                node
+            )  # Its parameters are others now: the next poll loads all of them.
+            return
+        for name, value in got.items():
+            self._take(node, name, value)
+
+    async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
+        """Ask a node for values; return them by name, {} if one is not set, None if none come."""
+        got = await self._services.call(
+            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
+        )
+        if got is None:
+            return None
+        whole = len(got.values) == len(names)
+        return {n: as_python(v) for n, v in zip(names, got.values, strict=True)} if whole else {}
+
+    def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
+        self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
+
+    async def _load(self, node: str) -> None:
+        """Load all parameters of a node; if it does not answer, set when it is asked again."""
+        try:
+            listed = await self._services.call(
+                srv.ListParameters,
+                f"{node}/list_parameters",
+                srv.ListParameters.Request(),
+                once=True,
+            )
+            names = list(listed.result.names) if listed is not None else []
+            described = await self._services.call(
+                srv.DescribeParameters,
+                f"{node}/describe_parameters",
+                srv.DescribeParameters.Request(names=names),
+                once=True,
+            )
+            got = await self._values(node, names)
+            if got == {} and names:  # One without a value hides all, so each is read alone.
+                got = await self._one_by_one(node, names)
+            if listed is None or described is None or got is None:
+                _, waited = self._retry.get(node, (0.0, _RETRY / 2))
+                wait = min(2 * waited, _LONGEST_RETRY)
+                self._retry[node] = self._clock.monotonic() + wait, wait
+                return
+            self._retry.pop(node, None)
+            self._by_node[node] = {
+                name: _parameter(node, name, descriptor, got.get(name))
+                for name, descriptor in zip(names, described.descriptors, strict=False)
+            }
+            self._on_change()
+        finally:
+            self._loading.discard(node)
+
+    async def _one_by_one(self, node: str, names: list[str]) -> dict[str, Any] | None:
+        found: dict[str, Any] = {}
+        for name in names:
+            got = await self._values(node, [name])
+            if got is None:
+                return None
+            found |= got
+        return found
+
+    async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
+        """Set parameters of a node, all or none of them, and read back what they are then.
+
+        Raises:
+            Void: A STOP was read after the request was typed.
+        """
+        before = self._event_texts(node, values)
+        try:
+            parameters = [self._message(node, name, value) for name, value in values.items()]
+        except ValueError as error:
+            return Outcome(Code.MISUSE, str(error))
+        request = srv.SetParametersAtomically.Request(parameters=parameters)
+        answer = await self._services.call(
+            srv.SetParametersAtomically,
+            f"{node}/set_parameters_atomically",
+            request,
+            gate=gate,
+        )
+        if answer is None:
+            return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {node}")
+        if not answer.result.successful:
+            reason = masked_text(answer.result.reason, values)
+            return Outcome(Code.REFUSED, reason or "refused, no reason given")
+        names = list(values)
+        got = await self._services.call(
+            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
+        )
+        if got is None:
+            were = ", ".join(f"{name} was {before[name]}" for name in names)
+            unread = f"accepted, but {node} has not reported the new value"
+            return Outcome(Code.DONE, f"{unread}; {were}")
+        for name, value in zip(names, got.values, strict=False):
+            self._take(node, name, as_python(value))
+        now = self._event_texts(node, values)
+        text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
+        return Outcome(Code.DONE, text)
+
+    def _event_texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
+        """Return the known values by name as texts for an event, with MASK in place of secrets."""
+        known = masked({name: self._value(node, name) for name in names})
+        return {name: text_of(value) for name, value in known.items()}
+
+    def _message(self, node: str, name: str, value: Any) -> Any:
+        """Return the message that sets a parameter; its type is that of the value.
+
+        An empty list gets the type that the parameter is known to have.
+        """
+        known = self._by_node.get(node, {}).get(name)
+        if value == [] and known is not None:  # An empty list alone does not tell its type.
+            number = next((number for number, kind in TYPES.items() if kind == known.type), 0)
+        else:
+            number = RosParameter(name, value=value).type_.value
+        made = ParameterMessage(name=name, value=ParameterValue(type=number))
+        if number in TYPES:
+            field = value_field(TYPES[number])
+            kinds = ParameterValue.get_fields_and_field_types()
+            setattr(made.value, field, checked(kinds[field], value, name))
+        return made
+
+    def _value(self, node: str, name: str) -> Any:
+        known = self._by_node.get(node, {}).get(name)
+        return None if known is None else known.value
+
+    def _on_event(self, event: ParameterEvent) -> None:
+        for message in event.changed_parameters:
+            old, new = self._value(event.node, message.name), as_python(message.value)
+            if old is not None and not same(old, new):
+                self._tell_event(event.node, message.name, old, new)
+        for message in (*event.new_parameters, *event.changed_parameters):
+            self._take(event.node, message.name, as_python(message.value))
+        for message in event.deleted_parameters:
+            if self._by_node.get(event.node, {}).pop(message.name, None) is not None:
+                self._on_change()
+
+    def _take(self, node: str, name: str, value: Any) -> None:
+        known = self._by_node.get(node, {}).get(name)
+        if known is None:
+            if node in self._by_node and node not in self._loading:
+                self._by_node.pop(node)  # Declared later: the next poll loads the whole node.
+        elif not same(known.value, value):
+            self._by_node[node][name] = known._replace(value=value)
+            self._on_change()
+            self._on_new_value(node, known.value, value)
+
+
+def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
+    low = high = None
+    for allowed in (*descriptor.floating_point_range, *descriptor.integer_range):
+        low, high = sorted((allowed.from_value, allowed.to_value))
+    return Parameter(
+        node=node,
+        name=name,
+        type=TYPES.get(descriptor.type or ParameterType.PARAMETER_NOT_SET, "not set"),
+        value=value,
+        initial=value,
+        description=harmless(descriptor.description),
+        low=low,
+        high=high,
+        read_only=descriptor.read_only,
+        is_secret=is_secret(name),
+    )
+
+
+class ParameterPolling:
+    """The schedule by which all parameters of all nodes are read again, in rounds of PERIOD."""
+
+    def __init__(self) -> None:
+        self._left: deque[tuple[str, list[str]]] = deque()  # Requests of this round.
+        self._next = 0.0  # Monotonic seconds at which the next round may begin.
+        self._each = 0  # Requests a poll in this round.
+
+    def take_due(
+        self, now: float, names: Mapping[str, Iterable[str]]
+    ) -> list[tuple[str, list[str]]]:
+        """Remove and return the requests for this poll; [] while the next round is not due.
+
+        A round begins PERIOD after the last one began, or later if that is not done.
+        """
+        if not self._left:
+            if now < self._next:
+                return []
+            self._next = now + PERIOD
+            for node in sorted(names):
+                known = list(names[node])
+                slices = range(0, len(known), SLICE)
+                self._left.extend((node, known[first : first + SLICE]) for first in slices)
+            self._each = min(MAX_REQUESTS, 1 + int(len(self._left) / PERIOD))
+        return [self._left.popleft() for _ in range(min(self._each, len(self._left)))]

@@ -1,0 +1,1 @@
+"""The readings of battery, motion, pose, gauges and diagnostics."""

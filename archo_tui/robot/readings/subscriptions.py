@@ -1,0 +1,227 @@
+"""The subscriptions to the topics with readings: one for each topic, of its type and QoS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import Enum, auto
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from archo_tui.errors import in_one_line
+from archo_tui.robot.graph.endpoints import fitting_qos, is_latched
+from archo_tui.robot.messages.types import field_paths, load_class
+from archo_tui.robot.node import Listener
+from archo_tui.robot.period import LEAST_SILENCE
+from archo_tui.robot.readings.fields import Fields
+from archo_tui.robot.state import in_namespace
+from archo_tui.robot_file import mismatch
+from archo_tui.robot_file.model import fields_of
+
+
+class News(Enum):
+    """The difference of a message's readings from the last ones; a larger value weighs more."""
+
+    NONE = auto()  # Only its time differs.
+    NUMBERS = auto()  # Readings differ, as they do all the time.
+    WORDS = auto()  # Something on which a person acts: it is stopped, or cannot be read.
+
+
+# If one message has several readings, the weightiest difference is passed on.
+_WEIGHT = attrgetter("value")
+
+
+class Reader(NamedTuple):
+    """A reading and its topic."""
+
+    key: object  # "battery", "motion", "pose", "diagnostics", or the index of a gauge.
+    topic: str  # The topic as the robot file names it.
+    # The fields to read, by message type and name of the value.
+    types: Mapping[str, Mapping[str, Fields]]
+    # Called with a message and the fields of its type; returns what is new.
+    callback: Callable[[Any, Mapping[str, Fields]], News]
+
+
+class _Subscription(NamedTuple):
+    """A subscription and what it was made for."""
+
+    qos: tuple[ReliabilityPolicy, DurabilityPolicy]  # Its reliability and its durability.
+    keys: tuple[object, ...]  # The keys of its readers.
+    subscription: Any = None  # rclpy's object; None if rclpy made none.
+    fault: str = ""  # Why rclpy made none; "" if it did.
+
+
+class ReadingSubscriptions:
+    """The subscriptions to the topics of the robot file's readings. ROS thread only."""
+
+    def __init__(
+        self,
+        node: Listener,
+        readers: Sequence[Reader],
+        on_reading: Callable[[str, News], None],
+        on_stamp: Callable[[str, Any], None],
+        warn: Callable[[str], None],
+    ) -> None:
+        self._node, self._readers = node, tuple(readers)
+        self._on_reading, self._on_stamp, self._warn = on_reading, on_stamp, warn
+        # By the full name of the topic, and its type.
+        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
+        # Why a topic or one of its publishers is not read, by the topic in the robot file.
+        self.faults: dict[str, str] = {}
+        # The full names of the nodes that publish each reading, by key.
+        self.publishers: dict[object, frozenset[str]] = {}
+        # The silence in seconds that is allowed without a period, by key; None for any.
+        self.graces: dict[object, float | None] = {}
+
+    def update(self) -> None:
+        """Subscribe to what is published now, with its types and QoS, and update the attributes.
+
+        Each new fault is passed to `warn`. A subscription whose type nobody publishes any more
+        ends; that of a topic without any publisher stays.
+        """
+        faults: dict[str, str] = {}
+        wanted: dict[tuple[str, str], list[Reader]] = {}  # By full topic and type.
+        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
+        for reader in self._readers:
+            topic = self._node.resolve_topic_name(reader.topic)
+            if topic not in published:
+                published[topic] = self._node.get_publishers_info_by_topic(topic)
+            if (kind := self._usable(reader, published[topic], faults)) is not None:
+                wanted.setdefault((topic, kind), []).append(reader)
+        for key in [key for key in self._subscriptions if key not in wanted]:
+            # A topic without publishers keeps its subscription: they may come back.
+            if published[key[0]]:
+                self._end(self._subscriptions.pop(key))
+        for key, readers in wanted.items():
+            self._subscribe(key, readers, published[key[0]])
+            if self._subscriptions[key].fault:
+                faults.setdefault(readers[0].topic, self._subscriptions[key].fault)
+        for topic, fault in faults.items():
+            if self.faults.get(topic) != fault:
+                self._warn(fault)
+        self.faults = faults
+
+    def _usable(
+        self, reader: Reader, publishers: Sequence[Any], faults: dict[str, str]
+    ) -> str | None:
+        """Return the first published type that a reader can read; None if there is none."""
+        self.publishers[reader.key] = frozenset(
+            in_namespace(info.node_namespace, info.node_name) for info in publishers
+        )
+        if not publishers:
+            self.graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
+            return None
+        kinds: list[str] = sorted({info.topic_type for info in publishers})
+        types = reader.types
+        known = {kind: load_class(kind) for kind in kinds if kind in types}
+        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
+        usable = [kind for kind in known if not lacking[kind]]
+        fault = next(filter(None, lacking.values()), "")
+        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
+        if fault:
+            faults.setdefault(reader.topic, fault)
+        if not usable:
+            return None
+        # A latched message may be sent once, and holds as long as its publisher is there.
+        if is_latched(publishers):
+            self.graces[reader.key] = None
+        else:
+            self.graces.pop(reader.key, None)
+        return usable[0]
+
+    def _subscribe(
+        self, key: tuple[str, str], readers: Sequence[Reader], publishers: Sequence[Any]
+    ) -> None:
+        """Make one subscription for all readers of a topic and type, with a QoS that fits.
+
+        With two, each message would be recorded and counted twice.
+        """
+        topic, kind = key
+        qos = fitting_qos(publishers)
+        made = _Subscription(
+            (qos.reliability, qos.durability), tuple(reader.key for reader in readers)
+        )
+        old = self._subscriptions.get(key)
+        if old is not None and old[:2] == made[:2]:
+            return
+        if old is not None:
+            self._end(old)
+
+        def on_message(message: Any) -> None:
+            header = getattr(message, "header", None)
+            if header is not None and hasattr(header, "stamp"):
+                self._on_stamp(topic, header.stamp)
+            news: dict[str, News] = {}  # By the topic's name in the robot file.
+            for reader in readers:
+                new = reader.callback(message, reader.types[kind])
+                news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
+            for name, new in news.items():
+                self._on_reading(name, new)
+
+        message_class = load_class(kind)
+        try:
+            subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
+        except Exception as error:  # Fast DDS allows one type of a topic in a process.
+            fault = mismatch.not_subscribed(readers[0].topic, kind, in_one_line(error))
+            self._subscriptions[key] = made._replace(fault=fault)
+        else:
+            self._subscriptions[key] = made._replace(subscription=subscription)
+
+    def _end(self, ended: _Subscription) -> None:
+        if ended.subscription is not None:
+            self._node.destroy_subscription(ended.subscription)
+
+
+def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
+    """Return why a type cannot be read: not installed, or without a field of the readers; or ""."""
+    if message_class is None:
+        return mismatch.not_installed(topic, kind)
+    named = [field for given in fields.values() for field in fields_of(given)]
+    wanted = [(field.where, field.field) for field in named]
+    return mismatch.unknown_field(kind, wanted, field_paths(message_class))
+
+
+class RecordedTopics:
+    """The subscriptions to those of the listed topics that have a publisher. ROS thread only.
+
+    They only bring the messages to the black box, which has those of every subscription of the
+    node.
+    """
+
+    def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
+        self._node, self._warn = node, warn
+        self._missing = [node.resolve_topic_name(topic) for topic in topics]
+        self._subscriptions: list[Any] = []
+        self._warned: set[str] = set()
+
+    def subscribe(self) -> None:
+        """Subscribe to each topic that has a publisher by now, with the first publisher's type.
+
+        A topic whose type is not installed is tried again at the next call; one that rclpy refuses
+        is not. Subscriptions are never ended or changed.
+        """
+        for topic in list(self._missing):
+            publishers = self._node.get_publishers_info_by_topic(topic)
+            if not publishers:
+                continue
+            kind = publishers[0].topic_type
+            message_class = load_class(kind)
+            if message_class is None:
+                self._warn_once(topic, mismatch.not_installed(topic, kind))
+                continue
+            self._missing.remove(topic)
+            try:
+                subscription = self._node.listen_quietly(
+                    message_class, topic, lambda _: None, fitting_qos(publishers)
+                )
+            except Exception as error:  # Fast DDS allows one type of a topic in a process.
+                reason = in_one_line(error)
+                self._warn_once(topic, mismatch.not_subscribed(topic, kind, reason))
+            else:
+                self._subscriptions.append(subscription)
+
+    def _warn_once(self, topic: str, text: str) -> None:
+        if topic not in self._warned:
+            self._warned.add(topic)
+            self._warn(f"not recorded: {text}")

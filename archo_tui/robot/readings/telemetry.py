@@ -1,0 +1,269 @@
+"""The readings of battery, motion and gauges, as their publishers send them. ROS thread only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from archo_tui.clock import Clock
+from archo_tui.robot.messages.values import number
+from archo_tui.robot.node import Listener
+from archo_tui.robot.period import Period
+from archo_tui.robot.readings.diagnostics import Diagnostics
+from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
+from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
+from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot_file.known_types import DIAGNOSTICS
+from archo_tui.robot_file.model import Gauge, RobotFile
+from archo_tui.safe_text import harmless
+
+_SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
+_SAMPLES = 300
+_JUMP = 0.5  # Percent in the wrong direction that are more than noise.
+_MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V and m/s; a larger value is no reading.
+_FARTHEST = 1e7  # m; more than around a quarter of the earth is no position.
+_MOST = 1e15  # Of a gauge without a range: a double has so many digits.
+
+_BATTERY = (
+    attrgetter("charging", "discharging", "health", "period", "unreadable"),
+    attrgetter("percentage", "voltage"),
+)
+_MOTION = attrgetter("moving", "stopped", "period"), attrgetter("count", "speed")
+_POSE = attrgetter("frame", "period"), attrgetter("x", "y", "yaw")
+_GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
+
+
+class SavedReadings(NamedTuple):
+    """All readings of a `Telemetry` at one moment, for `Telemetry.restore`."""
+
+    battery: Battery
+    motion: Motion
+    pose: Pose
+    gauges: tuple[GaugeReading, ...]
+    diagnostics: Diagnostics
+    charge: tuple[tuple[float, float], ...]
+    periods: Mapping[object, Period]
+
+
+class Telemetry:
+    """The last readings of battery, motion, pose, gauges and diagnostics. ROS thread only.
+
+    They are read from the topics and fields that the robot file names.
+    """
+
+    def __init__(
+        self,
+        node: Listener,
+        robot: RobotFile,
+        clock: Clock,
+        on_reading: Callable[[str, News], None],
+        warn: Callable[[str], None],
+        on_stamp: Callable[[str, Any], None] = lambda *_: None,
+    ) -> None:
+        self._robot, self._clock = robot, clock
+        self._warn = warn
+        readers = tuple(self._make_readers())
+        self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
+        self._periods: dict[object, Period] = {}
+        topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
+        # Those of the robot file, in seconds.
+        self._fixed: dict[object, float | None] = {
+            key: topic.period for key, topic in topics.items() if topic is not None
+        }
+        self.battery = Battery()
+        self.motion = Motion()
+        self.pose = Pose()
+        self.diagnostics = Diagnostics()  # The last diagnostic status of each part.
+        # The last readings of the gauges, in the order of the robot file.
+        self.gauges = tuple(GaugeReading(gauge) for gauge in robot.gauges)
+        # Samples of the charge, the oldest first: monotonic seconds and percent.
+        self.charge: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """The reasons why a topic or one of its publishers is not read, by its name in the file."""
+        return self._subscriptions.faults
+
+    def resubscribe(self) -> None:
+        """Subscribe to what is published now, and update the faults and the silences allowed."""
+        self._subscriptions.update()
+        self._change_all(lambda key: {"grace": self._grace(key)})
+
+    def _change_all(self, changes: Callable[[object], dict[str, Any]]) -> None:
+        self.battery = self.battery._replace(**changes("battery"))
+        self.motion = replace(self.motion, **changes("motion"))
+        self.pose = self.pose._replace(**changes("pose"))
+        self.gauges = tuple(
+            reading._replace(**changes(place)) for place, reading in enumerate(self.gauges)
+        )
+
+    def _make_readers(self) -> Iterator[Reader]:
+        """Yield a reader for each reading that the robot file names."""
+        for key, topic_of, callback in (
+            ("battery", self._robot.battery, self._on_battery),
+            ("motion", self._robot.motion, self._on_motion),
+            ("pose", self._robot.pose, self._on_pose),
+        ):
+            if topic_of is not None:
+                types = {kind: _named_fields(fields) for kind, fields in topic_of.types.items()}
+                yield Reader(key, topic_of.topic, types, callback)
+        if topic := self._robot.diagnostics:
+            yield Reader("diagnostics", topic, {DIAGNOSTICS: {}}, self._on_diagnostics)
+        for place, gauge in enumerate(self._robot.gauges):
+            types = {gauge.type: {"value": gauge.field}}
+            yield Reader(place, gauge.topic, types, partial(self._on_gauge, place))
+
+    def is_robot_heard(self) -> bool:
+        """Return True while battery or motion messages come, or if the robot file has neither."""
+        if self._robot.battery is None and self._robot.motion is None:
+            return True
+        now, last = self._clock.monotonic(), (self.battery, self.motion)
+        return any(reading.received is not None and not reading.is_old(now) for reading in last)
+
+    def forget_periods(self, node: str, old: object, new: object) -> None:
+        """Measure every period again, since a parameter has changed that may set one of them.
+
+        Until then silence is judged by the periods known so far. If the parameter seems to be the
+        period of a topic that its node publishes, the new value holds at once if it is longer.
+        """
+        for key, period in self._periods.items():
+            is_its = node in self._subscriptions.publishers.get(key, ())
+            self._periods[key] = period.measured_again(old if is_its else None, new)
+        self._change_all(lambda key: {"period": self._period(key)})
+
+    def saved(self) -> SavedReadings:
+        """Return a copy of all readings and measured periods, for `restore`."""
+        return SavedReadings(
+            self.battery,
+            self.motion,
+            self.pose,
+            self.gauges,
+            self.diagnostics.copy(),
+            self.charge,
+            dict(self._periods),
+        )
+
+    def restore(self, saved: SavedReadings) -> None:
+        """Set all readings and measured periods to those that `saved` returned."""
+        self.battery, self.motion, self.pose, self.gauges = saved[:4]
+        self.diagnostics, self.charge = saved.diagnostics.copy(), saved.charge
+        self._periods = dict(saved.periods)
+
+    def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> News:
+        assert self._robot.battery is not None
+        topic = self._robot.battery.topic
+        found = {name: read(field, message) for name, field in fields.items()}
+        now, charging = self._clock.monotonic(), self.battery.charging
+        percentage, before = found.get("percentage"), self.battery.unreadable
+        reading = number(percentage, 0.0, 100.0)
+        unreadable = "" if reading is not None else as_received(percentage)
+        if unreadable and not before:
+            self._warn(f"{topic}: percentage {unreadable} is not within 0 .. 100")
+        last = self.battery
+        self.battery = Battery(
+            percentage=reading,
+            voltage=number(found.get("voltage"), 0.0, _MOST_VOLTS),
+            charging=flag(found.get("charging")),
+            discharging=flag(found.get("discharging")),
+            health=harmless(str(found.get("health") or "")) or None,
+            received=now,
+            period=self._period_after("battery", now),
+            unreadable=unreadable,
+            grace=self._grace("battery"),
+        )
+        self._sample(now, turned=charging != self.battery.charging)
+        return _news(last, self.battery, *_BATTERY)
+
+    def _on_motion(self, message: Any, fields: Mapping[str, Fields]) -> News:
+        assert self._robot.motion is not None
+        found = {name: read(field, message) for name, field in fields.items()}
+        now, last = self._clock.monotonic(), self.motion
+        self.motion = Motion(
+            count=integer(found.get("count")),
+            speed=number(found.get("speed"), -_MOST_SPEED, _MOST_SPEED),
+            moving=flag(found.get("moving")),
+            stopped=flag(found.get("stopped")),
+            received=now,
+            period=self._period_after("motion", now),
+            grace=self._grace("motion"),
+        )
+        return _news(last, self.motion, *_MOTION)
+
+    def _on_pose(self, message: Any, fields: Mapping[str, Fields]) -> News:
+        found = {name: read(field, message) for name, field in fields.items()}
+        now, last = self._clock.monotonic(), self.pose
+        self.pose = Pose(
+            x=number(found.get("x"), -_FARTHEST, _FARTHEST),
+            y=number(found.get("y"), -_FARTHEST, _FARTHEST),
+            yaw=yaw(found.get("orientation")),
+            frame=harmless(str(found.get("frame") or "")),
+            received=now,
+            period=self._period_after("pose", now),
+            grace=self._grace("pose"),
+        )
+        return _news(last, self.pose, *_POSE)
+
+    def _on_diagnostics(self, message: Any, _fields: Mapping[str, Fields]) -> News:
+        has_changed = self.diagnostics.add(message, self._clock.monotonic())
+        return News.WORDS if has_changed else News.NUMBERS
+
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> News:
+        gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
+        value = read(fields["value"], message)
+        reading = number(value, *_range(gauge))
+        unreadable = "" if reading is not None else as_received(value)
+        if unreadable and not last.unreadable:
+            self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
+        period, grace = self._period_after(place, now), self._grace(place)
+        new = GaugeReading(gauge, reading, now, period, unreadable, grace)
+        self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
+        return _news(last, new, *_GAUGE)
+
+    def _period_after(self, key: object, now: float) -> float | None:
+        """Count a message at `now`, and return the period of the reading."""
+        self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
+        return self._period(key)
+
+    def _period(self, key: object) -> float | None:
+        measured = self._periods.get(key)
+        return self._fixed.get(key) or (None if measured is None else measured.typical)
+
+    def _grace(self, key: object) -> float | None:
+        """Return the seconds of silence allowed while a period is not known; None for any."""
+        if key in self._subscriptions.graces:
+            return self._subscriptions.graces[key]
+        return self._periods.get(key, Period()).grace
+
+    def _sample(self, now: float, *, turned: bool) -> None:
+        """Add the present charge to `charge`, unless the last sample is less than a second old."""
+        percentage, kept = self.battery.percentage, self.charge
+        if percentage is not None and kept:  # The battery was changed, or its node restarted.
+            rise = percentage - kept[-1][1]
+            turned = turned or (-rise if self.battery.charging else rise) > _JUMP
+        kept = () if turned else kept
+        if percentage is not None and (not kept or now - kept[-1][0] >= _SAMPLE_PERIOD):
+            self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
+
+
+def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter[Any]) -> News:
+    if words(last) != words(new):
+        return News.WORDS
+    return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
+
+
+def _named_fields(fields: Any) -> dict[str, Fields]:
+    """Return the fields that the robot file names, by reading; it may leave some out."""
+    return {name: field for name, field in vars(fields).items() if field is not None}
+
+
+def _range(gauge: Gauge) -> tuple[float, float]:
+    low = -_MOST if gauge.low is None else gauge.low
+    return low, _MOST if gauge.high is None else gauge.high
+
+
+def _range_text(gauge: Gauge) -> str:
+    limited = gauge.low is not None and gauge.high is not None
+    return f"within {gauge.low:g} .. {gauge.high:g}" if limited else "a number of this gauge"

@@ -1,0 +1,249 @@
+"""The inspection of one topic: how often its messages come, how large they are, and the last one.
+
+Messages are counted as bytes, and decoded only when they are asked for: many of them, or large
+ones, cost the ROS thread little, and the black box gets none.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message
+
+from archo_tui.clock import Clock
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.robot.graph.endpoints import fitting_qos
+from archo_tui.robot.node import Listener
+from archo_tui.robot.period import RATE_INTERVALS
+
+# Seconds after a subscription in which a latched topic's messages are those that were kept for it.
+_KEPT = 0.5
+MAX_BYTES = 8_000_000  # Of a message that is decoded; with many small parts it takes seconds.
+_INTERVAL = 0.04  # Seconds between two kept messages; with the newest of each look, 30 a second.
+_WAITING_BYTES = 16_000_000  # Of all messages that wait.
+_WINDOW = 5.0  # Seconds in which the rate is measured.
+_BUCKETS_PER_SECOND = 2
+
+
+class Inspection:
+    """A count of the messages of one topic, which lasts from `subscribe` to `unsubscribe`.
+
+    Its attributes may be read on any thread.
+    """
+
+    def __init__(
+        self,
+        node: Listener,
+        clock: Clock,
+        topic: str,
+        message_class: Any,
+        on_data: Callable[[float, bytes, bool], None] = lambda *_: None,
+    ) -> None:
+        self._on_data = on_data
+        self._node, self._clock, self._class = node, clock, message_class
+        self._subscription: Any = None
+        self._is_tap = False  # True while the messages are those of another subscription.
+        self._qos: QoSProfile | None = None
+        # The last message: its number, counted from 1, and its bytes; (0, b"") before the first.
+        self.newest: tuple[int, bytes] = (0, b"")
+        self.topic = topic
+        self.count = self.size = 0  # Of all messages that came, and their bytes.
+        # Of those that were sent before and came because they were kept: they tell no rate.
+        self.kept = self.kept_size = 0
+        self._kept_until = -math.inf
+        self.first = self.last = 0.0  # When messages came that were not kept; monotonic, s.
+        self.least: float | None = None  # The shortest time between two messages, in seconds.
+        self.greatest: float | None = None  # The longest time between two messages, in seconds.
+
+    def subscribe(self) -> None:
+        """Begin to count, with a QoS that fits the present publishers. ROS thread only.
+
+        If the node listens to the topic already, no second subscription is made: its messages are
+        counted, the last one that it received at once.
+        """
+        self._is_tap = self._node.listens(self._class, self.topic)
+        if self._is_tap:
+            last = self._node.tap(self._class, self.topic, self._take)
+            if last is not None and not self.count:
+                self._take(last, was_kept=True)
+            return
+        self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
+        if self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            self._kept_until = self._clock.monotonic() + _KEPT
+        self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
+
+    def resubscribe_if_needed(self) -> None:
+        """Subscribe again if the publishers, or the node's other subscription, have changed.
+
+        Nothing is done while the QoS still fits, or without publishers. The counts go on. ROS
+        thread only.
+        """
+        if self._node.listens(self._class, self.topic) != self._is_tap:
+            self.unsubscribe()
+            self.subscribe()
+            return
+        publishers = self._node.get_publishers_info_by_topic(self.topic)
+        if self._subscription is None or not publishers or fitting_qos(publishers) == self._qos:
+            return
+        self.unsubscribe()
+        self.subscribe()
+
+    def unsubscribe(self) -> None:
+        """End the subscription, if there is one; the counts stay. ROS thread only."""
+        self._node.untap(self._take)
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+            self._subscription = None
+
+    def _take(self, data: bytes, *, was_kept: bool = False) -> None:
+        now = self._clock.monotonic()
+        was_kept = was_kept or now < self._kept_until
+        if was_kept:
+            self.kept, self.kept_size = self.kept + 1, self.kept_size + len(data)
+        elif self.count == self.kept:
+            self.first = self.last = now
+        else:
+            interval = now - self.last
+            self.least = interval if self.least is None else min(self.least, interval)
+            self.greatest = interval if self.greatest is None else max(self.greatest, interval)
+            self.last = now
+        self.size += len(data)
+        self.newest = self.count + 1, data
+        self.count += 1  # Last: another thread that reads it finds the rest set.
+        self._on_data(now, data, was_kept)
+
+    @property
+    def rate(self) -> float | None:
+        """The mean rate in Hz from the first message to the last; None before three intervals."""
+        span, intervals = self.last - self.first, self.count - self.kept - 1
+        return intervals / span if span > 0 and intervals >= RATE_INTERVALS else None
+
+    def decode(self, data: bytes) -> Any:
+        """Return the message in serialized bytes, secret values masked.
+
+        A large message takes long: call this on a thread of its own.
+
+        Raises:
+            ArchoError: The message is larger than MAX_BYTES, or not of this topic's class.
+        """
+        if len(data) > MAX_BYTES:
+            raise ArchoError(too_large(len(data)))
+        try:
+            return self._node.without_secrets(deserialize_message(data, self._class))
+        except Exception as error:  # rclpy raises several types for bytes of another definition.
+            why = f"not readable, its publisher may have another definition: {in_one_line(error)}"
+            raise ArchoError(why) from None
+
+
+def too_large(size: int) -> str:
+    """Return the line that says why a message of so many bytes is not shown."""
+    return f"not shown: a message of {size / 1e6:.1f} MB, more than {MAX_BYTES / 1e6:g} MB"
+
+
+class RawMessage(NamedTuple):
+    """A serialized message and the time of its arrival in seconds."""
+
+    time: float
+    data: bytes
+
+
+class _Bucket(NamedTuple):
+    """The messages that came within half a second."""
+
+    number: int  # The number of the half second, counted from the time 0.0.
+    first: float  # When the first message came, in seconds.
+    messages: int  # The number of messages that came.
+    size: int  # The bytes of all of them.
+
+
+class MessageIntake:
+    """A buffer of the messages of one topic, which one thread fills and another one drains."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()  # Held for no longer than an append takes.
+        self.received = 0  # The number of messages that came.
+        # When the last message came that was not kept for a new subscription, in seconds; None
+        # before the first.
+        self.last: float | None = None
+        self.last_size = 0  # The bytes of the last message; 0 before the first.
+        self._waiting: list[RawMessage] = []
+        self._waiting_bytes = 0
+        self._kept_at: float | None = None
+        self._newest: RawMessage | None = None  # If it is not among those that wait.
+        self._last_few: deque[tuple[float, int]] = deque(maxlen=RATE_INTERVALS + 1)
+        self._buckets: deque[_Bucket] = deque(maxlen=int(_WINDOW * _BUCKETS_PER_SECOND) + 1)
+
+    def add(self, time: float, data: bytes, was_kept: bool = False) -> None:
+        """Count a message, and keep it for `drain`, unless it is too large or too many wait.
+
+        The newest message is always kept, unless it is larger than MAX_BYTES. Of the others, one
+        each 40 ms is kept, up to 16 MB.
+        """
+        with self._lock:
+            if not was_kept:
+                self._count(time, len(data))
+                self._last_few.append((time, len(data)))
+                self.last = time
+            self.received, self.last_size = self.received + 1, len(data)
+            self._newest = None
+            if len(data) > MAX_BYTES:
+                return
+            message = RawMessage(time, data)
+            is_due = self._kept_at is None or not 0 <= time - self._kept_at < _INTERVAL
+            if is_due and self._waiting_bytes + len(data) <= _WAITING_BYTES:
+                self._waiting.append(message)
+                self._waiting_bytes += len(data)
+                self._kept_at = time
+            else:
+                self._newest = message
+
+    def drain(self) -> list[RawMessage]:
+        """Remove and return the messages that wait, the newest last."""
+        with self._lock:
+            found = [*self._waiting, *([] if self._newest is None else [self._newest])]
+            self._waiting.clear()
+            self._waiting_bytes, self._newest = 0, None
+        return found
+
+    @property
+    def is_too_large(self) -> bool:
+        """True if the last message is larger than MAX_BYTES, and so is not decoded."""
+        return self.last_size > MAX_BYTES
+
+    def rates(self, now: float) -> tuple[float, float] | None:
+        """Return the mean rates in messages and in bytes a second, over the last 5 s or so.
+
+        Of a slow topic the last three intervals count. A silence since the last message does not
+        lower the rates.
+        """
+        with self._lock:
+            buckets, last, few = tuple(self._buckets), self.last, tuple(self._last_few)
+        if last is None or len(few) <= RATE_INTERVALS:
+            return None
+        recent = [bucket for bucket in buckets if now - bucket.first <= _WINDOW]
+        count, begin = sum(bucket.messages for bucket in recent), few[0][0]
+        size = sum(bucket.size for bucket in recent)
+        if count > RATE_INTERVALS:
+            begin = recent[0].first
+        elif now - last <= max(last - begin, _WINDOW):
+            count, size = len(few), sum(size for _, size in few)
+        else:
+            return None
+        if last <= begin:
+            return None
+        rate = (count - 1) / (last - begin)
+        return rate, rate * size / count
+
+    def _count(self, time: float, size: int) -> None:
+        number = int(time * _BUCKETS_PER_SECOND)
+        last = self._buckets[-1] if self._buckets else None
+        if last is not None and last.number == number:
+            messages = last.messages + 1
+            self._buckets[-1] = last._replace(messages=messages, size=last.size + size)
+        else:
+            self._buckets.append(_Bucket(number, time, 1, size))
