@@ -39,7 +39,7 @@ from archo_tui.widgets.notices import Notice, Notices
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
-    from archo_tui.replay.player import Player
+    from archo_tui.recordings.replay.player import Player
 
 TICK = 1.0  # Seconds between two updates of ages and the time of day.
 LONGEST = 30.0  # Seconds that the end waits for answers: longer than any request takes.

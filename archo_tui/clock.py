@@ -6,9 +6,12 @@ import asyncio
 import time
 from collections.abc import Awaitable
 from datetime import datetime
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 T = TypeVar("T")
+# Recordings know by these types which numbers are times.
+Monotonic = Annotated[float, "monotonic time, in s"]
+UnixTime = Annotated[float, "Unix time, in s"]
 
 LAST_STAMP = 2**31 - 1  # The latest Unix time in s of builtin_interfaces/Time, an int32.
 

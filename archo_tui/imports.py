@@ -6,8 +6,8 @@ import pkgutil
 from collections.abc import Iterable
 from importlib import import_module
 
-OF_ALL = ("archo_tui.recording", "archo_tui.remote")  # Needed with and without a screen.
-OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens", "archo_tui.replay")
+OF_ALL = ("archo_tui.recordings", "archo_tui.remote")  # Needed with and without a screen.
+OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens", "archo_tui.recordings.replay")
 
 
 def import_the_rest(packages: Iterable[str]) -> None:

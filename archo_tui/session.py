@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,11 +17,12 @@ from typing import TYPE_CHECKING, Any
 from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
-from archo_tui.errors import ArchoError
+from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.handover import Handover
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
 from archo_tui.hosting.workspace_nodes import found_in_workspaces
+from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
@@ -36,12 +38,15 @@ from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 
 if TYPE_CHECKING:
+    from rclpy.context import Context
+    from rclpy.node import Node
+
     from archo_tui.hosting.host import Host
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.hosting.package_shares import PackageShares
-    from archo_tui.recording.box import BlackBox
-    from archo_tui.recording.console_recorder import ConsoleRecorder
+    from archo_tui.recordings.console import ConsoleRecorder
+    from archo_tui.recordings.recorder import BlackBox
     from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
     from archo_tui.robot.robot import Robot
@@ -90,10 +95,12 @@ class Session:
             ArchoError: Something that the user can mend is wrong; nothing runs then.
         """
         check_options(options)
+        self._early_events: list[LaunchNote] | None = []  # Until `start`.
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
-        self._overrides = files.load_files([*self._own_files, *options.params_files])
+        self._own_overrides = files.load_files(self._own_files)
+        self._user_overrides = files.load_files(options.params_files)
         self._launch_file = self._read_launch_file()
         self._node_names, self._workspaces = found_in_workspaces(options.node_files)
         if self._launch_file is not None:
@@ -215,8 +222,8 @@ class Session:
 
         from archo_tui.hosting.host import Host
         from archo_tui.hosting.node_files import NodeFile
-        from archo_tui.recording.box import BlackBox
-        from archo_tui.recording.console_recorder import ConsoleRecorder
+        from archo_tui.recordings.console import ConsoleRecorder
+        from archo_tui.recordings.recorder import BlackBox
         from archo_tui.robot.robot import Robot
 
         self.box = BlackBox(
@@ -239,7 +246,7 @@ class Session:
             )
             robot = self.robot
             self.host = Host(
-                *(self._context, robot.note, robot.end_goals_of_node),
+                *(self._context, self._note_early, robot.end_goals_of_node),
                 early_stop_request=robot.early_stop_request,
                 on_early_stop=robot.on_early_stop,
                 on_restored=robot.on_parameters_restored,
@@ -339,7 +346,7 @@ class Session:
         return PackageShares(self._workspaces)
 
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
-        from archo_tui.recording.attachments import attachments
+        from archo_tui.recordings.console import attachments
 
         return attachments(self.file, journal_file(), begin, end)
 
@@ -371,6 +378,8 @@ class Session:
             self._server.close()
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
+        if hasattr(self, "robot"):
+            self.robot.stop()
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
@@ -426,13 +435,12 @@ class Session:
                 cannot be made.
         """
         # What nodes print before the start is an event as well.
-        output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
+        output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
         with contextlib.redirect_stdout(output):
             for file in self._node_files:
                 for make in file.load():
                     self.host.add(make)
-            for program in self._programs:
-                self.host.programs.add(program)
+            self._begin_programs()
         if self.options.attach or self.options.only:
             return
         for make in self.options.node_makers:
@@ -445,12 +453,54 @@ class Session:
         try:
             for name, kind in _robots_nodes(self.options.use_sim).items():
                 if name not in taken:
-                    self.host.add(kind)
+                    self.host.add(partial(_make_own, kind, self._own_ros_args()))
         except expected as error:
             from archo_tui.hosting.explain import reason_of
 
             text = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
+
+    def _note_early(self, level: str, source: str, text: str) -> None:
+        """Add an event, and keep it for the error of a launch of which nothing runs."""
+        if self._early_events is not None:
+            self._early_events.append(LaunchNote(level, source, text))
+        self.robot.note(level, source, text)
+
+    def _begin_programs(self) -> None:
+        """Run the user's programs, each of which ends alone.
+
+        Raises:
+            ArchoError: A file that the user named is not Python, or every program of the launch
+                file has crashed (NothingRunsError).
+        """
+        for program in self._programs:
+            try:
+                self.host.programs.add(program)
+            except UserFileError as error:
+                if self._launch_file is None:
+                    raise
+                self.host.programs.add_failed(program, error)
+        if self._launch_file is not None and self.host.programs.all_have_crashed:
+            from archo_tui.hosting.launch_file import NothingRunsError
+
+            notes = [*self._launch_file.notes, *(self._early_events or ())]
+            raise NothingRunsError(self._launch_file.path, notes)
+
+    def printer_of_children(self) -> Callable[[str], object] | None:
+        """Return what makes an event of a line that a child of the user's program prints.
+
+        None if several files or none could have started it.
+        """
+        given = [*self._node_files, *(program.file for program in self._programs)]
+        if len(given) != 1:
+            return None
+        output = NodeOutput(io.StringIO(), self.robot.note)
+
+        def print_line(line: str) -> None:
+            threading.current_thread().name = (self.host.users_names() or [given[0].path.stem])[0]
+            output.write(line)
+
+        return print_line
 
     def _make_program(self, *arguments: Any) -> HostedProgram:
         """Return a new program of the engine's kind: a thread, or on ROS 2 a child process.
@@ -488,9 +538,17 @@ class Session:
         args = ["--ros-args", "--disable-stdout-logs"]
         if self.options.namespace != "/":
             args += ["-r", f"__ns:={self.options.namespace}"]
-        for path in (*self._own_files, *self.options.params_files):
+        for path in self.options.params_files:
             args += ["--params-file", str(path)]
         return [*args, *self.options.ros_args]
+
+    def _own_ros_args(self) -> list[str]:
+        """Return the ROS arguments of ARCHO's own nodes: its parameter files, then the user's.
+
+        A node's own arguments win over those of its context, so they hold the user's once more.
+        """
+        files = [word for path in self._own_files for word in ("--params-file", str(path))]
+        return ["--ros-args", *files, *self._ros_args()[1:]]
 
     def _refusal_line(self, message: str) -> str:
         """Return a node's refusal of a parameter, with the file and line where the value was given.
@@ -498,7 +556,7 @@ class Session:
         If no parameter file gave it, the message is returned unchanged.
         """
         text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
-        for override in reversed(self._overrides):
+        for override in reversed([*self._own_overrides, *self._user_overrides]):
             # Otherwise it is one of --ros-args.
             if override.name == name and str(override.value) in text:
                 return f"{override.where}: {text}"
@@ -515,6 +573,7 @@ class Session:
             if hosted.is_made
         }
         late = [hosted.name for hosted in self.host.nodes if not hosted.is_made]
+        self._early_events = None
         self.robot.start()
         self._look_for_earlier_stop()
         self.host.start()
@@ -528,8 +587,11 @@ class Session:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():
             self.robot.note(note.level, LAUNCH, str(note))
-        users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
+        options = self.options
+        users = [*self._user_overrides, *files.parse_typed(options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
+        if not (options.only or options.attach):
+            self._note_own_defaults(declared, users)
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
             for line in files.unknown_lines(users, declared):
                 self.robot.note("WARN", "console", line)
@@ -537,10 +599,21 @@ class Session:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
 
-    def _user_overrides(self) -> list[Override]:
-        """Return the parameters of the files that the user named, not those of default files."""
-        own = {str(path) for path in self._own_files}
-        return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
+    def _note_own_defaults(self, declared: Mapping[str, set[str]], users: list[Override]) -> None:
+        """Say which parameters of the user's nodes ARCHO's own files do not set.
+
+        Such a node has taken the place of one of ARCHO's own, to which these files belong.
+        """
+        for hosted in self.host.nodes:
+            own = [o for o in self._own_overrides if matches(o.pattern, hosted.name)]
+            given = {o.name for o in users if matches(o.pattern, hosted.name)}
+            names = {o.name for o in own} & declared.get(hosted.name, set()) - given
+            if hosted.file is None or not names:
+                continue
+            files_named = ", ".join(sorted({Path(o.where.rpartition(":")[0]).name for o in own}))
+            text = f"{', '.join(sorted(names))}: the default of {hosted.file.path.name}; "
+            text += f"{files_named} is for ARCHO's own node, --params-file gives it to yours"
+            self.robot.note("INFO", hosted.name.lstrip("/"), text)
 
     def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.
@@ -574,6 +647,14 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _make_own(
+    kind: Any, ros_args: Sequence[str], *, context: Context, cli_args: Sequence[str] = ()
+) -> Node:
+    """Make one of ARCHO's own nodes; `cli_args` are those of a copy, which has another name."""
+    node: Node = kind(context=context, cli_args=[*ros_args, *cli_args])
+    return node
 
 
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from archo_tui import engine
 from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
-from archo_tui.recording.box import BUDGET
+from archo_tui.recordings.store import BUDGET
 from archo_tui.shutdown import CANCEL, LEAVE
 
 

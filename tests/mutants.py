@@ -32,7 +32,7 @@ TESTS = {
     "test_collector.py test_imports.py test_other_systems.py",
     "cli": "test_cli.py test_docs.py",
     "embedded": "contract embedded",
-    **dict.fromkeys(("recording", "replay"), "black_box replay"),
+    "recordings": "black_box replay",
     **dict.fromkeys(("robot", "robot_file"), "robot robots"),
     **dict.fromkeys(("verbs", "words", "parameters"), "verbs parameters"),
 }

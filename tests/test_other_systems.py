@@ -37,7 +37,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.session_options import Options
 from archo_tui.session import Session
 from archo_tui.shutdown import heed_signals
-from archo_tui.terminal.stderr import guarded_stderr, log_file
+from archo_tui.terminal.stderr import guarded_streams, log_file
 
 async def until(pilot, holds):
     for _ in range(3000):
@@ -59,7 +59,7 @@ async def drive(station):
         print(snapshot().history[0].message)
 
 heed_signals()
-with Session(Options(ros_args={FAST[1:]!r})) as session, guarded_stderr(log_file()):
+with Session(Options(ros_args={FAST[1:]!r})) as session, guarded_streams(log_file()):
     asyncio.run(drive(session.station))
 """
 PLAIN = f"""

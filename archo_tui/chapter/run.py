@@ -22,6 +22,7 @@ from archo_tui.session import Session
 from archo_tui.session_options import Options
 
 _RADIUS = 0.07  # In m; the chapter's listing declares another value.
+_VALUES = f"/**: {{ros__parameters: {{max_speed: 0.8, wheel_radius: {_RADIUS}}}}}"
 
 
 def run(
@@ -67,7 +68,7 @@ def _check_nodes(
     ):
         # The file shows if the nodes load parameters at all.
         values = Path(folder, "params.yaml")
-        values.write_text(f"/**:\n  ros__parameters:\n    wheel_radius: {_RADIUS}\n")
+        values.write_text(_VALUES)
         given = Options(
             engine=engine_name,
             node_files=files,

@@ -206,7 +206,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     from archo_tui.paths import config_file
     from archo_tui.shutdown import RESTART, heed_signals, let_go
     from archo_tui.terminal import themes
-    from archo_tui.terminal.stderr import guarded_stderr, log_file
+    from archo_tui.terminal.stderr import guarded_streams, log_file
 
     station, clock = session.station, session.station.clock
     left = session.options.handover
@@ -224,7 +224,7 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     while True:
         app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
         app.settings_before = None if left is None else left.terminal
-        with guarded_stderr(log_file()):
+        with guarded_streams(log_file(), session.printer_of_children()):
             app.run()
         if not app.failure:
             if app.return_code == RESTART:

@@ -39,12 +39,12 @@ def replay(options: Namespace) -> int:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
-    from archo_tui.replay.resolve import load_robot_file, make_player, open_bag
+    from archo_tui.recordings.replay.open import load_robot_file, make_player, open_bag
 
     bag = open_bag(options.recording)
     robot = load_robot_file(bag, options.robot)
     if options.text:
-        from archo_tui.replay.report import report_lines
+        from archo_tui.recordings.replay.report import report_lines
 
         for line in report_lines(bag, robot):
             print(safe(line))
@@ -52,11 +52,11 @@ def replay(options: Namespace) -> int:
     from archo_tui.commands import keymap, registry
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
-    from archo_tui.replay.recorded_station import RecordedStation
+    from archo_tui.recordings.replay.station import RecordedStation
     from archo_tui.replay_app import ReplayApp
     from archo_tui.shutdown import heed_signals
     from archo_tui.terminal import themes
-    from archo_tui.terminal.stderr import guarded_stderr, log_file
+    from archo_tui.terminal.stderr import guarded_streams, log_file
 
     keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
     heed_signals()
@@ -64,7 +64,7 @@ def replay(options: Namespace) -> int:
     clock = Clock()
     station = RecordedStation(make_player(bag, robot, clock), clock)
     app = ReplayApp(station, keys, themes.remembered_theme())
-    with guarded_stderr(log_file()):
+    with guarded_streams(log_file()):
         app.run()
     if app.failure:
         complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")

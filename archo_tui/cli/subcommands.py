@@ -145,13 +145,13 @@ def recordings(options: Namespace) -> int:
     Raises:
         ArchoError: A name to delete is unknown, so that none is deleted, or the disk refuses it.
     """
-    from archo_tui.recording.listing import delete_named, list_recordings
+    from archo_tui.recordings import store
 
     if options.delete:
-        for line in delete_named(options.delete):
+        for line in store.delete_named(options.delete):
             print(safe(line))
         return 0
-    for line in list_recordings(as_json=options.json):
+    for line in store.listing(as_json=options.json):
         print(safe(line))
     return 0
 

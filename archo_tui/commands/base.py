@@ -24,7 +24,7 @@ from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
-    from archo_tui.replay.player import Player
+    from archo_tui.recordings.replay.player import Player
 
 Work = Coroutine[Any, Any, None]  # May wait for the robot.
 Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 from archo_tui.commands.base import Command, Console, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.paths import state_file
 from archo_tui.robot.outcome import Code, Outcome
 
 if TYPE_CHECKING:
     from archo_tui.clock import Clock
-    from archo_tui.recording.store import Recording
-    from archo_tui.replay.player import Player
+    from archo_tui.recordings.replay.player import Player
+    from archo_tui.recordings.store import Recording
     from archo_tui.screens.recordings import RecordingList
 
 
@@ -49,7 +48,7 @@ class ShowRecordings(Command):
         console.open(dialog)
 
     async def _delete(self, console: Console, recording: Recording, dialog: RecordingList) -> None:
-        from archo_tui.recording import store
+        from archo_tui.recordings import store
 
         try:
             await in_daemon(store.delete, recording)
@@ -92,20 +91,18 @@ async def _open_replay(console: Console, recording: Recording, dialog: Recording
 
 
 def _open(recording: Recording, clock: Clock) -> Player:
-    from archo_tui.replay import resolve
+    from archo_tui.recordings.replay.open import load_robot_file, make_player, open_bag
 
-    bag = resolve.open_bag(str(recording.folder))
-    return resolve.make_player(bag, resolve.load_robot_file(bag, ""), clock)
+    bag = open_bag(str(recording.folder))
+    return make_player(bag, load_robot_file(bag, ""), clock)
 
 
 async def _list_recordings(console: Console) -> list[Recording] | None:
     """Return the recordings, newest first, or None after showing why they cannot be read."""
-    from archo_tui.recording import store
+    from archo_tui.recordings import store
 
-    folder = state_file("recordings")
     try:
-        return (await in_daemon(store.list_recordings, folder))[::-1]
-    except OSError as error:
-        said = f"{error.filename or folder}: {error.strerror or error}"
-        console.report_failure(Outcome(Code.REFUSED, said))
+        return await in_daemon(store.own_recordings)
+    except ArchoError as error:
+        console.report_failure(Outcome(Code.REFUSED, str(error)))
         return None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, TIME, Command, Console, Work
 from archo_tui.commands.console import PanelKey, Quit
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_station import NOTHING_STOPPED
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.text import ShowText
 from archo_tui.words.alarm import timeline

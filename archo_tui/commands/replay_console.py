@@ -15,8 +15,8 @@ from archo_tui.commands.base import EVERYWHERE, Answers, Command, Console, Work
 from archo_tui.commands.footer import blocked_commands, keys_of_footer
 from archo_tui.commands.keymap import readable_keys
 from archo_tui.commands.replay import CopySelection, read_only_commands
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_station import RecordedStation
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.station import RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.replay import ReplayScreen

@@ -153,6 +153,10 @@ class Host:
         """
         return [*(hosted.name for hosted in self.nodes), *self.programs.names()]
 
+    def users_names(self) -> list[str]:
+        """Return the full names of the nodes of the user's files; may be called on any thread."""
+        return [hosted.name for hosted in self.states() if hosted.file]
+
     def unended_names(self) -> list[str]:
         """Return the full names of the nodes, programs' included, that are up, starting or stuck.
 

@@ -9,10 +9,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import NamedTuple
 
+from archo_tui.errors import UserFileError
 from archo_tui.hosting.hosted_node import CONSTRUCTION_TIME, CONSTRUCTOR_POLL, without_file_name
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.time_limit import Interrupted
-from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.state import Hosted, Life
 
 JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
@@ -148,10 +148,22 @@ class HostedProgram(ABC):
         while self._thread.is_alive() and time.monotonic() < end and not self.is_at_rest():
             time.sleep(CONSTRUCTOR_POLL)
 
-    def report_not_restarted(self, error: NodeFileError) -> None:
+    def report_not_restarted(self, error: UserFileError) -> None:
         """Put the error of the saved text into `state`; the program runs on with the old text."""
         text = without_file_name(self.file, str(error))
         self.state = self.state._replace(error=text, traceback=error.report)
+
+    def record_failure(self, error: UserFileError) -> None:
+        """Put the error of a text that does not compile into `state`: the program has crashed."""
+        self.report_not_restarted(error)
+        self.state = self.state._replace(life=Life.CRASHED)
+        self.crash = str(error)
+
+    @property
+    def has_failed_for_good(self) -> bool:
+        """True if the program has crashed without a node, and is not respawned."""
+        is_over = self.state.life is Life.CRASHED and self.program.respawn_delay is None
+        return is_over and not self.has_name
 
     def _run(self) -> None:
         """Run the program until it has ended, and again if it respawns, once no STOP holds."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import linecache
 import sys
 import time
@@ -108,6 +109,7 @@ class ProgramFile(UserFile):
         module = ModuleType(self._name if self._function else "__main__")
         module.__dict__.update(__file__=str(self.path), __package__=package)
         if self._function:
+            module.__spec__ = importlib.util.spec_from_file_location(self._name, self.path)
             sys.modules[self._name] = module
         else:
             use_as_main(module)

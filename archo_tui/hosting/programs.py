@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from archo_tui.errors import UserFileError
 from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Program
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.user_file import NodeFileError
@@ -51,26 +52,31 @@ class Programs:
         self._changing = threading.Lock()
         self._hosted: list[HostedProgram] = []
         self._is_over = False  # Set when the console ends: nothing is begun any more.
-        self._adding: HostedProgram | None = None  # Whose early crash `add` raises.
 
     def add(self, program: Program) -> None:
         """Add a program, run it, and wait until it is at rest or over, at most CONSTRUCTION_TIME.
 
         Raises:
-            NodeFileError: Its text cannot be read or is not Python, or it crashed by then without a
-                node. The program stays in the collection.
+            NodeFileError: Its text cannot be read or is not Python. The program is not added.
         """
+        program.file.compile()
         hosted = self._new(program)
-        self._adding = hosted
         with self._changing:
             self._hosted.append(hosted)
-            hosted.file.compile()
             hosted.begin()
         hosted.wait()
-        self._adding = None
-        if hosted.state.life is Life.CRASHED and not hosted.has_name:
-            error = hosted.crash or f"{hosted.file}: {hosted.state.error}"
-            raise NodeFileError(error, hosted.state.traceback)
+
+    def add_failed(self, program: Program, error: UserFileError) -> None:
+        """Add a program whose text does not compile: it has crashed, which an event says."""
+        hosted = self._new(program)
+        hosted.record_failure(error)
+        self._hosted.append(hosted)
+        self._ended(hosted)
+
+    @property
+    def all_have_crashed(self) -> bool:
+        """True if there are programs, and each crashed without a node and is not respawned."""
+        return bool(self._hosted) and all(h.has_failed_for_good for h in self._hosted)
 
     def _new(self, program: Program) -> HostedProgram:
         return self._make(program, self._ended, self._node_made, lambda: not self._has_stop())
@@ -80,8 +86,6 @@ class Programs:
 
     def _ended(self, hosted: HostedProgram) -> None:
         state = hosted.state
-        if hosted is self._adding and state.life is Life.CRASHED and not hosted.has_name:
-            return
         self._on_gone(hosted.served)
         file = hosted.file.path.name
         if hosted.was_refused:

@@ -46,9 +46,9 @@ def print_candidates(words: Sequence[str]) -> int:
 def _candidates(words: Sequence[str]) -> Iterable[str]:
     *before, unfinished = words
     if before[:1] in (["replay"], ["recordings"]):
-        from archo_tui.recording.listing import recording_names
+        from archo_tui.recordings.store import own_recordings
 
-        return recording_names()
+        return [recording.name for recording in own_recordings()]
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     for option in (*VERB_VALUES, "--engine", "--namespace"):
         parser.add_argument(option, default="")

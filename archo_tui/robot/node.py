@@ -8,16 +8,20 @@ from typing import Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 
-MessageCallback = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
+from archo_tui.robot.messages.cdr import serialize
+
+# Gets the full name of a topic, the message class, and a message as CDR.
+MessageCallback = Callable[[str, Any, bytes], None]
 
 
-class _DecodedSubscription:
-    """A subscription whose messages rclpy decodes."""
+class _Subscription:
+    """A subscription with its last message; None before the first."""
 
     def __init__(self) -> None:
-        self.subscription: Any = None  # rclpy's object.
-        self.last: Any = None  # The last message; None before the first.
+        self.subscription: Any = None
+        self.last: bytes | None = None
 
 
 class Listener(Node):
@@ -36,9 +40,9 @@ class Listener(Node):
         super().__init__(name, **options)
         self._on_message, self._masks = on_message, masks
         # By full topic and message class.
-        self._heard: dict[tuple[str, Any], _DecodedSubscription] = {}
+        self._heard: dict[tuple[str, Any], _Subscription] = {}
         # The same; they outlast a subscription that is replaced by one with another QoS.
-        self._taps: dict[tuple[str, Any], list[MessageCallback]] = {}
+        self._taps: dict[tuple[str, Any], list[Callable[[bytes], None]]] = {}
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -67,7 +71,7 @@ class Listener(Node):
         """Return True while the node has a subscription by `listen` or `listen_quietly`."""
         return (topic, kind) in self._heard
 
-    def tap(self, kind: Any, topic: str, callback: MessageCallback) -> Any:
+    def tap(self, kind: Any, topic: str, callback: Callable[[bytes], None]) -> bytes | None:
         """Call a function with each message of a subscription; return the last one, or None.
 
         The messages are as received, secrets included. The function stays when the subscription is
@@ -79,7 +83,7 @@ class Listener(Node):
         self._taps.setdefault((topic, kind), []).append(callback)
         return self._heard[topic, kind].last
 
-    def untap(self, callback: MessageCallback) -> None:
+    def untap(self, callback: Callable[[bytes], None]) -> None:
         """Stop calling a function that was given to `tap`, for all topics; ignore any other one."""
         for taps in self._taps.values():
             if callback in taps:
@@ -106,15 +110,19 @@ class Listener(Node):
     ) -> Any:
         name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
-        heard = _DecodedSubscription()
+        heard = _Subscription()
 
-        def both(message: Any) -> None:
-            self._on_message(name, message if mask is None else mask(message))
+        def on_data(data: bytes) -> None:
+            message = deserialize_message(data, kind)
+            shown = message if mask is None else mask(message)
+            self._on_message(name, kind, data if shown is message else serialize(shown))
             callback(message)
-            heard.last = message
+            heard.last = data
             for tap in tuple(self._taps.get((name, kind), ())):
-                tap(name, message)
+                tap(data)
 
-        heard.subscription = self.create_subscription(kind, topic, both, qos, **options)
+        heard.subscription = self.create_subscription(
+            kind, topic, on_data, qos, raw=True, **options
+        )
         self._heard[name, kind] = heard  # Only now: rclpy may have raised.
         return heard.subscription

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeGuard
 
+from archo_tui.clock import Monotonic
+
 # All of them our choice; times are in seconds.
 LEAST_SILENCE = 2.5  # A shorter silence is never judged.
 UNMEASURED = 90.0  # Silence allowed before the period is known: longer than most topics' periods.
@@ -210,7 +212,7 @@ _SMOOTHING = 0.2  # Our choice: the weight of the newest interval in a rate.
 class MessageRate(NamedTuple):
     """The present rate of messages; immutable. After a silence it is measured anew."""
 
-    heard: float  # When the last message came, in monotonic seconds.
+    heard: Monotonic  # When the last message came, in monotonic seconds.
     interval: float | None = None  # The smoothed interval in seconds; None before two messages.
     intervals: int = RATE_INTERVALS  # How many intervals were measured, at most RATE_INTERVALS.
 

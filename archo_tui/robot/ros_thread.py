@@ -34,7 +34,7 @@ class RosThread:
         self._node, self._clock = node, clock
         self._context = context
         self._on_error = on_error
-        self._stopping = False
+        self._stopping = self._has_started = False
         self._waiting: deque[Callable[[], Any]] = deque()
         self._lock = threading.Lock()  # Guards the two above.
         self.executor = SingleThreadedExecutor(context=context)
@@ -43,6 +43,10 @@ class RosThread:
 
     def start(self) -> None:
         """Start the thread, which spins the node. Call it once."""
+        with self._lock:
+            self._has_started = True
+            for _ in self._waiting:
+                self.executor.create_task(self._next)
         self._thread.start()
 
     def _spin(self) -> None:
@@ -78,7 +82,8 @@ class RosThread:
         with self._lock:
             if not self._stopping:
                 self._waiting.append(function)
-                self.executor.create_task(self._next)
+                if self._has_started:  # Python warns of a coroutine that never begins.
+                    self.executor.create_task(self._next)
 
     async def _next(self) -> None:
         result = self._waiting.popleft()()

@@ -17,6 +17,7 @@ from enum import Enum, auto
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.messages.values import number, same, text_of
@@ -188,7 +189,7 @@ class NodeState(NamedTuple):
     """A node on the graph."""
 
     name: str
-    heard: float | None = None  # When its last message or log line came, in monotonic seconds.
+    heard: Monotonic | None = None  # When its last message or log line came, in monotonic seconds.
     rate: float | None = None  # The rate in Hz of its messages that the console reads.
     # The state of a managed node, as `inactive`, or `inactive, no answer` if it did not answer the
     # last question; "" if it is not managed, or was not asked yet.
@@ -413,7 +414,7 @@ class Hosted(NamedTuple):
     traceback: str = ""  # The traceback of `error`, or "".
     serves: tuple[str, ...] = ()  # The full names of the services and actions that it serves.
     file: str = ""  # The name of the user's file that it comes from; "" for a node of a package.
-    saved: float = 0.0  # The Unix time at which the text that runs was saved.
+    saved: UnixTime = 0.0  # The Unix time at which the text that runs was saved.
 
 
 GIVEN_UP = 30.0  # Our choice: the seconds that a goal is LOST until its end is not awaited more.
@@ -471,16 +472,16 @@ class Goal(NamedTuple):
     kind: GoalKind  # Its kind, in the robot file or made for `send_goal`.
     fields: Mapping[str, Any]  # The values that were typed, by dotted path.
     phase: Phase
-    sent: float
-    time: float  # The Unix time of the last change of its phase.
+    sent: Monotonic
+    time: UnixTime  # The Unix time of the last change of its phase.
     length: float | None = None  # The length of the whole way, in the unit of `remaining`.
     # The way that is left by the last feedback, in the unit of the robot file.
     remaining: float | None = None
-    heard: float | None = None  # When the last feedback or answer came.
-    started: float | None = None  # When it was accepted.
-    ended: float | None = None
-    cancel_asked: float | None = None  # When its cancel was requested.
-    lost: float | None = None  # Since when it is LOST.
+    heard: Monotonic | None = None  # When the last feedback or answer came.
+    started: Monotonic | None = None  # When it was accepted.
+    ended: Monotonic | None = None
+    cancel_asked: Monotonic | None = None  # When its cancel was requested.
+    lost: Monotonic | None = None  # Since when it is LOST.
     unreadable: str = ""  # The last remaining way as received, if it is none; else "".
     feedback: str = ""  # The last feedback as text, field by field.
     message: str = ""  # Why it ended, in the robot's words, or in the console's if there are none.
@@ -492,7 +493,8 @@ class Goal(NamedTuple):
     is_found: bool = False  # True if it was underway when it was first seen.
     # The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and way,
     # oldest first.
-    way: tuple[tuple[float, float], ...] = ()
+    way: tuple[tuple[Monotonic, float], ...] = ()
+    id: str = ""  # On the ROS graph, in hexadecimal digits; "" before it was sent.
 
     @property
     def target(self) -> str:
@@ -600,7 +602,7 @@ class StopAnswer(Enum):
 class OpenStop(NamedTuple):
     """A STOP that was requested and that the robot has not confirmed."""
 
-    asked: float  # When it was requested, in monotonic seconds; a repeat does not change it.
+    asked: Monotonic  # When it was requested, in monotonic seconds; a repeat does not change it.
     answer: StopAnswer = StopAnswer.AWAITED
     why: str = ""  # Details of the answer for people; "" if there are none.
 
@@ -623,13 +625,13 @@ LAUNCH = "launch"  # The source of what the user's launch file says.
 class Event:
     """A log line of a node, or an event of the console. The times are Unix times of the receipt."""
 
-    time: float  # When it was received; for equal events, when the last of them was.
+    time: UnixTime  # When it was received; for equal events, when the last of them was.
     level: str  # `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
     source: str  # The name of the logger, or who or what the event is about.
     text: str
     command: str = ""  # The `ros2` command line that does the same; "" if there is none.
     count: int = 1  # The number of equal events for which this one stands.
-    first: float = 0.0  # When the first of these was received.
+    first: UnixTime = 0.0  # When the first of these was received.
     number: int = 0  # The number of the first of these, which no other event has.
     audit_record: AuditRecord | None = None  # The record of what was done; None if nothing was.
     code: str = ""  # The code of its outcome, which recordings keep, too; "" if none is known.
@@ -657,13 +659,13 @@ class Snapshot(NamedTuple):
     offered: frozenset[str] = frozenset()
     events: tuple[Event, ...] = ()
     # Samples of the charge since charging began or ended: monotonic seconds and percent.
-    charge: tuple[tuple[float, float], ...] = ()
+    charge: tuple[tuple[Monotonic, float], ...] = ()
     open_stop: OpenStop | None = None  # The STOP that is not confirmed; None if there is none.
     latch: Latch = Latch.NONE  # The state of the last confirmed STOP.
     latch_doubt: str = ""  # Why `latch` is UNCERTAIN; "" if it is not.
-    latch_time: float = 0.0  # The Unix time at which that STOP was confirmed; 0 before the first.
+    latch_time: UnixTime = 0.0  # When that STOP was confirmed; 0 before the first.
     # When a release or a goal was last accepted, in monotonic seconds; None if none was.
-    released: float | None = None
+    released: Monotonic | None = None
     # True if the open STOP was never sent to any node, or, without an open one, if every node that
     # confirmed that STOP ran in this process and has ended, and no further STOP is open.
     stop_held_by_nobody: bool = False
@@ -679,7 +681,7 @@ class Snapshot(NamedTuple):
     # The nodes of STOP's service and of each action that several nodes serve.
     duplicate_servers: Mapping[str, tuple[str, ...]] = _NOTHING
     has_clock: bool = False  # True if a node publishes simulated time on /clock.
-    clock_still_since: float | None = None  # Since when /clock stands still, in monotonic seconds.
+    clock_still_since: Monotonic | None = None  # Since when /clock stands still.
     # The clocks that differ from this computer's: theirs minus ours in seconds, by node or topic.
     clock_offsets: Mapping[str, float] = _NOTHING
     other_namespaces: tuple[str, ...] = ()  # The other namespaces that have nodes.

@@ -10,21 +10,19 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.recording.listing import size_text, why_text
-from archo_tui.recording.store import Recording
+from archo_tui.recordings.store import Recording, length_size_and_why
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.rows import Columns, Rows, Text, crop
 
 
 def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `2026-11-22 03:12:07    65 s   212 kB   STOP, kept`, in local time.
+    """Return a row such as `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time.
 
     The columns are the begin, the length, the size, and why the recording was written.
     """
     when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
-    row = f"{when}  {recording.seconds:5.0f} s  {size_text(recording)}   {why_text(recording)}"
-    return [(crop(row, width), "")]
+    return [(crop(f"{when}  {length_size_and_why(recording)}", width), "")]
 
 
 class RecordingList(Dialog[None]):

@@ -9,7 +9,7 @@ from textual.app import ComposeResult
 from textual.content import Content
 from textual.geometry import Size
 
-from archo_tui.replay.player import Player
+from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen

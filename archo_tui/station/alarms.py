@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.goals.queue import Holding
 from archo_tui.robot.state import Snapshot
 from archo_tui.station import conditions as when
@@ -201,11 +202,11 @@ class Alarm(NamedTuple):
 
     name: str
     text: str
-    since: float
+    since: UnixTime
     state: AlarmState = AlarmState.UNACKNOWLEDGED
-    until: float | None = None
-    shelved_until: float | None = None
-    shelf_ends: float | None = None
+    until: UnixTime | None = None
+    shelved_until: UnixTime | None = None
+    shelf_ends: Monotonic | None = None
     reason: str = ""
 
     @property

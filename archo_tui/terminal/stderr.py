@@ -1,6 +1,6 @@
-"""Standard error during the screen: what libraries print goes to a file instead of the picture.
+"""The standard streams during the screen: what others print leaves the picture whole.
 
-ROS's C libraries write to file descriptor 2.
+ROS's C libraries write to file descriptor 2, and the children of a node to 1 and 2.
 """
 
 from __future__ import annotations
@@ -8,11 +8,15 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from archo_tui.paths import make_folder, state_file
 from archo_tui.regular_files import open_regular
+
+_GUARDS_OUTPUT = sys.platform != "win32"  # There Textual draws on it.
+PrintLine = Callable[[str], object]
 
 
 def log_file() -> Path:
@@ -21,12 +25,17 @@ def log_file() -> Path:
 
 
 @contextlib.contextmanager
-def guarded_stderr(path: Path) -> Iterator[None]:
-    """Redirect file descriptor 2 to a file during the block, and restore it at the end.
+def guarded_streams(path: Path, print_line: PrintLine | None = None) -> Iterator[None]:
+    """Redirect the file descriptors 1 and 2 to a file during the block.
 
-    The old content of the file is deleted; its folder is made if it is missing. `sys.__stderr__`,
-    on which Textual draws, is a copy of the old descriptor meanwhile. If the file cannot be
-    written, what is printed is lost: a clean screen matters more.
+    The old content of the file is deleted; its folder is made if it is missing. If the file cannot
+    be written, what is printed is lost: a clean screen matters more. `sys.__stdout__` and
+    `sys.__stderr__`, which Textual measures and draws on, are copies of the old descriptors.
+
+    Args:
+        path: The file.
+        print_line: Called, on a thread, with each line that is written to descriptor 1, which does
+            not go to the file then.
     """
     try:
         make_folder(path)
@@ -34,14 +43,37 @@ def guarded_stderr(path: Path) -> Iterator[None]:
         os.ftruncate(target, 0)
     except OSError:
         target = os.open(os.devnull, os.O_WRONLY)
-    real = os.dup(2)
-    before = sys.__stderr__
+    real_out, real_err = os.dup(1), os.dup(2)
+    before = sys.__stdout__, sys.__stderr__
+    measured = os.fdopen(os.dup(real_out), "w")
     try:
+        if _GUARDS_OUTPUT:
+            sys.__stdout__ = measured  # type: ignore[misc]
+            _redirect_output(target, print_line)
+        sys.__stderr__ = os.fdopen(os.dup(real_err), "w")  # type: ignore[misc]
         os.dup2(target, 2)
-        sys.__stderr__ = os.fdopen(os.dup(real), "w")  # type: ignore[misc]  # Textual draws here
         yield
     finally:
-        os.dup2(real, 2)
-        sys.__stderr__ = before  # type: ignore[misc]
-        os.close(real)
+        sys.__stdout__, sys.__stderr__ = before  # type: ignore[misc]
+        for copy, descriptor in ((real_out, 1), (real_err, 2)):
+            os.dup2(copy, descriptor)
+            os.close(copy)
+        measured.close()
         os.close(target)
+
+
+def _redirect_output(target: int, print_line: PrintLine | None) -> None:
+    """Let descriptor 1 be `target`, or a pipe whose lines a thread prints until its end."""
+    if print_line is None:
+        os.dup2(target, 1)
+        return
+    reader, writer = os.pipe()
+    os.dup2(writer, 1)
+    os.close(writer)
+
+    def read() -> None:
+        with open(reader, errors="replace") as lines:
+            for line in lines:
+                print_line(line)
+
+    threading.Thread(target=read, name="output of children", daemon=True).start()

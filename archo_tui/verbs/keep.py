@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from archo_tui.recording.box import BEGUN, SECONDS_AFTER
-from archo_tui.recording.ring import SPAN
+from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER
+from archo_tui.recordings.ring import SPAN
 from archo_tui.robot.outcome import Outcome
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Values, Verb

@@ -7,8 +7,7 @@ from textual.app import ComposeResult
 from textual.content import Content
 
 from archo_tui.clock import time_of_day
-from archo_tui.replay.player import Player
-from archo_tui.replay.window import TimelineMark
+from archo_tui.recordings.replay.player import Player, TimelineMark
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import crop

@@ -20,9 +20,9 @@ engine.activate("embedded")
 from archo_interfaces.msg import BatteryStatus, MotorStatus  # noqa: E402
 from rcl_interfaces.msg import Log  # noqa: E402
 
-from archo_tui.recording import bag, store  # noqa: E402
-from archo_tui.recording.ring import ReceivedMessage, Ring  # noqa: E402
+from archo_tui.recordings.ring import ReceivedMessage, Ring  # noqa: E402
 from tests.bench.process import Program  # noqa: E402
+from tests.support.bags import add, received, write  # noqa: E402
 
 RATE = 50  # Hz, of each of three topics
 SECONDS = 60
@@ -37,7 +37,7 @@ def minute() -> list[ReceivedMessage]:
     """What is heard in a minute."""
     step = 10**9 // RATE
     times = range(10**18, 10**18 + SECONDS * 10**9, step)
-    return [ReceivedMessage(at, topic, message) for at in times for topic, message in MESSAGES]
+    return [received(at, topic, message) for at in times for topic, message in MESSAGES]
 
 
 def ring_share(heard: list[ReceivedMessage], span: float = 10.0) -> float:
@@ -46,7 +46,7 @@ def ring_share(heard: list[ReceivedMessage], span: float = 10.0) -> float:
     for _ in range(5):
         ring, began = Ring(), time.process_time()
         for one in heard:
-            ring.add(one, one.time / 1e9)
+            ring.add(one)
         costs.append((time.process_time() - began) / SECONDS)
     with Program("--ros-args", "-p", "publish_period:=0.02") as console:
         console.read(5.0)
@@ -58,18 +58,18 @@ async def held_up(writes: bool, heard: list[ReceivedMessage], folder: Path) -> f
     over = threading.Event()
 
     def fill(made: Path) -> None:
-        bag.write(made, heard, {})
+        write(made, heard, {})
 
-    def write() -> None:
+    def run() -> None:
         try:
             if writes:
-                store.add(folder, time.time(), "bench", fill)
+                add(folder, time.time(), "bench", fill)
             else:
                 time.sleep(0.5)
         finally:
             over.set()
 
-    threading.Thread(target=write).start()
+    threading.Thread(target=run).start()
     worst = 0.0
     while not over.is_set():
         began = time.perf_counter()

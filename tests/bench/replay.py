@@ -17,38 +17,37 @@ HOUR, RATE = 3600, 10  # s, messages a second
 JUMPS = 200
 
 
-def write(folder: Path) -> None:
+def record(folder: Path) -> None:
     """Battery at 1 Hz, motion in between, a log line every 5 s."""
     from archo_interfaces.msg import BatteryStatus, MotorStatus
     from rcl_interfaces.msg import Log
 
-    from archo_tui.recording import bag
-    from archo_tui.recording.ring import ReceivedMessage
+    from tests.support.bags import received, write
 
     heard = []
     for number in range(HOUR * RATE):
         at = 1_700_000_000 * 10**9 + number * 10**9 // RATE
         if number % RATE == 0:
             level = BatteryStatus(percentage=90.0 - number / 1000, voltage=22.0)
-            heard.append(ReceivedMessage(at, "/battery_level", level))
+            heard.append(received(at, "/battery_level", level))
         else:
-            heard.append(ReceivedMessage(at, "/motor_status", MotorStatus(encoder_ticks=number)))
+            heard.append(received(at, "/motor_status", MotorStatus(encoder_ticks=number)))
         if number % (5 * RATE) == 0:
             said = Log(level=20, name="dashboard", msg="x" * (number % 300))
-            heard.append(ReceivedMessage(at, "/rosout", said))
-    bag.write(folder, heard, {})
+            heard.append(received(at, "/rosout", said))
+    write(folder, heard, {})
 
 
 def main() -> None:
     """Print the rows."""
     engine.activate("embedded")
     from archo_tui.clock import Clock
-    from archo_tui.replay.bag_file import BagFile
-    from archo_tui.replay.player import Player
+    from archo_tui.recordings.replay.bag import BagFile
+    from archo_tui.recordings.replay.player import Player
     from archo_tui.robot_file import load
 
     with tempfile.TemporaryDirectory() as folder:
-        write(Path(folder))
+        record(Path(folder))
         begun = time.perf_counter()
         player = Player(BagFile(Path(folder)), load.load(load.default_path()), Clock())
         while player.is_reading:

@@ -19,9 +19,10 @@ from std_msgs.msg import String
 from archo_tui import cli
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
-from archo_tui.recording import bag, store
-from archo_tui.recording.box import BlackBox
-from archo_tui.replay.bag_file import BagFile
+from archo_tui.recordings import bag, store
+from archo_tui.recordings.recorder import BlackBox
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.robot.messages.cdr import serialize
 from tests.support import clock, warm
 from tests.support.console import FAST, console
 from tests.support.stub import StandingClock
@@ -37,8 +38,8 @@ async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
         await op.press("g", *"12", "enter")
         await op.until("✓ ARRIVED")
         await op.at(clock.seconds() + 20)
-        assert not (path / bag.METADATA).exists()
-    said = bag.read_info(path)
+        assert not (path / store.METADATA).exists()
+    said = store.read_recording(path)
     assert said.why == "all of it"
     assert said.seconds > 20
     with AnyReader([path]) as reader:
@@ -51,11 +52,11 @@ def test_every_ten_minutes_another_one_is_begun(tmp_path: Path) -> None:
     box = BlackBox(tmp_path, clock, lambda *_: None, lambda *_: {}, record_all_to=path)
     for second in range(700):
         clock.passed = float(second)
-        box.receive("/said", String(data=str(second)))
+        box.receive("/said", String, serialize(String(data=str(second))))
         box.tick()
     box.finish()
     assert box.close(DEADLINE) == ""
-    first, second_bag = bag.read_info(path), bag.read_info(tmp_path / "shift_2")
+    first, second_bag = store.read_recording(path), store.read_recording(tmp_path / "shift_2")
     assert (first.seconds, second_bag.seconds) == (600.0, 158.0)
     assert second_bag.start == first.start + 541  # it begins with the minute before
 
@@ -108,7 +109,7 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     path = tmp_path / "disk" / "shift"
     path.parent.mkdir()
     box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, record_all_to=path)
-    box.receive("/said", String(data="x"))
+    box.receive("/said", String, serialize(String(data="x")))
     box.tick()
     box.finish()
     assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
@@ -123,7 +124,7 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
     box = BlackBox(tmp_path, clock, lambda *_: None, attached, record_all_to=path)
     for second in range(5):
         clock.passed = float(second)
-        box.receive("/said", String(data=str(second)))
+        box.receive("/said", String, serialize(String(data=str(second))))
         box.tick()
         until(lambda: _count(path) == second + 1)  # noqa: B023
     assert BagFile(path).robot == "name: ARCHO"
@@ -149,7 +150,7 @@ def test_a_console_that_is_killed_leaves_what_was_heard_until_then(tmp_path: Pat
         before = _count(path)
         until(lambda: _count(path) > before)  # and with it all that came before that second
         os.kill(console.pid, signal.SIGKILL)
-    assert not (path / bag.METADATA).exists()
+    assert not (path / store.METADATA).exists()
     done = subprocess.run(
         warm.python("-m", "archo_tui", "replay", "--text", str(path)),
         capture_output=True,
@@ -175,7 +176,7 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     box = BlackBox(tmp_path / "r", clock, lambda *_: None, lambda *_: {}, record_all_to=path)
     with monkeypatch.context() as patch:
         patch.setattr(store, "MIN_FREE", 10**18)
-        box.receive("/said", String(data="x"))
+        box.receive("/said", String, serialize(String(data="x")))
         box.trigger("STOP", on_written=lambda *told_so: told.append(told_so))
         for clock.passed in (0.0, 6.0):
             box.tick()
@@ -188,7 +189,7 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     until(lambda: not box.trouble)
     box.finish()
     assert box.close(DEADLINE) == ""
-    assert bag.read_info(path).messages == 1
+    assert store.read_recording(path).messages == 1
 
 
 def until(holds: Callable[[], object]) -> None:

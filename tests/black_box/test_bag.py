@@ -12,13 +12,16 @@ from archo_interfaces.msg import BatteryStatus
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rcl_interfaces.msg import Log, ParameterEvent
+from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 
-from archo_tui.recording import bag, store
-from archo_tui.recording.ring import LazyMessage, ReceivedMessage
+from archo_tui.recordings import store
+from archo_tui.recordings.ring import LazyMessage
+from archo_tui.recordings.store import Recording
 from tests.black_box.test_ring import nobody
 from tests.robots.test_rover import rover
 from tests.robots.test_tug import tug
+from tests.support.bags import received, write
 from tests.support.console import FAST, Console, console
 
 # a bag's metadata, with its start to be filled in
@@ -30,8 +33,8 @@ START = (
 
 def written(folder: Path, messages: Sequence[tuple[str, Any]]) -> None:
     """A bag of these, a millisecond apart."""
-    heard = [ReceivedMessage(10**18 + n * 10**6, *one) for n, one in enumerate(messages)]
-    bag.write(folder, heard, {"why": "a test", "kept": "no"}, **{"robot.yaml": "name: X\n"})
+    heard = [received(10**18 + n * 10**6, *one) for n, one in enumerate(messages)]
+    write(folder, heard, {"why": "a test", "kept": "no"}, **{"robot.yaml": "name: X\n"})
 
 
 def by_rosbags(folder: Path) -> Iterator[tuple[str, str, Any]]:
@@ -79,7 +82,7 @@ def test_every_field_of_a_message_is_read_back_by_others(tmp_path: Path) -> None
 
 def test_without_its_metadata_the_file_is_read_as_well(tmp_path: Path) -> None:
     written(tmp_path, [("/battery_level", BatteryStatus(percentage=50.0))])
-    (tmp_path / bag.METADATA).unlink()
+    (tmp_path / store.METADATA).unlink()
     (file,) = tmp_path.iterdir()
     with AnyReader([file]) as reader:
         assert reader.message_count == 1
@@ -87,10 +90,12 @@ def test_without_its_metadata_the_file_is_read_as_well(tmp_path: Path) -> None:
 
 def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
     written(tmp_path, [("/battery_level", BatteryStatus())] * 3)
-    assert bag.read_info(tmp_path) == bag.BagInfo(1e9, 0.002, 3, "a test", False)
-    (tmp_path / bag.METADATA).write_text("rosbag2_bagfile_information: [1")
+    said = store.read_recording(tmp_path)
+    assert (said.start, said.seconds, said.messages, said.why) == (1e9, 0.002, 3, "a test")
+    assert not said.kept
+    (tmp_path / store.METADATA).write_text("rosbag2_bagfile_information: [1")
     with pytest.raises(ValueError, match=r"metadata\.yaml does not describe a bag"):
-        bag.read_info(tmp_path)
+        store.read_recording(tmp_path)
 
 
 async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
@@ -98,8 +103,12 @@ async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
     ring = op.session.box.ring
     heard = ring.subscribe(nobody)
     ring.unsubscribe(nobody)
-    bag.write(folder, heard, {})
-    return [(one.topic, one.message) for one in heard if not isinstance(one.message, LazyMessage)]
+    write(folder, heard, {})
+    return [
+        (topic, deserialize_message(content, kind))
+        for _, topic, kind, content in heard
+        if isinstance(content, bytes)
+    ]
 
 
 def compare(folder: Path, heard: Sequence[tuple[str, Any]], *topics: str) -> None:
@@ -160,7 +169,7 @@ async def test_a_robot_without_a_goal_is_in_the_file_too(tmp_path: Path) -> None
 )
 def test_what_is_no_bag_is_none_and_hinders_nobody(said: str, tmp_path: Path) -> None:
     (tmp_path / "odd").mkdir()
-    (tmp_path / "odd" / bag.METADATA).write_text(said)
+    (tmp_path / "odd" / store.METADATA).write_text(said)
     whole = tmp_path / "whole"
     whole.mkdir()
     written(whole, [("/rosout", Log(msg="all is well"))])
@@ -170,15 +179,16 @@ def test_what_is_no_bag_is_none_and_hinders_nobody(said: str, tmp_path: Path) ->
 
 @pytest.mark.parametrize("custom", ["[1]", "abc", "{start: x, why: {a: 1}}", "{why: [1, 2]}"])
 def test_odd_custom_data_is_left_alone(custom: str, tmp_path: Path) -> None:
-    (tmp_path / bag.METADATA).write_text(START.format("5").replace("{}", custom))
-    assert bag.read_info(tmp_path) == bag.BagInfo(5e-9, 5e-9, 1, "", False)
+    (tmp_path / store.METADATA).write_text(START.format("5").replace("{}", custom))
+    assert store.read_recording(tmp_path) == Recording(tmp_path, 5e-9, 5e-9, 1, "", False)
 
 
 def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) -> None:
     lines = [Log(msg="before"), Log(msg="caf\udce9"), Log(msg="behind")]
-    heard = [ReceivedMessage(n, "/rosout", line) for n, line in enumerate(lines)]
-    came = bag.write(tmp_path, heard, {})
+    makers = [LazyMessage(lambda *_, line=line: line, 100) for line in lines]
+    heard = [received(n, "/rosout", maker) for n, maker in enumerate(makers)]
+    came = write(tmp_path, heard, {})
     assert came.left_out == 1
     assert "surrogates not allowed" in came.first_error
     assert [message.msg for _, _, message in by_rosbags(tmp_path)] == ["before", "behind"]
-    assert bag.read_info(tmp_path).messages == 2
+    assert store.read_recording(tmp_path).messages == 2

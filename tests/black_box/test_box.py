@@ -20,11 +20,10 @@ from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import state_file
-from archo_tui.recording import bag, store
-from archo_tui.recording.listing import format_line
-from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.recording.store import Recording
+from archo_tui.recordings import bag, store
+from archo_tui.recordings.store import Recording
 from tests.support import clock, warm
+from tests.support.bags import add, received, write
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.quiet import outside
 
@@ -124,14 +123,14 @@ async def test_what_is_not_complete_at_the_end_is_written_too() -> None:
 async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    write, goes_on, began = bag.write, threading.Event(), threading.Event()
+    finish, goes_on, began = bag.BagWriter.finish, threading.Event(), threading.Event()
 
-    def slow(*given: Any, **more: Any) -> Any:
+    def slow(*given: Any) -> None:
         began.set()
         assert goes_on.wait(30)
-        return write(*given, **more)
+        finish(*given)
 
-    monkeypatch.setattr(bag, "write", slow)
+    monkeypatch.setattr(bag.BagWriter, "finish", slow)
     async with console(*FAST) as op:
         await op.press("ctrl+x")
         await op.at(clock.seconds() + 6.5)
@@ -189,18 +188,18 @@ async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
 
 def fill(folder: Path) -> None:
     (folder / "x_0.mcap").write_bytes(b"x" * 1000)
-    bag.write(folder, [], {"why": "a test", "kept": "no"})
+    write(folder, [], {"why": "a test", "kept": "no"})
 
 
 def fill_kept(folder: Path) -> None:
     (folder / "x_0.mcap").write_bytes(b"x" * 1000)
-    bag.write(folder, [], {"why": "a test", "kept": "yes"})
+    write(folder, [], {"why": "a test", "kept": "yes"})
 
 
 def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> None:
     folder = tmp_path / "recordings"
     for number in range(5):
-        store.add(folder, 1000.0 + number, f"n{number}", fill_kept if number == 1 else fill)
+        add(folder, 1000.0 + number, f"n{number}", fill_kept if number == 1 else fill)
     size = sum(one.bytes for one in store.list_recordings(folder)) // 5
     left, gone = store.make_room(folder, 3 * size + size // 2)
     assert [one.name[-2:] for one in gone] == ["n0", "n2"]
@@ -209,7 +208,7 @@ def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> N
 
 
 def test_two_of_one_second_have_names_of_their_own(tmp_path: Path) -> None:
-    names = [store.add(tmp_path / "r", 1000.0, "node crashed /a b", fill).name for _ in range(2)]
+    names = [add(tmp_path / "r", 1000.0, "node crashed /a b", fill).name for _ in range(2)]
     assert names[1] == f"{names[0]}_2"
     assert names[0].endswith("_node_crashed_a_b")
     for path in (tmp_path / "r").rglob("*"):
@@ -221,12 +220,11 @@ import sys, pathlib
 from archo_tui import engine
 engine.activate("embedded")
 from archo_interfaces.msg import BatteryStatus
-from archo_tui.recording import bag, store
-from archo_tui.recording.ring import ReceivedMessage
+from tests.support.bags import add, received, write
 charges = [BatteryStatus(percentage=float(n % 100)) for n in range(300)]
-heard = [ReceivedMessage(10**18 + n, "/battery_level", charge) for n, charge in enumerate(charges)]
+heard = [received(10**18 + n, "/battery_level", charge) for n, charge in enumerate(charges)]
 while True:
-    store.add(pathlib.Path(sys.argv[1]), 1000.0, "x", lambda f: bag.write(f, heard, {"why": "x"}))
+    add(pathlib.Path(sys.argv[1]), 1000.0, "x", lambda f: write(f, heard, {"why": "x"}))
     print("written", flush=True)
 """
 
@@ -250,8 +248,8 @@ def test_a_process_that_is_killed_leaves_whole_recordings_or_none(tmp_path: Path
 
 def test_a_link_among_the_recordings_is_left_alone(tmp_path: Path) -> None:
     elsewhere, folder = tmp_path / "elsewhere", tmp_path / "recordings"
-    store.add(elsewhere, 1000.0, "theirs", fill)
-    store.add(folder, 2000.0, "ours", fill)
+    add(elsewhere, 1000.0, "theirs", fill)
+    add(folder, 2000.0, "ours", fill)
     (folder / "link").symlink_to(next(elsewhere.iterdir()))
     assert [one.why for one in store.list_recordings(folder)] == ["a test"]
     assert store.make_room(folder, 1)[1] == []
@@ -270,7 +268,7 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     folder.parent.mkdir(parents=True)
     assert archo("recordings") == (0, f"no recordings in {folder}\n", "")
     for at, what, made in ((1000.0, "STOP", fill), (2000.0, "kept", fill_kept)):
-        store.add(folder, at, what, made)
+        add(folder, at, what, made)
     names = [one.name for one in store.list_recordings(folder)]
     code, out, _ = archo("recordings")
     assert code == 0
@@ -292,7 +290,7 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
 @pytest.mark.parametrize(("size", "said"), [(212_400, "    212 kB"), (1_240_000, "    1.2 MB")])
 def test_a_small_recordings_size_is_told_in_kilobytes(size: int, said: str) -> None:
     one = Recording(Path("a"), 0.0, 65.0, 9, "STOP", kept=False, bytes=size)
-    assert format_line(one, 3) == f"a       65 s  {said}  STOP"
+    assert store.length_size_and_why(one) == f"   65 s  {said}  STOP"
 
 
 def test_a_folder_that_is_none_is_one_line() -> None:
@@ -314,13 +312,13 @@ def test_a_limit_that_keeps_nothing_is_refused(limit: str) -> None:
 async def test_what_waits_for_the_disk_at_the_end_is_written_too(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    write, goes_on = bag.write, threading.Event()
+    finish, goes_on = bag.BagWriter.finish, threading.Event()
 
-    def slow(*given: Any, **more: Any) -> Any:
+    def slow(*given: Any) -> None:
         assert goes_on.wait(30)
-        return write(*given, **more)
+        finish(*given)
 
-    monkeypatch.setattr(bag, "write", slow)
+    monkeypatch.setattr(bag.BagWriter, "finish", slow)
     async with console(*FAST) as op:
         for _ in range(2):
             op.session.station.recorder.keep()
@@ -390,18 +388,18 @@ def test_the_one_just_written_stays_whatever_the_clock_says(tmp_path: Path) -> N
     def numbered(made: Path) -> None:
         (made / "x_0.mcap").write_bytes(b"x" * 1000)
         about = {"why": "a test", "number": str(store.next_number(folder))}
-        message = ReceivedMessage(int(at * 1e9), "/rosout", Log())
-        bag.write(made, [message], about)
+        message = received(int(at * 1e9), "/rosout", Log())
+        write(made, [message], about)
 
     kept = []
     for at, name in ((5000.0, "a"), (5001.0, "b"), (10.0, "c"), (11.0, "d")):  # the clock is reset
-        made = store.add(folder, at, name, numbered)
+        made = add(folder, at, name, numbered)
         size = next(one.bytes for one in store.list_recordings(folder) if one.folder == made)
         store.make_room(folder, 2 * size + size // 2, made)
         kept.append("".join(one.name[-1] for one in store.list_recordings(folder)))
     assert kept == ["a", "ab", "bc", "cd"]
     foreign = tmp_path / "recordings" / "of_another_tool"  # with a date, and no number
     foreign.mkdir()
-    bag.write(foreign, [ReceivedMessage(2 * 10**18, "/rosout", Log())], {})
+    write(foreign, [received(2 * 10**18, "/rosout", Log())], {})
     assert next(one.name for one in store.make_room(folder, 1, made)[1]) == "of_another_tool"
     assert [one.folder for one in store.list_recordings(folder)] == [made]

@@ -7,15 +7,15 @@ import signal
 import pytest
 
 from archo_tui.paths import state_file
-from archo_tui.recording import store
+from archo_tui.recordings import store
 from tests.support.night import corners
 from tests.support.terminal import Terminal
 
 pytestmark = [pytest.mark.posix, pytest.mark.real_time]
 SLOW = """
 import time
-from archo_tui.recording import bag
-bag.write = lambda *_, **__: time.sleep(60)
+from archo_tui.recordings import bag
+bag.BagWriter.finish = lambda *_: time.sleep(60)
 """
 
 

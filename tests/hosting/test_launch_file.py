@@ -196,6 +196,48 @@ def test_a_launch_file_of_which_nothing_runs_says_all_and_fails(
     ]
 
 
+EXITS = """
+import sys
+
+
+def main():
+    print("no serial port")
+    sys.exit(1)
+"""
+BRIDGE = 'Node(package="my_wheels", executable="once", name="bridge"),'
+
+
+def test_of_programs_that_exit_at_once_the_others_run_on(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    setup = Path("ws/src/my_wheels/setup.py")
+    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
+    (setup.parent / "my_wheels/bridge.py").write_text(EXITS)
+    with launched(launch_file(BRIDGE + "wheels(),")) as session:
+        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
+        assert states(session)["/bridge"].life is Life.CRASHED
+        assert states(session)["/bridge"].error == "exit code 1"
+        wait_until(lambda: {"no serial port", "crashed: exit code 1"} <= set(texts(session)))
+    file = launch_file(BRIDGE)
+    assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[1:] == [
+        "archo-tui: bridge stdout: no serial port",
+        "archo-tui: bridge: crashed: exit code 1",
+        f"archo-tui: nothing of {file} runs here",
+    ]
+
+
+def test_of_programs_that_are_not_python_the_others_run_on(workspace: Path) -> None:
+    setup = Path("ws/src/my_wheels/setup.py")
+    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
+    (setup.parent / "my_wheels/bridge.py").write_text("def")
+    with launched(launch_file(BRIDGE + "wheels(),")) as session:
+        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
+        assert states(session)["/bridge"].life is Life.CRASHED
+        assert states(session)["/bridge"].error.startswith("line 1: SyntaxError")
+
+
 def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: Path) -> None:
     file = launch_file(TWO)
     restarts: list[str] = []

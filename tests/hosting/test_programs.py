@@ -183,17 +183,27 @@ def test_a_program_that_fails_says_where_and_saving_runs_it(
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("def", "bad.py:1: SyntaxError: invalid syntax, in: def"),
-        ("import rclpy\n1 / 0", "bad.py:2: ZeroDivisionError: division by zero, in: 1 / 0"),
-        ("input()", "bad.py:1: EOFError: EOF when reading a line, in: input()"),
+        ("import sys; sys.exit(3)", "exit code 3"),
+        ("1 / 0", "line 2: ZeroDivisionError: division by zero, in: 1 / 0"),
+        ("input()", "line 2: EOFError: EOF when reading a line, in: input()"),
     ],
 )
-def test_a_program_that_fails_before_its_node_is_an_error_at_the_start(
+def test_a_program_that_ends_before_its_first_node_ends_alone(
     text: str, error: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "stdin", io.StringIO())
-    monkeypatch.setattr(hosted_program, "CONSTRUCTION_TIME", 10.0)
-    with pytest.raises(ArchoError, match=f"^{error}"), running(written("bad.py", text)):
+    bad = written("bad.py", f"print('last words')\n{text}")
+    with running(bad, talker()) as session:
+        wait_until(lambda: life(session, "/bad") is Life.CRASHED)
+        assert states(session)["/bad"].error == error
+        wait_until(lambda: {"last words", f"crashed: {error}"} <= set(texts(session)))
+        wait_until(lambda: life(session) is Life.UP)
+        assert said() == ["made"]
+
+
+def test_a_program_that_is_not_python_is_an_error_at_the_start() -> None:
+    error = "^bad.py:1: SyntaxError: invalid syntax, in: def"
+    with pytest.raises(ArchoError, match=error), running(written("bad.py", "def")):
         pass
 
 

@@ -17,7 +17,7 @@ import pytest
 from archo_tui.cli import main
 from archo_tui.cli.completions import completion_script
 from archo_tui.paths import state_file
-from archo_tui.recording import box, store
+from archo_tui.recordings import recorder, store
 from archo_tui.remote import request_handler
 from tests.remote.test_which_console import listening
 from tests.support import clock
@@ -122,7 +122,7 @@ def test_bash_completes_what_is_known_without_a_console(
 async def test_bash_completes_recordings_and_the_files_beside_them(
     offered: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(box, "SECONDS_AFTER", 0.1)
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.1)
     async with served() as person:
         await typed("keep")
         await person.end()

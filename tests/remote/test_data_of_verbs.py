@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from archo_tui.paths import state_file
-from archo_tui.recording import box, store
+from archo_tui.recordings import recorder, store
 from archo_tui.robot.state import Latch
 from archo_tui.verbs.status import ShowHistory
 from tests.remote.test_waits import waited
@@ -36,11 +36,11 @@ async def test_keep_names_its_recording_once_it_is_written_and_no_line_waits_for
 async def test_a_shell_waits_for_its_recording_and_is_told_the_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(box, "SECONDS_AFTER", 0.5)
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.5)
     async with served() as person:
         began = clock.seconds()
         kept = await typed("keep", "--json")
-        assert clock.seconds() - began >= box.SECONDS_AFTER
+        assert clock.seconds() - began >= recorder.SECONDS_AFTER
         (recording,) = store.list_recordings(state_file("recordings"))
         result = json.loads(kept.out)
         assert (kept.code, result["code"]) == (0, "done")

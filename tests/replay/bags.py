@@ -13,9 +13,9 @@ from mcap.writer import CompressionType, Writer
 from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from rclpy.serialization import serialize_message
 
-from archo_tui.recording.bag import type_name
-from archo_tui.replay.bag_file import BagFile, BagMessage
+from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.robot.messages.definitions import definition
+from archo_tui.robot.messages.types import name_of
 
 START = 1_763_780_000  # Unix time of the first message, in s
 ALWAYS = (float("-inf"), float("inf"))
@@ -59,7 +59,7 @@ def written(
             if topic not in channels:
                 kind = type(message)
                 text = definition(kind).encode()
-                schema = writer.register_schema(type_name(kind), "ros2msg", text)
+                schema = writer.register_schema(name_of(kind), "ros2msg", text)
                 channels[topic] = writer.register_channel(topic, encoding, schema)
             time = START * 10**9 + number * 10**8
             writer.add_message(channels[topic], time, serialize_message(message), time)

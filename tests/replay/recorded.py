@@ -10,11 +10,11 @@ from typing import Any
 
 from archo_tui.app import ArchoApp
 from archo_tui.paths import state_file
-from archo_tui.recording import store
-from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_station import RecordedStation
-from archo_tui.replay.resolve import load_robot_file
+from archo_tui.recordings import store
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.recordings.replay.open import load_robot_file
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.station import RecordedStation
 from archo_tui.replay_app import ReplayApp
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from io import BytesIO
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -20,15 +19,12 @@ from std_msgs.msg import String
 
 from archo_tui import embedded
 from archo_tui.errors import ArchoError
-from archo_tui.recording import bag
-from archo_tui.recording.bag import type_name
-from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay import chunks, message_reader
-from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.linear_reader import read_range
-from archo_tui.replay.mcap_index import MessageRange
+from archo_tui.recordings import store
+from archo_tui.recordings.replay import bag as bag_reader
+from archo_tui.recordings.replay import mcap_file
+from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.messages.definitions import definition
-from archo_tui.robot.messages.types import load_class
+from archo_tui.robot.messages.types import load_class, name_of
 from tests.replay.bags import (
     MAGIC,
     START,
@@ -45,6 +41,7 @@ from tests.replay.bags import (
     words,
     written,
 )
+from tests.support.bags import received, write
 
 FEEDBACK = "/move_to_shelf/_action/feedback"
 
@@ -52,8 +49,8 @@ FEEDBACK = "/move_to_shelf/_action/feedback"
 def recorded(folder: Path, sent: list[tuple[str, Any]], **attached: str) -> Path:
     """By this console's own recorder, a tenth of a second apart."""
     folder.mkdir(exist_ok=True)
-    heard = [ReceivedMessage(START * 10**9 + n * 10**8, *one) for n, one in enumerate(sent)]
-    bag.write(folder, heard, {"why": "a test"}, **attached)
+    heard = [received(START * 10**9 + n * 10**8, *one) for n, one in enumerate(sent)]
+    write(folder, heard, {"why": "a test"}, **attached)
     return folder
 
 
@@ -307,9 +304,36 @@ def test_a_bag_of_several_files_is_one(tmp_path: Path) -> None:
     assert fault.endswith("broken.mcap: not a bag: give a .mcap file, or a folder with some")
 
 
+def test_a_part_that_is_missing_is_named(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a", drive(8))
+    metadata = folder / store.METADATA
+    text = metadata.read_text()
+    parts = ["a/recording_1.mcap", "recording_2.mcap.zstd", "x" * 300 + ".mcap", "notes.txt", "7"]
+    named = "".join(f"  - {part}\n" for part in ["recording_0.mcap", *parts])
+    metadata.write_text(text.replace("  - recording_0.mcap\n", named))
+    (folder / "recording_2.mcap").write_bytes((folder / "recording_0.mcap").read_bytes())
+    found = BagFile(folder)
+    assert found.count == 16
+    first, second = found.faults
+    assert first == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
+    assert second.startswith("xxx")
+
+
+@pytest.mark.parametrize("named", ["[", "7", "{a: 1}", "[[1], null, 3]"])
+def test_odd_names_of_parts_are_none(named: str, tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a", drive(8))
+    metadata = folder / store.METADATA
+    text = metadata.read_text().replace(
+        "relative_file_paths:\n  - recording_0.mcap", f"relative_file_paths: {named}"
+    )
+    assert named in text
+    metadata.write_text(text)
+    assert BagFile(folder).faults == []
+
+
 def test_without_its_metadata_and_by_its_file_a_bag_is_the_same(tmp_path: Path) -> None:
     folder = recorded(tmp_path / "a", drive())
-    (folder / bag.METADATA).unlink()
+    (folder / store.METADATA).unlink()
     (file,) = folder.iterdir()
     assert contents(folder) == contents(file) == drive()
 
@@ -357,13 +381,13 @@ def test_no_chunk_is_opened_to_know_what_a_bag_holds(
     path = written(tmp_path / "a.mcap", drive(200), chunk_size=2000)
     if cut:
         without_summary(path)
-    opened, unpacked = list[int](), chunks.decompress_chunk
+    opened, unpacked = list[int](), mcap_file._unpack
 
     def counted(content: bytes, *given: Any, **more: Any) -> bytes:
         opened.append(len(content))
         return unpacked(content, *given, **more)
 
-    monkeypatch.setattr("archo_tui.replay.linear_reader.decompress_chunk", counted)
+    monkeypatch.setattr("archo_tui.recordings.replay.mcap_file._unpack", counted)
     found = BagFile(path)
     assert (found.start, found.end, found.count) == (START, START + 19.9, 200)
     assert len(found.types) == 4
@@ -424,20 +448,20 @@ def test_more_messages_than_are_held_at_a_time_are_left_out(
 ) -> None:
     path = written(tmp_path / "a.mcap", drive(), chunk_size=500)
     with monkeypatch.context() as patch:
-        patch.setattr(message_reader, "MAX_MESSAGES", 10)
+        patch.setattr(bag_reader, "MAX_MESSAGES", 10)
         found = BagFile(path)
         assert [(one.topic, one.message) for one in read(found)] == drive()[:10]
         said = "more than 10 messages or 100 MB at a time: the rest is left out"
         assert found.faults == [said]
-    monkeypatch.setattr(message_reader, "MAX_BYTES", 500)
+    monkeypatch.setattr(bag_reader, "MAX_BYTES", 500)
     assert 0 < len(read(BagFile(path))) < 20
 
 
 def test_messages_without_chunks_are_read_in_parts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("archo_tui.replay.linear_reader._MAX_RUN", 500)
-    monkeypatch.setattr("archo_tui.replay.linear_reader.MAX_RECORD", 2000)
+    monkeypatch.setattr("archo_tui.recordings.replay.mcap_file._MAX_RUN", 500)
+    monkeypatch.setattr("archo_tui.recordings.replay.mcap_file.MAX_RECORD", 2000)
     path = written(tmp_path / "a.mcap", drive(), "none", use_chunking=False)
     assert contents(path) == drive()
 
@@ -510,7 +534,7 @@ def test_a_bag_that_may_not_be_read_is_refused(
     def refuse(*_: Any) -> int:
         raise PermissionError(13, "Permission denied", str(path))
 
-    monkeypatch.setattr("archo_tui.replay.bag_paths.open_regular", refuse)
+    monkeypatch.setattr("archo_tui.recordings.replay.bag.open_regular", refuse)
     with pytest.raises(ArchoError, match=r"a\.mcap: Permission denied"):
         BagFile(path)
 
@@ -541,11 +565,11 @@ def test_a_disk_that_fails_is_said_in_one_line(
 
     found = BagFile(path)
     with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.replay.message_reader.read_range", fail)
+        patch.setattr("archo_tui.recordings.replay.mcap_file._read_part", fail)
         assert read(found) == []
     assert found.faults == ["a.mcap: Input/output error"]
     with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.replay.bag_file.read_summary", fail)
+        patch.setattr("archo_tui.recordings.replay.mcap_file._read_summary", fail)
         assert BagFile(path).faults == ["a.mcap: Input/output error: the rest is left out"]
 
 
@@ -560,13 +584,26 @@ def test_a_file_that_goes_while_it_is_read_is_a_fault(tmp_path: Path) -> None:
 def test_a_profile_of_nobody_with_messages_of_ros_2_is_read(tmp_path: Path) -> None:
     path = written(tmp_path / "a.mcap", [("/b", BatteryStatus(percentage=5.0))], profile="")
     assert contents(path) == [("/b", BatteryStatus(percentage=5.0))]
-    assert BagFile(path).types == {"/b": type_name(BatteryStatus)}
+    assert BagFile(path).types == {"/b": name_of(BatteryStatus)}
 
 
-def test_a_chunk_that_was_begun_while_the_bag_was_read_is_left_out() -> None:
-    file = BytesIO(chunks.FRAME.pack(6, 100) + b"x" * 100)
-    begun = MessageRange(
-        0, 0, offset=0, size=0, is_chunk=True, is_cut=True
-    )  # the file ended there then
-    with pytest.raises(chunks.Unreadable):
-        read_range(file, begun, chunks.ReadBudget())
+def test_a_bag_that_grows_while_it_is_read_gives_what_was_there(tmp_path: Path) -> None:
+    whole = written(tmp_path / "a.mcap", drive(), chunk_size=500).read_bytes()
+    path = tmp_path / "b.mcap"
+    path.write_bytes(whole[: len(whole) // 2])
+    found = BagFile(path)
+    before = contents(path)
+    path.write_bytes(whole)
+    after = [(one.topic, one.message) for one in read(found)]
+    assert after == drive()[: len(after)]
+    assert len(before) <= len(after) <= len(before) + 20  # of the chunk in which it ended
+
+
+def test_a_file_that_is_cut_while_it_is_read_gives_what_is_left(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", drive(), chunk_size=500)
+    found = BagFile(path)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    some = [(one.topic, one.message) for one in read(found)]
+    assert 10 < len(some) < 50
+    assert some == drive()[: len(some)]
+    assert all(fault.endswith(" bytes: damaged") for fault in found.faults)

@@ -15,7 +15,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from archo_tui.replay.bag_file import BagFile
+from archo_tui.recordings.replay.bag import BagFile
 from tests.replay.recorded import replay, written
 from tests.robots.field import Base
 from tests.support import clock

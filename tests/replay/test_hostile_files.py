@@ -17,8 +17,8 @@ import zstandard
 from rcl_interfaces.msg import Log
 
 from archo_tui.errors import ArchoError
-from archo_tui.replay import chunks
-from archo_tui.replay.bag_file import BagFile
+from archo_tui.recordings.replay import mcap_file
+from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.messages.definitions import definition
 from tests.replay.bags import (
     ALWAYS,
@@ -144,12 +144,12 @@ WINDOW = b"\x28\xb5\x2f\xfd\x00" + bytes([(31 - 10) << 3]) + _BLOCK + GOOD
 BOMB = 300_000_000  # bytes, five times as many as are ever unpacked
 CHUNKS: dict[str, Callable[[], bytes]] = {
     "zstd": lambda: chunk(zstd_bomb(BOMB), "zstd", size=1000),
-    "zstd, large": lambda: chunk(zstd_bomb(BOMB), "zstd", size=chunks.MAX_RECORD),
+    "zstd, large": lambda: chunk(zstd_bomb(BOMB), "zstd", size=mcap_file.MAX_RECORD),
     "zstd, honest": lambda: chunk(zstd_bomb(BOMB), "zstd", size=BOMB),
     "zstd, huge": lambda: chunk(zstd_bomb(BOMB), "zstd", size=2**64 - 1),
     "zstd, window": lambda: chunk(WINDOW, "zstd", size=len(GOOD)),
     "lz4": lambda: chunk(lz4_bomb(BOMB), "lz4", size=1000),
-    "lz4, large": lambda: chunk(lz4_bomb(BOMB), "lz4", size=chunks.MAX_RECORD),
+    "lz4, large": lambda: chunk(lz4_bomb(BOMB), "lz4", size=mcap_file.MAX_RECORD),
     "lz4, honest": lambda: chunk(lz4_bomb(BOMB), "lz4", size=BOMB),
     "unknown": lambda: chunk(b"x" * 100, "bz2\x1b[2J"),
     "small": lambda: chunk(GOOD, "", size=3),
@@ -185,7 +185,7 @@ def test_bombs_are_opened_in_little_memory_of_the_process_too(tmp_path: Path) ->
     script = (
         "import resource, sys; from pathlib import Path\n"
         "from archo_tui import engine; engine.ensure()\n"
-        "from archo_tui.replay.bag_file import BagFile\n"
+        "from archo_tui.recordings.replay.bag import BagFile\n"
         "import zstandard, lz4.frame, mcap.records, rclpy.serialization\n"
         "held = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         f"resource.setrlimit(resource.RLIMIT_AS, [held + {MOST_MEMORY}] * 2)\n"
@@ -395,16 +395,29 @@ def test_what_a_summary_points_at_is_looked_at(tmp_path: Path) -> None:
     assert (words(found), found.count, found.faults) == (["good"], 1, [])
 
 
+@pytest.mark.night
+def test_a_summary_of_a_million_chunks_costs_little(tmp_path: Path) -> None:
+    data = logs(tmp_path / "a.mcap", GOOD).read_bytes()
+    many = (record(8, struct.pack("<QQQQ", 0, 1, n, 11)) for n in range(700_000))
+    path = summed_up(tmp_path / "b.mcap", data, b"".join(many), chunks=700_000)
+
+    def work() -> None:
+        found = BagFile(path)
+        assert (words(found), found.faults) == (["good"], [])
+
+    assert peak(work) < MOST_MEMORY
+
+
 def test_of_many_chunks_as_many_are_known_as_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("archo_tui.replay.mcap_index.MAX_RANGES", 5)
+    monkeypatch.setattr("archo_tui.recordings.replay.mcap_file.MAX_PARTS", 5)
     for name in "ab":
         logs(tmp_path / f"{name}.mcap", *[chunk(GOOD)] * 7)
     found = BagFile(tmp_path)
     assert len(words(found)) == 10
     assert len(found.faults) == 2
-    monkeypatch.setattr("archo_tui.replay.bag_file.MAX_RANGES", 6)
+    monkeypatch.setattr("archo_tui.recordings.replay.bag.MAX_PARTS", 6)
     assert len(words(BagFile(tmp_path))) == 6
 
 
@@ -421,12 +434,12 @@ def test_of_many_types_and_topics_as_many_are_known_as_anybody_needs(
     file("b.mcap")
     assert len(BagFile(tmp_path).types) == 41
     for limit, most in (
-        ("installed_types._MAX_TYPES", 30),
-        ("installed_types._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
-        ("bag_file.MAX_CHANNELS", 30),
+        ("types._MAX_TYPES", 30),
+        ("types._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
+        ("bag.MAX_CHANNELS", 30),
     ):
         with monkeypatch.context() as patch:
-            patch.setattr(f"archo_tui.replay.{limit}", most)
+            patch.setattr(f"archo_tui.recordings.replay.{limit}", most)
             found = BagFile(tmp_path)
             assert 20 < len(found.types) < 40
             assert words(found) == ["good", "good"]
@@ -451,12 +464,12 @@ def test_a_pass_that_takes_too_long_ends_with_what_it_has(
 ) -> None:
     packed = chunk(GOOD * 100)
     path = logs(tmp_path / "a.mcap", *[packed] * 20)
-    monkeypatch.setattr(chunks, "_MAX_RECORDS", 1000)
+    monkeypatch.setattr(mcap_file, "_MAX_RECORDS", 1000)
     found = BagFile(path)
     assert 500 < len(words(found)) <= 1000
     assert found.faults == ["a.mcap: more than 1,000 records: the rest is left out"]
-    monkeypatch.setattr(chunks, "_MAX_RECORDS", 10**6)
-    monkeypatch.setattr(chunks, "_MAX_BYTES", 7 * len(packed))  # read, and unpacked
+    monkeypatch.setattr(mcap_file, "_MAX_RECORDS", 10**6)
+    monkeypatch.setattr(mcap_file, "_MAX_BYTES", 7 * len(packed))  # read, and unpacked
     found = BagFile(path)
     assert len(words(found)) == 300
     assert found.faults == ["a.mcap: more than 0 GB: the rest is left out"]

@@ -18,9 +18,9 @@ import pytest
 from archo_tui.commands import recordings
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.paths import state_file
-from archo_tui.replay.bag_file import BagFile, BagMessage
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_station import RecordedStation
+from archo_tui.recordings.replay.bag import BagFile, BagMessage
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.station import RecordedStation
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.replay import ReplayScreen
 from tests.replay.recorded import written

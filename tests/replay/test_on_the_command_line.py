@@ -13,15 +13,15 @@ from std_msgs.msg import String
 from archo_tui import cli
 from archo_tui.clock import time_of_day
 from archo_tui.paths import state_file
-from archo_tui.recording import bag, store
-from archo_tui.recording.console_recorder import JOURNAL, STATE
-from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.report import report_lines
-from archo_tui.replay.resolve import find_recording, load_robot_file, opening_time
+from archo_tui.recordings import store
+from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.recordings.replay.open import find_recording, load_robot_file, opening_time
+from archo_tui.recordings.replay.report import report_lines
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain
 from tests.support import chosen, clock
+from tests.support.bags import received, write
 from tests.support.console import LONG, console
 
 pytestmark = pytest.mark.skipif(
@@ -56,7 +56,7 @@ async def test_the_story_is_told_line_by_line() -> None:
 def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_path: Path) -> None:
     heard = [one for one in drain(seconds=20) if one.topic != "/rosout"]
     heard += [one._replace(time=one.time + (20 + silence) * 10**9) for one in heard]
-    bag.write(tmp_path, heard, {})
+    write(tmp_path, heard, {})
     found = BagFile(tmp_path)
     _, *told = report_lines(found, load_robot_file(found, ""))
     lost, over = time_of_day(BEGIN + 23), time_of_day(BEGIN + 20 + silence + 1)
@@ -64,6 +64,18 @@ def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_pa
         f"{lost}  ✗ HIGH: CONTACT LOST for 4 s: the robot may still be moving",
         f"{over}  over: contact lost",
     ]
+
+
+def test_the_text_ends_with_the_part_that_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path, drain(seconds=2))
+    metadata = tmp_path / store.METADATA
+    part = "  - recording_0.mcap\n"
+    metadata.write_text(metadata.read_text().replace(part, f"{part}  - recording_1.mcap\n"))
+    assert cli.main(["replay", "--text", str(tmp_path)]) == 0
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said == "recording_1.mcap is missing: metadata.yaml names it as a part of this bag"
 
 
 async def test_without_a_name_the_newest_is_meant() -> None:
@@ -99,8 +111,8 @@ async def test_a_replay_opens_five_seconds_before_what_triggered_the_recording()
 @pytest.mark.parametrize("at", ["", "soon", "-1", "9" * 30, "1"])
 def test_a_bag_without_a_known_trigger_opens_at_its_beginning(at: str, tmp_path: Path) -> None:
     begin = 1_700_000_000
-    heard = [ReceivedMessage(begin * 10**9, "/rosout", Log(name="dashboard", msg="as always"))]
-    bag.write(tmp_path, heard, {"at": at} if at else {})
+    heard = [received(begin * 10**9, "/rosout", Log(name="dashboard", msg="as always"))]
+    write(tmp_path, heard, {"at": at} if at else {})
     assert opening_time(tmp_path, begin) == begin
     assert opening_time(tmp_path / "no_bag", begin) == begin
 
@@ -117,8 +129,8 @@ def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
         (1, "/rosout", Log(level=20, name="dashboard", msg="as always")),
         (2, JOURNAL, Log(level=20, name="console", msg="YOU: STOP: confirmed")),
     ]
-    heard = [ReceivedMessage((begin + at) * 10**9, topic, one) for at, topic, one in messages]
-    bag.write(tmp_path, heard, {})
+    heard = [received((begin + at) * 10**9, topic, one) for at, topic, one in messages]
+    write(tmp_path, heard, {})
     bag_file = BagFile(tmp_path)
     told = list(report_lines(bag_file, load_robot_file(bag_file, "")))
     assert told[-1].endswith("YOU console: STOP: confirmed")
@@ -128,7 +140,7 @@ def test_the_robot_is_as_the_recording_says_unless_another_file_is_given(tmp_pat
     folder = tmp_path / "bag"
     folder.mkdir()
     text = "name: RECORDED\nbattery: {topic: x, types: {std_msgs/msg/Float32: {percentage: data}}}"
-    bag.write(folder, drain(seconds=2), {}, **{"robot.yaml": text})
+    write(folder, drain(seconds=2), {}, **{"robot.yaml": text})
     assert load_robot_file(BagFile(folder), "").name == "RECORDED"
     other = tmp_path / "other.yaml"
     other.write_text(text.replace("RECORDED", "OTHER"), encoding="utf-8")
@@ -158,7 +170,7 @@ def test_what_is_not_there_is_one_line(
 def test_a_bag_without_a_message_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    bag.write(tmp_path, [], {})
+    write(tmp_path, [], {})
     assert cli.main(["replay", "--text", str(tmp_path)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -175,7 +187,7 @@ def test_a_name_that_is_wrong_says_where_the_names_are(
 ) -> None:
     folder = state_file("recordings") / "one"
     folder.mkdir(parents=True)
-    bag.write(folder, drain(seconds=2), {})
+    write(folder, drain(seconds=2), {})
     assert cli.main(["replay", "--text", "two"]) == 2
     assert "no recording is called two (see archo-tui recordings)" in capsys.readouterr().err
 
@@ -183,6 +195,6 @@ def test_a_name_that_is_wrong_says_where_the_names_are(
 def test_a_robot_file_in_it_that_is_wrong_is_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    bag.write(tmp_path, drain(seconds=2), {}, **{"robot.yaml": "name: [\n"})
+    write(tmp_path, drain(seconds=2), {}, **{"robot.yaml": "name: [\n"})
     assert cli.main(["replay", "--text", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1

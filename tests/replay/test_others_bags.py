@@ -15,14 +15,14 @@ from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
-from archo_tui.recording import bag
-from archo_tui.recording.console_recorder import JOURNAL, STATE
-from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay import message_reader
-from archo_tui.replay.bag_file import BagFile, BagMessage
-from archo_tui.replay.player import Player
+from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.replay import bag as bag_reader
+from archo_tui.recordings.replay.bag import BagFile, BagMessage
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.ring import ReceivedMessage
 from archo_tui.robot_file import load
 from tests.replay.recorded import replay
+from tests.support.bags import received, write
 from tests.support.night import corners
 from tests.support.stub import StandingClock
 from tests.support.waiting import DEADLINE, wait_until
@@ -54,14 +54,12 @@ def drain(namespace: str = "", seconds: int = 60) -> list[ReceivedMessage]:
     for second in range(seconds):
         at = (BEGIN + second) * 10**9
         level = BatteryStatus(percentage=30.0 - second / 2, voltage=22.0)
-        heard.append(ReceivedMessage(at, f"{namespace}/battery_level", level))
+        heard.append(received(at, f"{namespace}/battery_level", level))
         heard.append(
-            ReceivedMessage(at + 1, f"{namespace}/motor_status", MotorStatus(encoder_ticks=second))
+            received(at + 1, f"{namespace}/motor_status", MotorStatus(encoder_ticks=second))
         )
     name = f"{namespace.lstrip('/')}.dashboard".lstrip(".")
-    heard.append(
-        ReceivedMessage((BEGIN + 30) * 10**9, "/rosout", Log(level=30, name=name, msg="Low"))
-    )
+    heard.append(received((BEGIN + 30) * 10**9, "/rosout", Log(level=30, name=name, msg="Low")))
     return sorted(heard, key=lambda one: one.time)
 
 
@@ -69,7 +67,7 @@ def drain(namespace: str = "", seconds: int = 60) -> list[ReceivedMessage]:
 async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
     namespace: str, tmp_path: Path
 ) -> None:
-    bag.write(tmp_path, drain(namespace), {})
+    write(tmp_path, drain(namespace), {})
     async with replay(tmp_path / "recording_0.mcap") as watcher:
         await watcher.show(BEGIN + 10.5)
         assert "25.0 %" in watcher.text
@@ -87,20 +85,16 @@ async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
 
 
 async def test_silence_in_a_bag_is_lost_contact(tmp_path: Path) -> None:
-    late = ReceivedMessage(
-        (BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late")
-    )
-    bag.write(tmp_path, [*drain(seconds=5), late], {})
+    late = received((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    write(tmp_path, [*drain(seconds=5), late], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 20.0)
         assert "CONTACT LOST for 16 s" in watcher.text
 
 
 async def test_a_silence_looked_at_from_its_end_to_its_begin_was_no_longer(tmp_path: Path) -> None:
-    late = ReceivedMessage(
-        (BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late")
-    )
-    bag.write(tmp_path, [*drain(seconds=5), late], {})
+    late = received((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    write(tmp_path, [*drain(seconds=5), late], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 20.0)
         await watcher.show(BEGIN + 5.5)
@@ -123,7 +117,7 @@ class SlowBag(BagFile):
 
 
 def test_of_what_is_not_read_yet_nothing_is_said(tmp_path: Path) -> None:
-    bag.write(tmp_path, drain(seconds=600), {})
+    write(tmp_path, drain(seconds=600), {})
     bag_file = SlowBag(tmp_path)
     player = Player(bag_file, load.load(load.default_path()), StandingClock())
     player.go_to(BEGIN + 9.5)
@@ -156,7 +150,7 @@ NONSENSE = [
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": math.nan}]}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1, "until": -1e18}]}),
     json.dumps({"nodes": [{"name": "/n", "heard": math.inf}]}),
-    json.dumps({"paces": {"/t": {"heard": math.nan}}}),
+    json.dumps({"message_rates": {"/t": {"heard": math.nan}}}),
     json.dumps({"charge": [[1e308, 50.0]]}),
     json.dumps({"open_stop": {"asked": math.inf}}),
     json.dumps({"hosted": [{"name": "/x", "saved": 2**62}]}),
@@ -172,8 +166,8 @@ NONSENSE = [
 async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
     said: str, tmp_path: Path
 ) -> None:
-    odd: Any = ReceivedMessage(BEGIN * 10**9 + 5, STATE, String(data=said))
-    bag.write(tmp_path, [*drain(), odd], {})
+    odd: Any = received(BEGIN * 10**9 + 5, STATE, String(data=said))
+    write(tmp_path, [*drain(), odd], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 10.5)
         assert "25.0 %" in watcher.text
@@ -182,7 +176,7 @@ async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
 
 async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) -> None:
     odd = String(data=json.dumps({"goal": {"phase": "FLYING"}}))
-    bag.write(tmp_path, [*drain(), ReceivedMessage(BEGIN * 10**9 + 5, STATE, odd)], {})
+    write(tmp_path, [*drain(), received(BEGIN * 10**9 + 5, STATE, odd)], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 40.5)
         assert "LOW BATTERY 10.0 %" in watcher.text
@@ -190,7 +184,7 @@ async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) 
 
 async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
     said = json.dumps({"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"})
-    bag.write(tmp_path, [*drain(), ReceivedMessage(BEGIN * 10**9, STATE, String(data=said))], {})
+    write(tmp_path, [*drain(), received(BEGIN * 10**9, STATE, String(data=said))], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 1.0)
         assert "evil" in watcher.text
@@ -200,7 +194,7 @@ async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
 async def test_a_command_that_is_copied_is_one_line(tmp_path: Path) -> None:
     """It is pasted into a shell."""
     said = Log(level=20, name="console", msg="YOU: moved", function="ros2 topic list\nrm x\x1b[A")
-    bag.write(tmp_path, [*drain(), ReceivedMessage((BEGIN + 5) * 10**9, JOURNAL, said)], {})
+    write(tmp_path, [*drain(), received((BEGIN + 5) * 10**9, JOURNAL, said)], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 10.5)
         (event,) = (one for one in watcher.app.view.snapshot.events if one.level == "YOU")
@@ -211,7 +205,7 @@ async def test_a_command_that_is_copied_is_one_line(tmp_path: Path) -> None:
 def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Path) -> None:
     hours = drain(seconds=1)
     hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
-    bag.write(tmp_path, hours, {})
+    write(tmp_path, hours, {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_complete)
     assert player.snapshot().battery.percentage == 30.0
@@ -227,8 +221,8 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
 def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: tuple[str, int]
 ) -> None:
-    monkeypatch.setattr(message_reader, *limit)
-    bag.write(tmp_path, drain(seconds=3600), {})
+    monkeypatch.setattr(bag_reader, *limit)
+    write(tmp_path, drain(seconds=3600), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: not player.is_reading)
     player.go_to(player.start + 3000.0)
@@ -242,7 +236,7 @@ def test_any_moment_of_a_bag_is_shown_however_dense_it_is(
 
 
 async def test_what_only_this_console_records_is_not_there(tmp_path: Path) -> None:
-    bag.write(tmp_path, drain(), {})
+    write(tmp_path, drain(), {})
     async with replay(tmp_path, (160, 48)) as watcher:
         await watcher.show(BEGIN + 10.5)
         assert watcher.text.count("-- none recorded") == 3  # nodes, graph, parameters
@@ -254,8 +248,8 @@ def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> Non
     heard = drain(seconds=600)
     for second in range(600):
         said = json.dumps({"namespace": "/", "consoles": [f"anna_{second}"]})
-        heard.append(ReceivedMessage((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
-    bag.write(tmp_path, sorted(heard, key=lambda one: one.time), {})
+        heard.append(received((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
+    write(tmp_path, sorted(heard, key=lambda one: one.time), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_complete)
     for second in (599, 3, 250, 251, 0, 400):
@@ -269,7 +263,7 @@ def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_p
         one._replace(time=one.time + (number // 121) * 3590 * 10**9)
         for number, one in enumerate(hours)
     ]
-    bag.write(tmp_path, hours, {})
+    write(tmp_path, hours, {})
     clock = StandingClock()
     player = Player(BagFile(tmp_path), load.load(load.default_path()), clock)
     wait_until(lambda: player.is_complete)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -10,12 +9,10 @@ from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
-from archo_tui.recording import bag
-from archo_tui.recording.console_recorder import JOURNAL, STATE
-from archo_tui.recording.data import to_data
-from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.recording.state import console_state
+from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.state import to_json
 from tests.replay.recorded import replay
+from tests.support.bags import received, write
 from tests.support.clock import TIME
 from tests.support.night import corners
 from tests.support.pictures import differs, steady
@@ -30,12 +27,12 @@ def _steady(monkeypatch: pytest.MonkeyPatch) -> None:
     steady(monkeypatch)
 
 
-def write(folder: Path) -> None:
+def record(folder: Path) -> None:
     """A low battery on the way to a shelf, and what was done about it."""
     station = stub_app(STATES["battery low and moving"], StandingClock()).station
     station.on_snapshot(station.robot.snapshot)
     view = station.view
-    said = json.dumps(to_data(console_state(view, view.time - view.now, with_events=True)))
+    said = to_json(view, view.time - view.now, with_events=True)
     messages: list[tuple[float, str, object]] = [(0.0, STATE, String(data=said))]
     for second in range(60):
         level = BatteryStatus(percentage=18.0 - second / 100, voltage=21.3)
@@ -45,8 +42,8 @@ def write(folder: Path) -> None:
     for second, text in ((12, "go to shelf 12: accepted"), (41, "cancel: accepted")):
         log = Log(level=20, name="console", msg=f"YOU: {text}")
         messages.append((second, JOURNAL, log))
-    heard = [ReceivedMessage(round((TIME + at) * 1e9), topic, one) for at, topic, one in messages]
-    bag.write(folder, sorted(heard, key=lambda one: one.time), {})
+    heard = [received(round((TIME + at) * 1e9), topic, one) for at, topic, one in messages]
+    write(folder, sorted(heard, key=lambda one: one.time), {})
 
 
 @pytest.mark.parametrize(
@@ -62,7 +59,7 @@ def write(folder: Path) -> None:
 async def test_a_replay_looks_as_accepted(
     request: pytest.FixtureRequest, size: str, theme: str, tmp_path: Path
 ) -> None:
-    write(tmp_path)
+    record(tmp_path)
     async with replay(tmp_path, SIZES[size]) as watcher:
         watcher.app.theme = theme or "textual-dark"
         await watcher.show(TIME + 20.5)

@@ -12,10 +12,10 @@ import pytest
 from std_msgs.msg import Float32, UInt8MultiArray
 
 from archo_tui.clock import Clock
-from archo_tui.replay import message_reader
-from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_topic import RecordedTopicFollower
+from archo_tui.recordings.replay import bag as bag_reader
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.topic import RecordedTopicFollower
 from archo_tui.robot.state import TopicRequest, TopicView
 from tests.replay.bags import START, written
 from tests.support import clock
@@ -92,7 +92,7 @@ async def test_a_topic_that_was_not_recorded_is_named_so(counts: Path) -> None:
 async def test_of_too_many_bytes_those_around_the_position_are_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(message_reader, "MAX_BYTES", 20_000)
+    monkeypatch.setattr(bag_reader, "MAX_BYTES", 20_000)
     sent = [("/image", UInt8MultiArray(data=bytes([number] * 1_000))) for number in range(200)]
     path = written(tmp_path / "images.mcap", sent)
     async with following(path, "/image") as (player, views):

@@ -43,7 +43,7 @@ async def test_messages_are_counted_from_begin_to_end(monkeypatch: pytest.Monkey
     seen = Listener.__init__
 
     def listen(self: Any, name: str, on_message: Any, *given: Any, **options: Any) -> None:
-        seen(self, name, lambda topic, _: recorded.append(topic), *given, **options)
+        seen(self, name, lambda topic, *_: recorded.append(topic), *given, **options)
 
     monkeypatch.setattr(Listener, "__init__", listen)
     async with robot(making(made, Talker)) as it:

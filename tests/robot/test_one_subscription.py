@@ -9,7 +9,7 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.replay.topics import RecordedTopics
+from archo_tui.recordings.replay.state import RecordedTopics
 from archo_tui.robot.node import Listener
 from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot_file.load import load

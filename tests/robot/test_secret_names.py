@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import journal_file, state_file
-from archo_tui.recording import box, store
+from archo_tui.recordings import recorder, store
 from archo_tui.robot.graph.secrets import is_secret
 from tests.support.shells import heard, raw, served, typed
 
@@ -54,7 +54,7 @@ class Door(Node):
 
 @pytest.mark.real_time
 async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(box, "SECONDS_AFTER", 0.2)
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.2)
     async with served(Door) as person:
         person.type("set door api_key s3same\nset door pin_secret 843237972\n")
         person.type("set door key_bindings dvorak\n")

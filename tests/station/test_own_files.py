@@ -12,10 +12,10 @@ import pytest
 
 from archo_tui import regular_files
 from archo_tui.paths import config_file, state_file
-from archo_tui.recording import store
+from archo_tui.recordings import store
 from archo_tui.station import form_history
 from archo_tui.terminal import themes
-from archo_tui.terminal.stderr import guarded_stderr
+from archo_tui.terminal.stderr import guarded_streams
 
 
 def _large(path: Path) -> None:
@@ -63,7 +63,7 @@ def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:
 
 
 def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path]) -> None:
-    with guarded_stderr(misplaced(state_file("stderr.log"))):
+    with guarded_streams(misplaced(state_file("stderr.log"))):
         os.write(2, b"said by a library\n")
         assert sys.__stderr__ is not None
         sys.__stderr__.close()

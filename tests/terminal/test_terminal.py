@@ -489,3 +489,39 @@ def test_sizes_and_keys_in_the_environment_are_not_the_terminals(
     assert b"STOPPED" not in terminal.output
     terminal.write("q")
     assert terminal.exit_code() == 0
+
+
+CLEARS = r"""
+import os
+import rclpy
+from rclpy.node import Node
+
+
+class Clears(Node):
+    def __init__(self):
+        super().__init__("clears")
+        self.create_timer(0.5, lambda: os.system("printf '\\033[2J\\033[Hchild words\\n'"))
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Clears())
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.mark.parametrize("option", ["--node", "--run"])
+def test_what_a_nodes_child_prints_is_an_event_and_leaves_the_screen_whole(
+    option: str, here: Path, terminals: list[Terminal]
+) -> None:
+    (here / "clears.py").write_text(CLEARS)
+    terminal = Terminal("--only", option, "clears.py")
+    terminals.append(terminal)
+    terminal.until("child words")
+    terminal.until("clears stdout")
+    assert b"\x1b[2J\x1b[Hchild" not in terminal.output
+    terminal.write("q")
+    assert terminal.exit_code() == 0

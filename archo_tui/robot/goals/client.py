@@ -126,7 +126,8 @@ class Goals:
 
     def _add(self, record: _Record, state: TrackedGoal) -> None:
         """Begin to track a goal."""
-        record.state = state._replace(goal=state.goal._replace(time=self._clock.now()))
+        goal = state.goal._replace(time=self._clock.now(), id=record.id.hex())
+        record.state = state._replace(goal=goal)
         self._running[record.id] = record
         self._on_change(True)
         self._carry_out(record)

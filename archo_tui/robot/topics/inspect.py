@@ -13,12 +13,11 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import deserialize_message
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.endpoints import fitting_qos
-from archo_tui.robot.messages.cdr import cdr_size
 from archo_tui.robot.node import Listener
 from archo_tui.robot.period import RATE_INTERVALS
 
@@ -69,9 +68,9 @@ class Inspection:
         """
         self._is_tap = self._node.listens(self._class, self.topic)
         if self._is_tap:
-            last = self._node.tap(self._class, self.topic, self._take_message)
+            last = self._node.tap(self._class, self.topic, self._take)
             if last is not None and not self.count:
-                self._take(_serialized(last), was_kept=True)
+                self._take(last, was_kept=True)
             return
         self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
         if self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
@@ -96,13 +95,10 @@ class Inspection:
 
     def unsubscribe(self) -> None:
         """End the subscription, if there is one; the counts stay. ROS thread only."""
-        self._node.untap(self._take_message)
+        self._node.untap(self._take)
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
-
-    def _take_message(self, _topic: str, message: Any) -> None:
-        self._take(_serialized(message))
 
     def _take(self, data: bytes, *, was_kept: bool = False) -> None:
         now = self._clock.monotonic()
@@ -142,11 +138,6 @@ class Inspection:
         except Exception as error:  # rclpy raises several types for bytes of another definition.
             why = f"not readable, its publisher may have another definition: {in_one_line(error)}"
             raise ArchoError(why) from None
-
-
-def _serialized(message: Any) -> bytes:
-    # Jazzy appends bytes that belong to no field.
-    return serialize_message(message)[: cdr_size(message)]
 
 
 def too_large(size: int) -> str:

@@ -11,7 +11,7 @@ import hashlib
 import re
 from typing import Any
 
-from archo_tui.replay.chunks import Unreadable
+from archo_tui.recordings.replay.mcap_file import Unreadable
 from archo_tui.robot.messages.definitions import definition
 from archo_tui.robot.messages.types import EMPTY, load_class
 from archo_tui.ros_names import InterfaceType, base_name, package_of, parse_type
@@ -37,26 +37,19 @@ class InstalledTypes:
         self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
         self._text_left = _MAX_TEXT
 
-    def find_class(self, type_name: str, encoding: str, text: str) -> Any:
-        """Return the installed class of a type, if it has the same fields as in the file.
+    def find_class(self, type_name: str, encoding: str, text: bytes) -> Any:
+        """Return the class of `package/kind/Name`, or raise Unreadable.
 
-        Args:
-            type_name: The type, as `package/kind/Name`.
-            encoding: The schema's encoding; definitions other than `ros2msg` are not compared.
-            text: The definition in the file.
-
-        Raises:
-            Unreadable: The type is not installed or has other fields, or the bag has more than
-                2,000 types or 16 MB of definitions.
+        Definitions in another encoding than `ros2msg` are not compared.
         """
-        given = "\0".join((type_name, encoding, text)).encode()
+        given = b"\0".join((type_name.encode(), encoding.encode(), text))
         key = hashlib.sha256(given).digest()
         if key not in self._found:
             self._text_left -= len(given)
             if self._text_left < 0 or len(self._found) == _MAX_TYPES:
                 raise Unreadable("too many types")
             try:
-                self._found[key] = _find_class(type_name, encoding, text)
+                self._found[key] = _find_class(type_name, encoding, text.decode(errors="replace"))
             except Unreadable as error:
                 self._found[key] = str(error)
         found = self._found[key]
@@ -66,19 +59,12 @@ class InstalledTypes:
 
 
 def _find_class(type_name: str, encoding: str, text: str) -> Any:
-    """Return the class for `package/kind/Name`.
-
-    Raises:
-        Unreadable: It is not installed, or its fields are not those of a `ros2msg` definition.
-    """
     parts = parse_type(type_name)
     made = None if parts is None else _load_class(parts)
     if parts is None or made is None:
         raise Unreadable(f"{type_name} is not installed here")
-    if encoding != "ros2msg":  # Other encodings cannot be compared.
-        return made
     root = f"{parts.package}/{parts.name}"
-    if not _have_same_fields(
+    if encoding == "ros2msg" and not _have_same_fields(
         _parse_layout(definition(made), root), _parse_layout(text, root), root
     ):
         raise Unreadable(f"{type_name} has other fields here than in the file")
@@ -95,15 +81,7 @@ def _load_class(parts: InterfaceType) -> Any:
 
 
 def _have_same_fields(ours: _Layout, theirs: _Layout, root: str) -> bool:
-    """Return True if `root`, and each message within it, has the same fields in both layouts.
-
-    Their names, types, array lengths and order have to be equal.
-
-    Args:
-        ours: The installed layout, whose messages contain none of themselves.
-        theirs: The layout in the file.
-        root: The `package/Name` of the outermost message.
-    """
+    """Return True if `root` and each message within it agree; theirs may contain themselves."""
     wanted, seen = [root], set[str]()
     while wanted:
         name = wanted.pop()
@@ -117,13 +95,9 @@ def _have_same_fields(ours: _Layout, theirs: _Layout, root: str) -> bool:
 
 
 def _parse_layout(text: str, root: str) -> _Layout:
-    """Return the fields of each message of a definition, by `package/Name`.
+    """Return the fields of each message of a definition, by `package/Name`; the first is `root`.
 
     Constants, defaults, and the bounds of strings and sequences are left out: they take no bytes.
-
-    Args:
-        text: The definition of a message, followed by those of the messages in it.
-        root: The `package/Name` of the first.
     """
     found: _Layout = {}
     for number, part in enumerate(_SEPARATOR.split(text)):
@@ -149,11 +123,6 @@ def _parse_fields(text: str, owner: str) -> list[_Field]:
 
 
 def _full_name(name: str, owner: str) -> str:
-    """Return a message type as `package/Name`.
-
-    Args:
-        name: The type, as `package/Name`, `package/msg/Name`, or `Name` alone.
-        owner: A type of the package that is meant if `name` has none.
-    """
+    """Return a type as `package/Name`; one without a package is of that of its `owner`."""
     package = package_of(name if "/" in name else owner)
     return f"{package}/{base_name(name)}"

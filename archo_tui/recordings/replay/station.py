@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, NoReturn, cast
 
 from archo_tui.clock import Clock
-from archo_tui.replay.player import Player
-from archo_tui.replay.recorded_topic import RecordedTopicFollower
+from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.topic import RecordedTopicFollower
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import (
     ACTION,
@@ -32,7 +32,7 @@ _NOT_RECORDED = "not in the recording"
 class RecordedRobot:
     """A stand-in for `Robot` that shows the recorded robot and cannot command it.
 
-    STOP is refused; a verb that is not defined here raises AttributeError.
+    A verb that is not defined here raises AttributeError.
     """
 
     watching = True
@@ -43,7 +43,7 @@ class RecordedRobot:
 
     @property
     def snapshot(self) -> Snapshot:
-        """Return the state of the robot at the position."""
+        """The state of the robot at the position."""
         return self._player.snapshot()
 
     def subscribe(self, receiver: Callable[[Snapshot], None]) -> None:
@@ -51,13 +51,13 @@ class RecordedRobot:
         receiver(self.snapshot)
 
     def note(self, *_: Any, **__: Any) -> None:
-        """Ignore an event: nothing is added to a recording."""
+        """Do nothing: no event is added to a recording."""
 
     async def stop_sending_goals(self) -> None:
         """Do nothing: a recorded robot is sent no goals."""
 
     async def emergency_stop(self) -> Outcome:
-        """Return an outcome with the code REFUSED: a recording cannot be stopped."""
+        """Refuse: a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)
 
     async def follow_topic(
@@ -66,37 +66,21 @@ class RecordedRobot:
         request: Callable[[], TopicRequest],
         show: Callable[[TopicView], None],
     ) -> NoReturn:
-        """Call `show` with a view of a topic at the position, until cancelled.
-
-        It is called five times a second, less often if decoding takes long.
-
-        Args:
-            topic: The full name of the topic.
-            request: Returns what the next view has to have.
-            show: Called with each view.
-        """
+        """Call `show` with views of a topic at the position, until cancelled."""
         await RecordedTopicFollower(self._player, self._clock, topic, request, show).run()
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
         """Return the topics, services and actions that a node offered at the position.
 
-        What it subscribed to and called, and its log level, are not recorded. A node without any
-        recorded topic, service or action is refused.
-
-        Args:
-            node: The full name of the node.
+        What it subscribed to and called, and its log level, are not recorded.
         """
-        found = self.snapshot.resources
+        found = [resource for resource in self.snapshot.resources if node in resource.nodes]
+        if not found:
+            return Outcome(Code.REFUSED, _NOT_RECORDED)
 
         def of_kind(kind: str) -> Names:
-            return tuple(
-                (resource.name, ", ".join(resource.types))
-                for resource in found
-                if resource.kind == kind and node in resource.nodes
-            )
+            return tuple((each.name, ", ".join(each.types)) for each in found if each.kind == kind)
 
-        if not any(node in resource.nodes for resource in found):
-            return Outcome(Code.REFUSED, _NOT_RECORDED)
         return NodeInfo(
             publishes=of_kind(TOPIC),
             serves=of_kind(SERVICE),
@@ -125,13 +109,13 @@ class NullRecorder:
     failure = trouble = kept = ""
 
     def write(self, *_: Any, **__: Any) -> None:
-        """Ignore a line of the journal."""
+        """Do nothing."""
 
     def on_view(self, *_: Any) -> None:
-        """Ignore a view."""
+        """Do nothing."""
 
     def keep(self, *_: Any) -> Outcome:
-        """Return an outcome with the code REFUSED: this is a recording already."""
+        """Refuse: this is a recording already."""
         return Outcome(Code.REFUSED, "this is a recording")
 
 
@@ -139,12 +123,7 @@ class RecordedStation(Station):
     """A station whose view is that of the player's position."""
 
     def __init__(self, player: Player, clock: Clock) -> None:
-        """Create the station.
-
-        Args:
-            player: The player to show.
-            clock: The machine's clock, for what depends on how long a key is held.
-        """
+        """Show a player; the machine's clock decides how long a key is held."""
         self.player = player
         nothing: Any = NullRecorder()
         super().__init__(
@@ -161,18 +140,13 @@ class RecordedStation(Station):
         )
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Do the same as `refresh`; the snapshot is not used."""
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Do the same as `refresh`; the station is ticked once a second."""
         return self.refresh()
 
     def refresh(self) -> list[Alarm]:
-        """Refresh the player, and set `view` to what it shows; return no alarms.
-
-        No alarm counts as changed, so that a replay neither rings nor records.
-        """
+        """Refresh the player and the view; no alarm counts as changed, so a replay never rings."""
         self.player.refresh()
         self.view = self._view()
         return []

@@ -7,29 +7,22 @@ from datetime import datetime
 from math import floor
 
 from archo_tui.clock import time_of_day
-from archo_tui.recording.console_recorder import JOURNAL, STATE
-from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.player import namespace_of
-from archo_tui.replay.replay_state import MAX_SILENCE, ROSOUT, ReplayState
+from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.replay.bag import BagFile
+from archo_tui.recordings.replay.player import namespace_of
+from archo_tui.recordings.replay.state import MAX_SILENCE, ROSOUT, ReplayState
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.words.event import event_text
 
 
 def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:
-    """Yield the lines of the report: the bag, its events and alarms in order of time, its faults.
-
-    Alarms get a line when they become active unacknowledged, and when they are over. The last lines
-    say how many messages were unreadable, and what else was left out.
-    """
+    """Yield the lines of a report: the bag, its events and alarms by time, its faults."""
     seconds = bag.end - bag.start
     begin = datetime.fromtimestamp(bag.start)
     yield f"{bag.path.name}: {file.name}, {begin:%Y-%m-%d %H:%M:%S}, {seconds:.0f} s"
-    state, alarms, unreadable = (
-        ReplayState(file, bag.types, namespace_of(bag, file)),
-        frozenset[str](),
-        0,
-    )
+    state = ReplayState(file, bag.types, namespace_of(bag, file))
+    alarms, unreadable = frozenset[str](), 0
     second, topics, last_event = floor(bag.start), state.topics, 0
     for message in bag.messages(bag.start, bag.end, topics):
         if not state.has_console_state:  # Alarms may come and go while no message arrives.
@@ -62,13 +55,7 @@ def _active_alarms(state: ReplayState, now: float) -> dict[str, Alarm]:
 
 
 def _alarm_changes(before: frozenset[str], found: dict[str, Alarm], time: float) -> Iterator[str]:
-    """Yield a line for each alarm that is new and unacknowledged, and for each that is over.
-
-    Args:
-        before: The names of the alarms that were active before.
-        found: The alarms that are active now, by name.
-        time: Unix time of the change.
-    """
+    """Yield a line for each alarm that is new and unacknowledged, and for each that is over."""
     now = time_of_day(time)
     for name, alarm in found.items():
         if name not in before and alarm.state == AlarmState.UNACKNOWLEDGED:

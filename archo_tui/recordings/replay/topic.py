@@ -12,8 +12,8 @@ from rclpy.serialization import deserialize_message
 from archo_tui.clock import Clock
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.replay.message_reader import EncodedMessage
-from archo_tui.replay.player import Player
+from archo_tui.recordings.replay.bag import EncodedMessage
+from archo_tui.recordings.replay.player import Player
 from archo_tui.robot.state import Snapshot, TopicEnd, TopicInfo, TopicRequest, TopicView
 from archo_tui.robot.topics.inspect import MessageIntake
 from archo_tui.robot.topics.series import SPAN
@@ -33,18 +33,9 @@ class RecordedTopicFollower:
         player: Player,
         clock: Clock,
         topic: str,
-        request: Callable[[], TopicRequest],
+        request: Callable[[], TopicRequest],  # Called before each view.
         show: Callable[[TopicView], None],
     ) -> None:
-        """Create the follower; `run` starts it.
-
-        Args:
-            player: The player, whose position is shown.
-            clock: The machine's clock.
-            topic: The full name of the topic.
-            request: Returns what the next view has to have; called before each view.
-            show: Called with each view, on the event loop.
-        """
         self._player, self._clock, self._topic = player, clock, topic
         self._request, self._show = request, show
         self._kind = player.bag.types.get(topic, "")
@@ -58,8 +49,7 @@ class RecordedTopicFollower:
     async def run(self) -> NoReturn:
         """Show a view five times a second, less often if decoding takes long; never return.
 
-        Messages are read and decoded on another thread. A topic that the recording lacks, or that
-        cannot be decoded, is shown with the reason as its fault.
+        Messages are read and decoded on another thread.
         """
         spent = 0.0
         while True:
@@ -72,7 +62,6 @@ class RecordedTopicFollower:
             await self._clock.sleep(max(PERIOD, spent / SHARE))
 
     def _unreadable_reason(self) -> str:
-        """Return why the topic cannot be read from the recording."""
         begin = f"{self._topic}: "
         faults = (fault.removeprefix(begin) for fault in self._player.bag.faults if begin in fault)
         return next(faults, "it was not recorded")
@@ -82,8 +71,7 @@ class RecordedTopicFollower:
     ) -> tuple[TopicView, float]:
         """Return the view at a Unix time, and the processor time in seconds that it took.
 
-        Call it on a thread: it reads the bag if the messages around that time are not loaded. After
-        a jump of the position it forgets the messages so far, and begins with those before `now`.
+        It may read the bag. After a jump it begins anew with the messages before `now`.
         """
         begun = time.thread_time()
         watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
@@ -108,10 +96,6 @@ class RecordedTopicFollower:
         return view, time.thread_time() - begun
 
     def _read_around(self, now: float) -> None:
-        """Load the messages of the topic before a Unix time and shortly after it.
-
-        If they are too many, load those of a shorter time: of 1 s before it at last.
-        """
         for span in _SPANS:
             self._read_until = now + span / 4
             read, faults = self._player.bag.encoded_messages(
@@ -129,10 +113,7 @@ class RecordedTopicFollower:
 
 
 def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
-    """Return which nodes published a topic, and the QoS mismatches, as far as they were recorded.
-
-    Its subscribers are not recorded. Return None for a topic that the recorded graph does not have.
-    """
+    """Return who published a topic, and its mismatches; who subscribed is not recorded."""
     resource = next((r for r in snapshot.resources if r.name == topic), None)
     if resource is None:
         return None

@@ -1,0 +1,1 @@
+"""Recordings played back in the panels of the console."""

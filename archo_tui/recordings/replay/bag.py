@@ -1,0 +1,330 @@
+"""A reader of ROS bags of any tool: their messages in the order of time.
+
+Memory and time are bounded whatever a file contains; what cannot be read is left out and told.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from operator import itemgetter
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
+
+from archo_tui.errors import ArchoError
+from archo_tui.recordings import store
+from archo_tui.recordings.replay import mcap_file
+from archo_tui.recordings.replay.mcap_file import (
+    MAGIC,
+    MAX_CHANNELS,
+    MAX_PARTS,
+    Budget,
+    BudgetExceeded,
+    Index,
+    Part,
+    Unreadable,
+)
+from archo_tui.recordings.replay.types import InstalledTypes
+from archo_tui.regular_files import open_regular
+from archo_tui.safe_text import harmless
+
+MAX_MESSAGES, MAX_BYTES = 500_000, 100_000_000  # Of one reading, encoded.
+_MAX_MESSAGE_BYTES = 4_000_000  # Of a message; decoding more takes seconds.
+_MAX_FAULTS = 100  # Lines of a kind.
+_MAX_COUNTED = 100_000  # Messages that cannot be read; a higher count is of no use.
+_MAX_REASON = 200  # Characters.
+_SUFFIX = ".mcap"
+_SQLITE = "an SQLite bag: `ros2 bag convert` makes an MCAP of it"
+_ZSTD = "compressed as a whole: unpack it (zstd -d FILE) and give what comes out"
+_ROS1 = "a ROS 1 bag: `rosbags-convert` makes a ROS 2 bag of it"
+# Advice by the suffix and by the first bytes of a file.
+_OTHER_SUFFIXES = {".db3": _SQLITE, ".mcap.zstd": _ZSTD, ".db3.zstd": _ZSTD, ".bag": _ROS1}
+_OTHER_MAGIC = {b"SQLite format 3": _SQLITE, b"\x28\xb5\x2f\xfd": _ZSTD, b"#ROSBAG": _ROS1}
+
+
+class Faults:
+    """A bounded number of lines about what could not be read, each once."""
+
+    def __init__(self) -> None:
+        self._lines: dict[str, None] = {}
+        self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
+        self._reasons: dict[str, str] = {}  # By topic, for its first message.
+
+    def add(self, text: str) -> None:
+        text = harmless(text)
+        if text not in self._lines:
+            self._lines[text if len(self._lines) < _MAX_FAULTS else "and more"] = None
+
+    def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
+        """Count a message that cannot be read, once however often that is tried."""
+        if len(self._unreadable) < _MAX_COUNTED:
+            self._unreadable[order] = topic
+            self._reasons.setdefault(topic, reason[:_MAX_REASON])
+
+    def lines(self) -> list[str]:
+        """Return the lines, then one for each topic with its number of unreadable messages."""
+        counts = Counter(self._unreadable.values())
+        messages = [
+            harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({reason})")
+            for topic, reason in self._reasons.items()
+        ]
+        return [*self._lines, *messages[:_MAX_FAULTS]]
+
+
+class Topic(NamedTuple):
+    """A topic that can be decoded, by its full name."""
+
+    name: str
+    message_class: Any
+
+
+class EncodedMessage(NamedTuple):
+    """A message that is not decoded yet."""
+
+    time: int  # Its log time, in ns since the epoch.
+    order: tuple[int, int]  # The number of its part in the bag, and its offset there.
+    topic: Topic
+    data: bytes  # CDR.
+
+
+class ReadMessages(NamedTuple):
+    """The messages of one reading in the order of time; later ones are missing if it is cut."""
+
+    messages: list[EncodedMessage]
+    is_cut: bool
+
+
+class BagMessage(NamedTuple):
+    """A decoded message, with the Unix time of its recording."""
+
+    time: float
+    topic: str
+    message: Any
+
+
+class _FilePart(NamedTuple):
+    part: Part
+    path: Path
+    topics: Mapping[int, Topic]  # Those that can be decoded, by channel.
+
+
+class BagFile:
+    """A ROS bag: a folder with .mcap files, or one such file.
+
+    `count` is the number of its messages, decodable or not, `types` the type of each topic that can
+    be decoded, and `robot` the text of the attached robot file. `start` and `end` are Unix times.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Index the files; raise ArchoError if the path is no bag, or none of them can be read."""
+        self.path, self.count, self.robot = path, 0, ""
+        self.types: dict[str, str] = {}
+        self._faults, self._installed = Faults(), InstalledTypes()
+        self._parts: list[_FilePart] = []
+        first, last, refused, files = 2**64, 0, list[ArchoError](), _mcap_files(path)
+        budget = Budget()
+        for file in files:
+            try:
+                index = self._index_file(file, budget)
+            except ArchoError as error:
+                refused.append(error)
+                continue
+            first, last = min(first, index.start), max(last, index.end)
+            self.count += index.count
+            self.robot = self.robot or index.robot
+        if len(refused) == len(files):
+            raise refused[0]
+        for refusal in refused:
+            self._faults.add(str(refusal))
+        for name in store.missing_parts(path):
+            self._faults.add(f"{name} is missing: metadata.yaml names it as a part of this bag")
+        self.start, self.end = (first / 1e9, last / 1e9) if self.count else (0.0, 0.0)
+        self._parts.sort(key=lambda file_part: file_part.part.start)
+
+    @property
+    def faults(self) -> list[str]:
+        """A line about each thing that could not be read so far."""
+        return self._faults.lines()
+
+    def messages(
+        self,
+        begin: float,
+        end: float,
+        wanted: Container[str],
+        on_cut: Callable[[], None] = lambda: None,
+    ) -> Iterator[BagMessage]:
+        """Yield the decoded messages of topics from one Unix time to another, both included.
+
+        All are loaded before the first is yielded. Too many are cut, which `on_cut` hears first.
+        """
+        from rclpy.serialization import deserialize_message
+
+        found, is_cut = self._read(begin, end, wanted, self._faults)
+        if is_cut:
+            on_cut()
+        found.reverse()
+        while found:
+            encoded = found.pop()  # Frees its bytes once it is decoded.
+            try:
+                message = deserialize_message(encoded.data, encoded.topic.message_class)
+            except Exception as error:  # Of many kinds: message classes check their values, too.
+                self._faults.add_message(encoded.topic.name, encoded.order, str(error))
+                continue
+            yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
+
+    def encoded_messages(self, begin: float, end: float, topic: str) -> tuple[ReadMessages, Faults]:
+        """Return the messages of a topic as `messages` has them, but encoded, and what is left out.
+
+        `faults` does not tell of it.
+        """
+        faults = Faults()
+        return self._read(begin, end, (topic,), faults), faults
+
+    def _read(
+        self, begin: float, end: float, wanted: Container[str], faults: Faults
+    ) -> ReadMessages:
+        found, left, budget = list[EncodedMessage](), MAX_BYTES, Budget()
+        channels: dict[Path, dict[int, Topic]] = {}
+        is_cut = False
+        for number, (part, path, topics) in enumerate(self._parts):
+            if part.start / 1e9 > end:
+                break
+            if path not in channels:
+                channels[path] = {n: topic for n, topic in topics.items() if topic.name in wanted}
+            named = channels[path]
+            if part.end / 1e9 < begin or not named:
+                continue
+            try:
+                with _opened(path) as file:
+                    for channel, time, at, data in mcap_file.messages_of(file, part, named, budget):
+                        if len(data) > _MAX_MESSAGE_BYTES:
+                            size = f"larger than {_MAX_MESSAGE_BYTES // 10**6} MB"
+                            faults.add_message(named[channel].name, (number, at), size)
+                        elif begin <= time / 1e9 <= end:
+                            left -= len(data)
+                            if left < 0 or len(found) == MAX_MESSAGES:
+                                limit = f"{MAX_MESSAGES:,} messages or {MAX_BYTES // 10**6} MB"
+                                raise BudgetExceeded(f"more than {limit} at a time")
+                            found.append(EncodedMessage(time, (number, at), named[channel], data))
+            except BudgetExceeded as error:
+                faults.add(f"{error}: the rest is left out")
+                is_cut = True
+                break
+            except Unreadable as error:
+                if not part.is_cut:  # The index has told that already.
+                    faults.add(f"{path.name}: the chunk at {part.offset} bytes: {error}")
+            except ArchoError as error:
+                faults.add(str(error))
+            except OSError as error:
+                faults.add(f"{path.name}: {error.strerror}")
+        found.sort(key=itemgetter(0, 1))
+        return ReadMessages(found, is_cut)
+
+    def _index_file(self, path: Path, budget: Budget) -> Index:
+        fault = partial(self._add_fault, path)
+        with _opened(path) as file:
+            index = mcap_file.read_index(file, os.fstat(file.fileno()).st_size, budget, fault)
+        topics = self._readable_topics(path, index)
+        free = MAX_PARTS - len(self._parts)
+        if len(index.parts) > free:
+            fault(f"more than {MAX_PARTS:,} chunks in all: the rest is left out")
+        self._parts += [_FilePart(part, path, topics) for part in index.parts[:free]]
+        return index
+
+    def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
+        """Return the topics that can be decoded, by channel; raise ArchoError for another system's.
+
+        Their types are noted, the other topics are faults.
+        """
+        encodings = {channel.message_encoding for channel in index.channels.values()}
+        if encodings and index.profile != "ros2" and "cdr" not in encodings:
+            if index.profile == "ros1":
+                raise _error(path, _ROS1)
+            encoding = min(encodings) or "nothing known"
+            reason = f"not of ROS 2: its messages are encoded as {encoding}"
+            raise _error(path, f"{reason}, those of a ROS 2 bag as cdr")
+        found = {}
+        for number, channel in index.channels.items():
+            topic, encoding = channel.topic, channel.message_encoding
+            schema = index.schemas.get(channel.schema_id)
+            try:
+                if encoding != "cdr":
+                    raise Unreadable(f"encoded as {encoding or 'nothing known'}, not cdr")
+                if schema is None:
+                    raise Unreadable("its type is not named")
+                kind = self._installed.find_class(schema.name, schema.encoding, schema.data)
+                if topic not in self.types and len(self.types) == MAX_CHANNELS:
+                    raise Unreadable(f"more than {MAX_CHANNELS:,} topics")
+                if self.types.setdefault(topic, schema.name) != schema.name:
+                    raise Unreadable(f"{schema.name}, where {self.types[topic]} came before")
+                if schema.encoding != "ros2msg":
+                    read_as = f"its definition is not compared: read as {schema.name} here"
+                    self._faults.add(f"{topic}: {read_as}")
+                found[number] = Topic(topic, kind)
+            except Unreadable as error:
+                self._faults.add(f"{topic}: left out: {error}")
+        return found
+
+    def _add_fault(self, path: Path, text: str) -> None:
+        self._faults.add(f"{path.name}: {text}")
+
+
+def _mcap_files(path: Path) -> list[Path]:
+    """Return the .mcap files of a folder by name, or the path itself if it is no folder."""
+    try:
+        if not path.is_dir():
+            return [path]
+        names = sorted(os.listdir(path))
+    except OSError as error:
+        raise _error(path, _reason(error)) from None
+    found = [path / name for name in names if name.endswith(_SUFFIX) and name[0] != "."]
+    if found:
+        return found
+    for suffix, advice in _OTHER_SUFFIXES.items():
+        if any(name.endswith(suffix) for name in names):
+            raise _error(path, advice)
+    raise _error(path, "no .mcap file is in it: give the folder of a bag")
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    """Open an MCAP file, behind its first bytes, or raise ArchoError with advice."""
+    try:
+        descriptor = open_regular(path, os.O_RDONLY)
+    except FileNotFoundError:
+        raise _error(path, "was not found: give the folder of a bag, or a .mcap file") from None
+    except (OSError, ValueError) as error:
+        raise _error(path, _reason(error)) from None
+    with open(descriptor, "rb") as file:
+        try:
+            begin = file.read(16)
+        except OSError as error:
+            raise _error(path, _reason(error)) from None
+        if not begin.startswith(MAGIC):
+            raise _error(path, _other_format(begin))
+        yield file
+
+
+def _other_format(begin: bytes) -> str:
+    """Return what a file is that begins so, and how to read it."""
+    if not begin:
+        return "it is empty: nothing was recorded in it"
+    for magic, advice in _OTHER_MAGIC.items():
+        if begin.startswith(magic):
+            return advice
+    if begin[:5] == MAGIC[:5] and begin[6:8] == MAGIC[6:]:
+        return "MCAP of another version: `mcap recover` may read it"
+    if MAGIC.startswith(begin):
+        return "cut off in its first bytes: nothing of it can be read"
+    return "not a bag: give a .mcap file, or a folder with some"
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _error(path: Path, why: str) -> ArchoError:
+    return ArchoError(f"{path}: {why}")

@@ -1,0 +1,323 @@
+"""The player of a recording: its position, its speed, and the view of the console there."""
+
+from __future__ import annotations
+
+import threading
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterable, Iterator
+from datetime import datetime
+from math import floor
+from typing import NamedTuple
+
+from archo_tui.clock import Clock
+from archo_tui.recordings.console import JOURNAL, STATE
+from archo_tui.recordings.replay.bag import BagFile, BagMessage
+from archo_tui.recordings.replay.state import Checkpoint, ReplayState, guess_namespace
+from archo_tui.robot.state import OWN_LEVELS, Snapshot
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.history import History
+from archo_tui.station.view import View
+
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+_SPAN = 3600.0  # Seconds in memory.
+_CHECKPOINT_EVERY = 250  # Messages.
+_FRAME = 0.1  # Seconds between two updates while it plays or is being read.
+
+
+class TimelineMark(NamedTuple):
+    """An event or alarm on the time line."""
+
+    time: float  # Unix time, in s.
+    text: str
+
+
+class _Window:
+    """The messages of an hour, with a checkpoint at every few hundred: any moment is near one.
+
+    One thread fills it while another one reads. All times are Unix times.
+    """
+
+    def __init__(self, begin: float, end: float) -> None:
+        self.begin = begin
+        self.end = end  # Of too many messages, `fill` makes it the time of the last one.
+        self.is_complete = False  # True when all messages are read, or an error has ended that.
+        self.unreadable = 0  # Messages that could not be applied; such an error counts as one.
+        self.marks: list[TimelineMark] = []
+        self.history = History()
+        self._checkpoints: list[Checkpoint] = []
+        self._messages: list[BagMessage] = []
+        self._times: list[float] = []
+        self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
+        self._is_cut = False  # True if there were too many messages for one window.
+        self._last_time = begin  # Of the last `advance`.
+
+    def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
+        """Take all messages, their marks and trends; yield every few hundred: one may give up.
+
+        Nothing else uses the state, which is that before the first message.
+        """
+        second, alarms = self.begin, frozenset[str]()
+        self._checkpoints.append(state.checkpoint())
+        for number, message in enumerate(messages):
+            if number % _CHECKPOINT_EVERY == 0:
+                if number > 0:
+                    self._checkpoints.append(state.checkpoint())
+                yield
+            while second <= message.time:  # As the console did, each second.
+                snapshot = state.snapshot
+                self.history.add_sample(snapshot, second)
+                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms)
+                second += 1.0
+            try:
+                state.apply(*message)
+                self.history.observe(state.curve_snapshot, message.time)
+            except Exception:  # A hostile message may raise anything; the others are applied.
+                self.unreadable += 1
+            if message.topic == JOURNAL:
+                self._mark_event(state.snapshot, message.time)
+            self._messages.append(message)
+            self._times.append(message.time)
+        # A goal may have ended in the last part of a second.
+        self.history.observe(state.snapshot, self.end)
+        if self._is_cut and self._times:  # The next window reads the rest.
+            self.end = self._times[-1]
+        self.is_complete = True
+
+    def cut(self) -> None:
+        """Note that messages are missing before `end`: it becomes the time of the last one."""
+        self._is_cut = True
+
+    def abort(self) -> None:
+        self.unreadable += 1
+        self.is_complete = True
+
+    def _mark_event(self, snapshot: Snapshot, time: float) -> None:
+        event = snapshot.events[-1] if snapshot.events else None
+        if event is not None and event.level in OWN_LEVELS:
+            self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
+
+    def _mark_alarms(self, alarms: tuple[Alarm, ...], before: frozenset[str]) -> frozenset[str]:
+        """Mark the alarms that have become unacknowledged; return the names of those that are."""
+        new = [alarm for alarm in alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
+        for alarm in new:
+            if alarm.name not in before:
+                self.marks.append(TimelineMark(max(alarm.since, self.begin), alarm.text))
+        return frozenset(alarm.name for alarm in new)
+
+    def covers(self, time: float) -> bool:
+        """Return True if a time is in the window and all messages up to it are read."""
+        return self.begin <= time <= self.end and (
+            self.is_complete or bool(self._times and time < self._times[-1])
+        )
+
+    def advance(self, state: ReplayState, time: float) -> None:
+        """Bring a state, always the same one, to a time that `covers` has."""
+        count = bisect_right(self._times, time)
+        # Backwards, alarms evaluated during a later silence must be undone.
+        is_back, self._last_time = time < self._last_time, time
+        if is_back or not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
+            nearest = min(count // _CHECKPOINT_EVERY, len(self._checkpoints) - 1)
+            state.restore(self._checkpoints[nearest])
+            self._applied = nearest * _CHECKPOINT_EVERY
+        for message in self._messages[self._applied : count]:
+            try:
+                state.apply(*message)
+            except Exception:  # `fill` has counted it.
+                continue
+        self._applied = count
+
+    def neighbour(self, time: float, step: int) -> float | None:
+        """Return the time of the next message (1) or the one before (-1); None if there is none."""
+        after, before = bisect_right(self._times, time), bisect_left(self._times, time) - 1
+        place = after if step > 0 else before
+        return self._times[place] if 0 <= place < len(self._times) else None
+
+
+class Player:
+    """The player of one bag: a position in it, its speed, and what the console showed there.
+
+    It is used on one thread, and reads an hour of the bag at a time on another. `start`, `end` and
+    `position` are Unix times. `is_playing` is True also while `refresh` holds the position.
+    """
+
+    def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
+        """Pause at the start, and begin to read; `clock` is the machine's, by which it plays."""
+        self.bag, self.file, self._clock = bag, file, clock
+        self.start, self.end = bag.start, bag.end
+        self.speed, self.is_playing = 1.0, False
+        # A position, and the monotonic time at which it was reached.
+        self._base, self._base_time = self.start, clock.monotonic()
+        self._last_position = self._base  # The position at the last refresh.
+        self._namespace = namespace_of(bag, file)
+        self._state = self._new_state()
+        self._window = _Window(self.start, self.start + _SPAN)
+        self._read_for = self.start  # The position for which the window was made.
+        self._start_reading(self._window)
+
+    def _new_state(self) -> ReplayState:
+        return ReplayState(self.file, self.bag.types, self._namespace)
+
+    def _start_reading(self, window: _Window) -> None:
+        def read() -> None:
+            state = self._new_state()
+            messages = self.bag.messages(window.begin, window.end, state.topics, window.cut)
+            try:
+                for _ in window.fill(state, messages):
+                    if window is not self._window:  # Another window has replaced this one.
+                        return
+            except Exception:  # A hostile file may raise anything; what was read is shown.
+                window.abort()
+
+        threading.Thread(target=read, name="replay", daemon=True).start()
+
+    @property
+    def position(self) -> float:
+        """The time that is shown; while playing it moves on, up to the end."""
+        if not self.is_playing:
+            return self._base
+        passed = self._clock.monotonic() - self._base_time
+        return min(self._base + passed * self.speed, self.end)
+
+    def go_to(self, time: float) -> None:
+        """Move the position within the recording; outside of the loaded hour, begin to read there.
+
+        Playing goes on from the new position.
+        """
+        self._base = self._last_position = min(max(time, self.start), self.end)
+        self._base_time = self._clock.monotonic()
+        if not self._window.begin <= self._base <= self._window.end:
+            # If there were too many messages, the window ends before the position it was made for.
+            is_dense = self._window.end < self._read_for
+            span = self._window.end - self._window.begin if is_dense else _SPAN
+            begin, self._read_for = max(self._base - span / 2, self.start), self._base
+            self._state = self._new_state()
+            self._window = _Window(begin, begin + _SPAN)
+            self._start_reading(self._window)
+
+    def close(self) -> None:
+        """End the reading; the player is of no use afterwards."""
+        self._window = _Window(self.start, self.start)
+
+    def play(self, *, on: bool) -> None:
+        """Play, from the start if it is at the end, or pause."""
+        self.go_to(self.start if on and self.position >= self.end else self.position)
+        self.is_playing = on
+
+    def refresh(self) -> None:
+        """Keep up with the time that has passed while playing, and pause at the end.
+
+        Where messages are still being read, hold the position.
+        """
+        position = self.position
+        if position > self._window.end:
+            self.go_to(position)
+        elif self.is_playing and self.is_reading:  # Wait, so that no message is skipped.
+            self.go_to(self._last_position)
+        elif self.is_playing and position >= self.end:
+            self.play(on=False)
+        self._last_position = self.position
+
+    def change_speed(self, step: int) -> None:
+        """Move the speed by so many entries of SPEEDS, not beyond its first or last."""
+        self.go_to(self.position)
+        index = SPEEDS.index(self.speed) + step
+        self.speed = SPEEDS[min(max(index, 0), len(SPEEDS) - 1)]
+
+    def step_message(self, step: int) -> None:
+        """Pause, at the next loaded message (1) or the one before (-1) if there is one."""
+        self.play(on=False)
+        neighbour = self._window.neighbour(self.position, step)
+        self.go_to(self.position if neighbour is None else neighbour)
+
+    @property
+    def marks(self) -> list[TimelineMark]:
+        """The events and alarms of the loaded hour read so far, in the order of time."""
+        return sorted(self._window.marks, key=lambda mark: mark.time)
+
+    def step_mark(self, step: int) -> TimelineMark | None:
+        """Pause at the next loaded mark (1) or the one before (-1), and return it.
+
+        If there is none, return None, and neither pause nor move.
+        """
+        here, marks = self.position, self.marks
+        neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
+        if not neighbour:
+            return None
+        mark = neighbour[0] if step > 0 else neighbour[-1]
+        self.play(on=False)
+        self.go_to(mark.time)
+        return mark
+
+    @property
+    def is_reading(self) -> bool:
+        """True until the messages up to the position are read, or an error ends that."""
+        return not self._window.covers(self.position)
+
+    @property
+    def is_complete(self) -> bool:
+        """True when the loaded hour is read, or an error has ended its reading."""
+        return self._window.is_complete
+
+    @property
+    def unreadable(self) -> int:
+        """The number of messages of the loaded hour that could not be applied so far."""
+        return self._window.unreadable
+
+    async def follow(self, update: Callable[[], None]) -> None:
+        """Call `update` ten times a second while the bag is played or read; never return."""
+        showed_all = False
+        while True:
+            whole = self.is_complete  # A jump may begin to read another hour.
+            if self.is_playing or not (whole and showed_all):
+                update()
+            showed_all = whole
+            await self._clock.sleep(_FRAME)
+
+    def snapshot(self) -> Snapshot:
+        """Return the state of the robot at the position; an empty one until that is read."""
+        return self._state_at(self.position).snapshot
+
+    def _state_at(self, now: float) -> ReplayState:
+        """Return the state at a time, which the next call changes; an empty one if not read yet."""
+        if not self._window.covers(now):
+            return self._new_state()
+        self._window.advance(self._state, now)
+        return self._state
+
+    def view(self) -> View:
+        """Return what the console showed at the position; an empty view until that is read."""
+        now = self.position
+        state = self._state_at(now)
+        snapshot, console = state.snapshot, state.console
+        return View(
+            snapshot,
+            now,
+            float(floor(now)),
+            now,
+            console.engine,
+            snapshot.namespace,
+            self._window.history.until(now),
+            state.alarms(snapshot, now),
+            console.hosted,
+            watching=True,
+            queue=tuple(goal._replace(kind=state.goal_kind(goal.kind)) for goal in console.queue),
+            held=console.held,
+            clients=console.clients,
+            replay=f"REPLAY {datetime.fromtimestamp(now):%Y-%m-%d %H:%M:%S}",
+        )
+
+
+def namespace_of(bag: BagFile, file: RobotFile) -> str:
+    """Return the robot's namespace by the first recorded console state, or by the topics.
+
+    It reads the first second of the bag, in which the black box records a state.
+    """
+    state = ReplayState(file, bag.types, "/")
+    for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
+        try:
+            state.apply(*message)
+        except Exception:  # A hostile file may raise anything.
+            break
+        return state.console.snapshot.namespace
+    return guess_namespace(bag.types, file)

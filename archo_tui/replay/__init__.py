@@ -1,1 +1,0 @@
-"""Replay of recordings: the console's panels, showing a recorded robot."""
