@@ -15,9 +15,9 @@ import yaml
 from archo_tui.errors import in_one_line
 from archo_tui.recordings.ring import ReceivedMessage
 from archo_tui.recordings.store import METADATA
-from archo_tui.robot.messages import types as message_types
+from archo_tui.robot.messages.cdr import serialize
 from archo_tui.robot.messages.definitions import definition
-from archo_tui.robot.node import serialize
+from archo_tui.robot.messages.types import name_of
 
 _METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
 _MCAP_NAME = "recording_0.mcap"
@@ -71,7 +71,7 @@ class BagWriter:
         self._last, self._newest = max(self._last, at), at
         topic, kind, content = received[1:]
         try:
-            name = message_types.name_of(kind)
+            name = name_of(kind)
             text = "" if name in self._schemas else definition(kind)
             if not isinstance(content, bytes):
                 content = serialize(content.make(not self._counts[topic], self._since))

@@ -10,15 +10,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
-from archo_tui.robot.messages.cdr import cdr_size
+from archo_tui.robot.messages.cdr import serialize
 
 # Gets the full name of a topic, the message class, and a message as CDR.
 MessageCallback = Callable[[str, Any, bytes], None]
-
-
-def serialize(message: Any) -> bytes:
-    """Return a message as CDR, and no more: Jazzy appends bytes that belong to no field."""
-    return serialize_message(message)[: cdr_size(message)]
 
 
 class _Subscription:

@@ -68,7 +68,7 @@ class Robot(Parts):
         """Create the console's node, which joins the graph; importing its messages may take long.
 
         `on_event` and `on_message` are called on the ROS thread: with each event, also with one
-        that repeats another, and with the topic and each message, secrets masked.
+        that repeats another, and with topic, class and bytes of each message, secrets masked.
         """
         self.file, self.clock, self.watching = file, clock, watching
         self.own_nodes = self.unended_nodes = tuple  # The session sets them.

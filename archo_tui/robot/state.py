@@ -494,7 +494,7 @@ class Goal(NamedTuple):
     # The remaining way of the last seconds, by which `seconds_left` goes: pairs of time and way,
     # oldest first.
     way: tuple[tuple[Monotonic, float], ...] = ()
-    id: str = ""  # Its id on the ROS graph, in hexadecimal digits; "" before it was sent.
+    id: str = ""  # On the ROS graph, in hexadecimal digits; "" before it was sent.
 
     @property
     def target(self) -> str:

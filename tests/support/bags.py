@@ -9,7 +9,7 @@ from typing import Any
 from archo_tui.recordings import store
 from archo_tui.recordings.bag import BagWriter
 from archo_tui.recordings.ring import LazyMessage, ReceivedMessage
-from archo_tui.robot.node import serialize
+from archo_tui.robot.messages.cdr import serialize
 
 
 def received(time: int, topic: str, message: Any) -> ReceivedMessage:

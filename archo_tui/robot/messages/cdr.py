@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rclpy.serialization import serialize_message
+
 from archo_tui.robot.messages.types import element_of
 
 _PRIMITIVE_SIZES = {
@@ -16,6 +18,11 @@ _PRIMITIVE_SIZES = {
     "int32": 4, "uint32": 4, "float": 4, "int64": 8, "uint64": 8, "double": 8,
 }  # fmt: skip
 _ENCAPSULATION = 4  # Bytes of the header; offsets are counted from behind it.
+
+
+def serialize(message: Any) -> bytes:
+    """Return a message as CDR, and no more."""
+    return serialize_message(message)[: cdr_size(message)]
 
 
 def cdr_size(message: Any) -> int:
