@@ -63,7 +63,7 @@ def test_a_stop_that_got_no_yes_is_due_again_while_the_robot_is_heard(answer: St
     assert Do.SEND in todo(stop, 60.0, ALL._replace(is_offered=False))
 
 
-def test_a_stop_that_was_not_sent_is_due_when_it_is_offered_heard_or_not() -> None:
+def test_a_stop_that_was_not_sent_is_due_once_a_node_offers_it() -> None:
     stop = answered(Stop().calling(2, 0.0, is_pressed=True), StopAnswer.NOT_SENT)
     assert Do.SEND in todo(stop, REPEAT_AFTER, ALL._replace(is_heard=False))
     assert Do.SEND not in todo(stop, 60.0, ALL._replace(is_offered=False))

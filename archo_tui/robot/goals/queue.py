@@ -51,7 +51,7 @@ class QueuedGoal(NamedTuple):
 
 
 class Stage(Enum):
-    """How far a goal has come."""
+    """The stage that a goal has reached."""
 
     WAITING = auto()
     HELD = auto()
