@@ -244,7 +244,8 @@ class NodeFile(UserFile):
         elif folder not in sys.path:
             sys.path.insert(0, folder)
         importlib.invalidate_caches()
-        linecache.checkcache()
+        with contextlib.suppress(KeyError):  # Another thread forgets the same file.
+            linecache.checkcache()
         module = ModuleType(self._name)
         module.__dict__.update(__file__=str(self.path), __package__=parent)
         sys.modules[self._name] = module

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.util
 import linecache
@@ -105,7 +106,8 @@ class ProgramFile(UserFile):
         else:
             self._import_from_folder()
         importlib.invalidate_caches()
-        linecache.checkcache()
+        with contextlib.suppress(KeyError):  # Another thread forgets the same file.
+            linecache.checkcache()
         module = ModuleType(self._name if self._function else "__main__")
         module.__dict__.update(__file__=str(self.path), __package__=package)
         if self._function:

@@ -344,9 +344,9 @@ def threads_of_talker() -> list[str]:
 
 
 def running_threads() -> list[str]:
-    """Their names, without asyncio's, which come as they are needed and stay."""
+    """Their names, without those which come as they are needed and stay."""
     names = (thread.name for thread in threading.enumerate())
-    return sorted(name for name in names if not name.startswith("asyncio_"))
+    return sorted(name for name in names if not name.startswith(("asyncio_", "black box")))
 
 
 @pytest.mark.real_time
