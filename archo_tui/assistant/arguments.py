@@ -30,12 +30,7 @@ class InvalidArguments(Exception):
 
 
 def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return the JSON schema of a tool that takes these properties and no others.
-
-    Args:
-        properties: The JSON schema of each argument, by name.
-        required: The names of the arguments that must be given.
-    """
+    """Return the JSON schema of a tool that takes these properties and no others."""
     return {
         "type": "object",
         "properties": dict(properties),
@@ -45,19 +40,7 @@ def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> 
 
 
 def check_arguments(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None:
-    """Check arguments against a tool's schema.
-
-    Of an object only the size is checked; the console knows what may be in it. Nothing is checked
-    if the schema allows additional properties, as that of STOP does.
-
-    Args:
-        schema: A schema as `schema_of` returns it, for types of JSON except lists and booleans.
-        given: The arguments by name.
-
-    Raises:
-        InvalidArguments: An argument is missing, unknown, of another type, too long, out of range
-            or none of the choices.
-    """
+    """Check arguments, of an object only the size, against a schema; raise InvalidArguments."""
     known = schema["properties"]
     if schema["additionalProperties"]:  # Only STOP's schema: its arguments are ignored.
         return
@@ -100,11 +83,7 @@ def _fault_of_object(value: dict[str, Any]) -> str:
 
 
 def shorten(value: Any) -> str:
-    """Return a value on one line, harmless to print, for an error message.
-
-    A text is quoted and cut to 40 characters; an object, a list or a number over 64 bits is only
-    named.
-    """
+    """Return a value on one line, harmless to print and cut to 40 characters, for an error."""
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"
     if isinstance(value, int) and value.bit_length() > 64:

@@ -26,19 +26,10 @@ CONSOLE_CHANGED = (
 
 
 class ConsoleConnection:
-    """The assistant's connection to a console; it opens with the first request.
-
-    If the console is restarted, the next request opens it again, which `take_notice` tells.
-    """
+    """The assistant's connection to a console, which each request opens if needed."""
 
     def __init__(self, to: str) -> None:
-        """Create the connection without opening it.
-
-        Args:
-            to: The process number, namespace or socket name of one of several consoles; "" means
-                that which ARCHO_TUI_CONSOLE names, or else the only one.
-        """
-        self._to = to
+        self._to = to  # "": that which ARCHO_TUI_CONSOLE names, or else the only one.
         self._request_lock, self._connect_lock = asyncio.Lock(), asyncio.Lock()
         self._writer: asyncio.StreamWriter | None = None
         self._reading: asyncio.Task[None] | None = None
@@ -55,35 +46,15 @@ class ConsoleConnection:
     async def request(
         self, answer_timeout: float = ANSWER_TIMEOUT, **fields: Any
     ) -> dict[str, Any]:
-        """Send a request after those before it have their results, and return its result.
-
-        The connection is opened if it is not open.
-
-        Args:
-            answer_timeout: The longest wait for the result, in seconds, from the sending on.
-            **fields: The fields of the request, as docs/protocol.md has them; `id` and `assistant`
-                are added.
-
-        Raises:
-            Unreached: There is no console, several could be meant, or the console does not answer
-                or ends meanwhile.
-        """
+        """Send a request after those before it, and return its result, or raise Unreached."""
         async with self._request_lock:
             return await self._send_and_wait(fields, answer_timeout)
 
     async def stop(self) -> list[dict[str, Any]]:
         """Send STOP at once, whatever else waits, and return the consoles' results.
 
-        STOP goes to the connected console. Without a connection, or if it breaks before the result,
-        STOP goes to every console that could be meant, as from a shell. It never waits for a
-        connection that another call opens.
-
-        Returns:
-            Results with `code` and `text`; a code other than `done` means that the STOP is not
-            confirmed.
-
-        Raises:
-            Unreached: No console could be reached, or the connected one did not answer.
+        Without a connection, or if it breaks before the result, STOP goes to every console that
+        could be meant. A code other than `done` means not confirmed. Raises Unreached.
         """
         writer, to = self._writer, self._to
         if writer is not None and writer.transport.get_write_buffer_size() > _MAX_UNREAD:
@@ -97,10 +68,7 @@ class ConsoleConnection:
         return await asyncio.to_thread(_stop_each, to)
 
     async def close(self) -> None:
-        """Close the connection, if it is open; requests without a result raise Unreached.
-
-        The console voids the assistant's approval requests and cancels its goal.
-        """
+        """Close the connection; requests without a result raise Unreached."""
         if self._writer is not None:
             self._writer.transport.abort()
         if self._reading is not None:
@@ -122,13 +90,6 @@ class ConsoleConnection:
             self._waiting.pop(number, None)
 
     async def _connect(self) -> asyncio.StreamWriter:
-        """Return the writer of the connection, which is opened if it is not open.
-
-        Opening it again sets the notice.
-
-        Raises:
-            Unreached: No console is meant, several could be, or the console does not answer.
-        """
         async with self._connect_lock:  # Concurrent calls share one connection.
             if self._writer is None:
                 console = await asyncio.to_thread(finder.choose, {"to": self._to})
@@ -148,12 +109,7 @@ class ConsoleConnection:
     ) -> None:
         """Deliver each result to the request that waits for it, until the console is gone.
 
-        Then the connection is closed, and every waiting request raises Unreached.
-
-        Args:
-            reader: The stream of the connection.
-            writer: Closed at the end.
-            rest: Bytes that were read from the socket before.
+        Then every waiting request raises Unreached. `rest` was read from the socket before.
         """
         try:
             while data := await reader.readline():
@@ -176,17 +132,7 @@ class ConsoleConnection:
 
 
 def _stop_each(to: str) -> list[dict[str, Any]]:
-    """Send STOP to each console that could be meant, wait up to 15 s, and return their results.
-
-    Notices for a person are added to the text of the first result. It blocks its thread.
-
-    Args:
-        to: Process number, namespace or socket name of a console; "" means that which
-            ARCHO_TUI_CONSOLE names, or else each.
-
-    Raises:
-        Unreached: No console could be meant.
-    """
+    """Send STOP to each console that could be meant, wait up to 15 s, and return their results."""
     notices: list[str] = []
     ended = finder.stop({"to": to} if to else {}, notices.append, {"assistant": True})
     answers = [{"code": answer.code, "text": answer.text} for answer in ended]

@@ -40,10 +40,7 @@ _ENDS = {
 
 
 class GoTool(Tool):
-    """The tool that asks a person for a goal, and returns without waiting for the decision.
-
-    If the kind or the values of the goal mean nothing, its answer lists the goals of the robot.
-    """
+    """The tool that asks a person for a goal, and returns without waiting for the decision."""
 
     name, title = "go", "Ask for a goal"
     description = (
@@ -57,11 +54,7 @@ class GoTool(Tool):
     schema = schema_of({"kind": _KIND, "values": _VALUES}, ("kind", "values"))
 
     async def offered_schema(self, connection: ConsoleConnection) -> dict[str, Any]:
-        """Return the schema with the robot's kinds of goals and their values.
-
-        If the console does not list them within 2 s, or the list is over 16 KiB, the schema does
-        not say which goals and values there are.
-        """
+        """Return the schema with the robot's goals, unless the list is late or too large."""
         try:
             goals = await asyncio.wait_for(_goals(connection), _LIST_TIMEOUT)
         except (Unreached, asyncio.TimeoutError):
@@ -100,9 +93,7 @@ class GoTool(Tool):
 class WaitTool(Tool):
     """The tool that waits, up to 50 s, for the end of a request without a goal, or of its goal.
 
-    A request ends without a goal as `denied`, `expired` or `void`. The answer is a failure unless
-    its code is `arrived`, or `ran_out`: not over yet. The console is asked again each second, so
-    that other calls get a turn.
+    The console is asked again each second, so that other calls get a turn.
     """
 
     name, title = "wait", "Wait for a request"
@@ -147,10 +138,7 @@ class WaitTool(Tool):
 
 
 class CancelTool(Tool):
-    """The tool that withdraws the assistant's waiting requests; without any, it cancels its goal.
-
-    Its answer is a failure if there is neither, or the robot does not accept the cancel.
-    """
+    """The tool that withdraws the assistant's waiting requests, or else cancels its goal."""
 
     name, title = "cancel", "Cancel its own goal"
     description = (
@@ -172,13 +160,7 @@ class CancelTool(Tool):
 
 
 async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
-    """Return `kind`, `title` and `schema` of each goal that the robot offers, harmless to show.
-
-    Goals whose kind `sanitize` would change are left out; all are if the console refuses to tell.
-
-    Raises:
-        Unreached: There is no console, or it does not answer.
-    """
+    """Return `kind`, `title` and `schema` of each goal that the robot offers, harmless to show."""
     listed = (await connection.request(words=["goals"])).get("data")
     goals = [goal for goal in listed if isinstance(goal, dict)] if isinstance(listed, list) else []
     return [
@@ -193,9 +175,6 @@ async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
 
 
 def _intact_schema(schema: Any) -> dict[str, Any]:
-    """Return a goal's schema unchanged, or `{"type": "object"}` if it is not fit to show.
-
-    Not fit is a schema of anything but an object, or one of which `sanitize` would change a part.
-    """
+    """Return a goal's schema, or `{"type": "object"}` if it is not fit to show."""
     is_one = isinstance(schema, dict) and schema.get("type") == "object"
     return schema if is_one and schema == sanitize(schema) else {"type": "object"}

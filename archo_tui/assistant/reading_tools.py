@@ -20,10 +20,7 @@ _VALUE = re.compile(r"(?:now|(\d+) min ago) (-?\d+\.\d+)$")
 
 
 class _VerbTool(Tool):
-    """The base of tools that run one of the console's reading verbs, and sum up its result.
-
-    Its answer is a failure if the result's code is not `done`.
-    """
+    """The base of tools that run one of the console's reading verbs, and sum up its result."""
 
     async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
         result = await connection.request(words=self.words(given))
@@ -39,12 +36,7 @@ class _VerbTool(Tool):
         return [self.name]
 
     def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
-        """Return a summary in our own words, and what the robot said, for a successful result.
-
-        Args:
-            result: The console's result.
-            given: The arguments of the tool.
-        """
+        """Return a summary in our own words, and what the robot said, for a successful result."""
         raise NotImplementedError
 
 
@@ -64,10 +56,7 @@ class StatusTool(_VerbTool):
 
 
 class EventsTool(_VerbTool):
-    """The tool for the newest events, 50 at most and the newest last, from a level on.
-
-    With a level only the newest 500 events are searched.
-    """
+    """The tool for the newest events, 50 at most and the newest last, from a level on."""
 
     name, title = "events", "What happened"
     description = (
@@ -211,10 +200,7 @@ class InterfaceTool(_VerbTool):
 
 
 class EchoTool(_VerbTool):
-    """The tool for the last message of a topic, or one field of it.
-
-    A message that is too large for data is given as lines of text.
-    """
+    """The tool for the last message of a topic, or one field of it."""
 
     name, title = "echo", "Last message of a topic"
     description = (
@@ -245,15 +231,11 @@ class EchoTool(_VerbTool):
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the objects in the `data` of a result, in order; an empty list if it is no list."""
     data = result.get("data")
     return [item for item in data if isinstance(item, dict)] if isinstance(data, list) else []
 
 
 def _age(then: Any, now: float) -> float | None:
-    """Return how long ago a Unix time was, in seconds, 0.0 at least and rounded to 0.1.
-
-    None if `then` is no Unix time.
-    """
+    """Return how long ago a Unix time was, in seconds; None if it is none."""
     is_time = isinstance(then, (int, float)) and 0 <= then < 1e12
     return round(max(now - then, 0.0), 1) if is_time else None

@@ -17,14 +17,8 @@ _MAX_DEPTH = 8  # Levels of nesting.
 def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
     """Return a copy of a value in JSON's types, harmless to print, with a note for whatever is cut.
 
-    A list or an object keeps 100 items, and gets the note as one more. Texts and names are cut to
-    500 characters; a mark replaces each line end, control and invisible character. Numbers that are
-    not finite, and whole ones beyond 64 bits, become texts; values of other types, and what is
-    nested deeper than `depth`, become a note.
-
-    Args:
-        value: The value.
-        depth: The levels of nesting that are kept.
+    Lists keep 100 items, texts 500 characters. Numbers that are not finite, and whole ones beyond
+    64 bits, become texts; what is nested deeper than `depth` becomes a note.
     """
     if value is None or isinstance(value, bool):
         return value
@@ -48,5 +42,4 @@ def sanitize(value: Any, depth: int = _MAX_DEPTH) -> Any:
 
 
 def _describe_number(number: float) -> str:
-    """Return `nan`, `inf` or `-inf`, or the size of a large integer in bits."""
     return str(number) if isinstance(number, float) else f"{number.bit_length()} bits"

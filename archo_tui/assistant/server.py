@@ -1,7 +1,4 @@
-"""The MCP server on standard input and output.
-
-This is the one file that imports the SDK, which the extra `mcp` installs.
-"""
+"""The MCP server on standard input and output, and the one file that imports the SDK."""
 
 from __future__ import annotations
 
@@ -33,13 +30,7 @@ _GOALS = {
 
 
 def serve(*, goals: bool, to: str) -> None:
-    """Serve MCP on standard input and output until the input ends, then close the connection.
-
-    Args:
-        goals: True if the assistant may ask for goals.
-        to: The process number, namespace or socket name of one of several consoles; "" means that
-            which ARCHO_TUI_CONSOLE names, or else the only one.
-    """
+    """Serve MCP on standard input and output until the input ends, then close the connection."""
     asyncio.run(_serve(goals, to))
 
 
@@ -73,10 +64,9 @@ async def _serve(goals: bool, to: str) -> None:
 
 
 async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -> Any:
-    """Rewrite a call of any tool whose name means STOP as a call of `stop`, and pass requests on.
+    """Rewrite a call of any tool whose name means STOP as a call of `stop`.
 
-    Malformed arguments, which the SDK would refuse, become an object. This is a middleware of the
-    SDK's server.
+    Malformed arguments, which the SDK would refuse, become an object.
     """
     params = ctx.params
     name = params.get("name") if ctx.method == "tools/call" and params else None

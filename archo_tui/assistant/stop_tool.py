@@ -18,8 +18,7 @@ _BY_HAND = "Tell the people at the robot at once to use its hardware stop."
 class StopTool(Tool):
     """The tool that stops the robot: no person is asked, and any argument still means STOP.
 
-    Its answer is `done` only if every console that got the STOP has confirmed it; else, also if no
-    console was reached, it is a failure.
+    Its answer is `done` only if every console that got the STOP has confirmed it.
     """
 
     name, title = "stop", "STOP the robot"

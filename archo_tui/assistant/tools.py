@@ -25,11 +25,7 @@ from archo_tui.safe_text import harmless
 
 
 def available_tools(*, goals: bool) -> dict[str, Tool]:
-    """Return new tools by name: those that read, and STOP.
-
-    Args:
-        goals: True to add the tools that ask for goals, wait for them and cancel them.
-    """
+    """Return new tools by name: those that read, STOP, and with `goals` those for goals."""
     made: list[Tool] = [
         *(StatusTool(), EventsTool(), HistoryTool(), ParametersTool()),
         *(EchoTool(), InterfaceTool(), StopTool()),
@@ -44,15 +40,8 @@ async def call_tool_by_name(
 ) -> tuple[dict[str, Any], bool]:
     """Run a tool, and return its answer as a JSON object, and True if it failed.
 
-    An unknown name, arguments that do not fit, and a console that cannot be reached are answered,
-    too, not raised. Any name that means STOP runs `stop`. The connection's notice is taken and
-    added.
-
-    Args:
-        known: The tools by name.
-        connection: The connection to the console.
-        name: The name that the client gave.
-        given: The arguments that it gave.
+    Mistakes and an unreached console are answered, too, not raised. Any name that means STOP runs
+    `stop`.
     """
     answer = await _run_tool(known, connection, name, given)
     return answer.as_data(connection.take_notice()), answer.failed

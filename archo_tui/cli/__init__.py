@@ -22,18 +22,9 @@ _AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program, and print errors that the user can mend as one line on standard error.
+    """Run the program, print a user's mistake in one line, and return the exit code.
 
-    A console that asks for a restart, such as in another namespace, replaces this process. Other
-    errors of the operating system pass through.
-
-    Args:
-        argv: The words of the command line; None means the program's own.
-
-    Returns:
-        The exit code: 0; 1 if the console failed, or standard output cannot be written; 2 for a
-        user's mistake; one of docs/shell.md for a verb; 128 and the number of the signal that ended
-        the console.
+    A console that asks for a restart replaces this process.
     """
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.

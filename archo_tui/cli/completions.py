@@ -53,10 +53,7 @@ _ASK_OR_FILE = {
 
 
 def completion_script(shell: str) -> str:
-    """Return the completion script of bash, zsh or fish; it knows the verbs of ARCHO's robot file.
-
-    The script asks `archo-tui __complete` for what only a console or the disk knows.
-    """
+    """Return the completion script of bash, zsh or fish, which asks `archo-tui __complete`."""
     parser = console_parser(takes_command=False)
     commands = parser.add_subparsers(metavar="COMMAND", parser_class=OneLineErrorParser)
     _add_completers(parser)
@@ -81,17 +78,13 @@ def completion_script(shell: str) -> str:
 def _with_repeated_words(script: str) -> str:
     """Return a zsh script that completes each word of an argument that takes several.
 
-    An example is the shelves of `go`. shtab writes such an argument as `(*)`, with which zsh
-    completes the first word only.
-
-    Args:
-        script: The script that shtab wrote.
+    With shtab's `(*)` zsh completes the first word only.
     """
     return script.replace('"(*)::', '"*:').replace('"(*):', '"*:')
 
 
 def _add_completers(parser: argparse.ArgumentParser) -> None:
-    """Tell shtab how the values of a parser's options are completed: files, recordings, engines."""
+    """Tell shtab how the values of a parser's options are completed."""
     for action in parser._actions:
         if action.metavar in ("FILE", "PATH"):
             action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -29,23 +29,10 @@ _MOST_FAILURES = 3
 
 
 def run_console(options: Namespace, ros_args: list[str], launch: Launch | None = None) -> int:
-    """Run a console until it is left; with `--version`, only print the versions.
+    """Run a console until it is left, and return its exit code; RESTART to start again.
 
     The standard input and error of this process are replaced, so that a node cannot read keys or
-    write escape sequences. At the end signals are ignored, and a namespace that was chosen in the
-    console is passed to `use_namespace`.
-
-    Args:
-        options: The options of the command line.
-        ros_args: The words that stood behind `--ros-args`.
-        launch: The launch file whose programs run beside it; None for none.
-
-    Returns:
-        The exit code: FAILED also if a node did not stop, or if `--record` lost something; RESTART
-        of `shutdown` if the program is to start again.
-
-    Raises:
-        ArchoError: An option or a file is wrong, or no screen can be shown here.
+    write escape sequences. Signals are ignored at the end.
     """
     if options.version:
         return _print_version(options.engine)
@@ -132,10 +119,7 @@ def _with_typed_stop(left: Handover | None, stdin: TextIO | None) -> Handover | 
 
 
 def _restart(session: Session, stdin: TextIO | None) -> None:
-    """Leave the record for the next process, which operates the robot that was chosen.
-
-    After a STOP that was read meanwhile it is the same robot.
-    """
+    """Leave the record for the next process, in the chosen namespace unless a STOP was typed."""
     from archo_tui.handover import give
 
     left = _with_typed_stop(session.hand_over(), stdin)
@@ -146,21 +130,7 @@ def _restart(session: Session, stdin: TextIO | None) -> None:
 
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
-    """Start the session, and take commands line by line from `stdin`, until its end or `quit`.
-
-    What nodes print on standard output becomes events.
-
-    Args:
-        session: The session, which the caller closes.
-        options: The options of the command line.
-        stdin: The lines; None if standard input is closed.
-
-    Returns:
-        The exit code.
-
-    Raises:
-        ArchoError: A key in the file of `--robot` is wrong.
-    """
+    """Take commands line by line from `stdin` until its end; what nodes print becomes events."""
     from archo_tui.hosting.node_output import NodeOutput
     from archo_tui.imports import OF_ALL, import_the_rest
     from archo_tui.plain import plain
@@ -183,19 +153,8 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
 def _run_screen(session: Session, stdin: TextIO | None) -> int:
     """Start the session and show the screen until it is left; after a crash, show it again.
 
-    A crash is written to the events and the journal. After the third one without a key between
-    them, the running goal is cancelled or left, as `--on-disconnect` says, and the screen is not
-    shown again.
-
-    Args:
-        session: The session, which the caller closes.
-        stdin: The standard input that the process had; None if it is closed.
-
-    Returns:
-        The exit code; FAILED after the third crash.
-
-    Raises:
-        ArchoError: No screen can be shown here, or the keymap is wrong.
+    After the third crash without a key between them, the running goal is cancelled or left, as
+    `--on-disconnect` says, and FAILED is returned.
     """
     require_terminal(stdin)
     import asyncio
@@ -244,7 +203,6 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
 
 def _print_version(engine: str) -> int:
-    """Print the versions, the engine and TERM, for a bug report, and return 0."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
     print(safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
@@ -252,11 +210,7 @@ def _print_version(engine: str) -> int:
 
 
 def _textual_version() -> str:
-    """Return Textual's version, by the name of the folder that its installation left.
-
-    Without such a folder, a text says so. importlib.metadata reads the same there, and takes longer
-    to load than all the rest.
-    """
+    """Return Textual's version from its folder's name, as importlib.metadata loads too slowly."""
     for folder in sys.path:
         try:
             names = os.listdir(folder or ".")

@@ -22,17 +22,6 @@ def describe_robot(options: Namespace) -> int:
     """Print a robot file for the robot on the ROS 2 graph, or write it to a new file.
 
     It listens for some seconds, and sends nothing to the robot.
-
-    Args:
-        options: `engine`, `namespace`, and `out`, the path of the new file or None.
-
-    Returns:
-        The exit code; FAILED, with a complaint, if no robot is found in time or the ROS thread does
-        not answer.
-
-    Raises:
-        ArchoError: The file exists or cannot be written, several robots are on the graph, or the
-            engine is not ros2.
     """
     import asyncio
 
@@ -67,15 +56,7 @@ def describe_robot(options: Namespace) -> int:
 
 
 async def _wait_for_robot_file(station: Station) -> str:
-    """Wait for a robot, listen to it, and return a robot file for it.
-
-    Returns:
-        "", with a complaint, if no node is found until ROBOT_TIMEOUT seconds after the start.
-
-    Raises:
-        SeveralRobots: The namespace holds more than one robot.
-        TimeoutError: The ROS thread does not answer.
-    """
+    """Wait for a robot, listen to it, and return a robot file for it; "" if none is found."""
     import asyncio
 
     from archo_tui.verbs.base import ROBOT_TIMEOUT

@@ -35,19 +35,8 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
 def run_words(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand or the verb that the words name, else the console.
 
-    If an option of the console is wrong but one of the words is a STOP, the STOP is sent, with a
-    complaint; the words behind a subcommand are not looked through for one.
-
-    Args:
-        words: The words of the command line, without ROS's own.
-        ros_args: The words that stood behind `--ros-args`.
-
-    Returns:
-        The exit code of the program.
-
-    Raises:
-        ArchoError: An option of the console is wrong, and no word is a STOP; or the words of a
-            subcommand or a verb are wrong.
+    If an option of the console is wrong but one of the words is a STOP, the STOP is sent; the words
+    behind a subcommand are not looked through for one.
     """
     if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
         from archo_tui.remote.completing import print_candidates
@@ -95,10 +84,6 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
 
 
 def _check_unused(ros_args: list[str], verb: list[str]) -> None:
-    """Refuse ROS arguments before a verb, which they would not change; a STOP goes on.
-
-    Raises:
-        ArchoError: There are ROS arguments, and the verb is no STOP.
-    """
+    """Refuse ROS arguments before a verb, which they would not change; a STOP goes on."""
     if ros_args and not is_stop_text(" ".join(verb)):
         raise ArchoError(f"--ros-args is for the console, not for {verb[0]}")

@@ -21,15 +21,7 @@ _SUFFIX = ".launch.py"  # As the names of ROS 2's launch files end.
 
 
 def launch(options: Namespace) -> int:
-    """Run the console with a launch file, or print the arguments that the file declares.
-
-    Returns:
-        The exit code; FAILED, with the reasons as complaints, if nothing of the file can run here.
-
-    Raises:
-        ArchoError: The launch file or an argument is wrong, or a given folder has no launch file or
-            several.
-    """
+    """Run the console with a launch file, or print the arguments that the file declares."""
     from archo_tui.hosting.launch_file import NothingRunsError
     from archo_tui.launch.evaluate import launch_arguments, parse_arguments
     from archo_tui.launch.workspace import Workspace
@@ -53,13 +45,7 @@ def launch(options: Namespace) -> int:
 
 
 def _launch_file(given: Path) -> Path:
-    """Return a given file as it is, or for a workspace the only launch file of its packages.
-
-    In a package only `launch/*.launch.py` counts.
-
-    Raises:
-        ArchoError: The workspace has no such file, or several.
-    """
+    """Return a given file as it is, or for a workspace the only launch file of its packages."""
     if not given.is_dir():
         return given
     from archo_tui.launch.workspace import Workspace

@@ -28,11 +28,7 @@ commands (archo-tui COMMAND --help says more):
 
 
 def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
-    """Return the parser of the console's options; `split_ros_args` takes off ROS's own before.
-
-    Args:
-        takes_command: If True, a command or a verb may follow, with all words behind it.
-    """
+    """Return the parser of the console's options, for words without ROS's own."""
     commands = "".join(f"  {name:<12} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
     parser = OneLineErrorParser(
         "archo-tui",
@@ -58,10 +54,7 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
 
 
 def _add_verb(parser: argparse._ActionsContainer) -> None:
-    """Have a parser take a verb with its words as `command`, and options of verbs before it.
-
-    These options are hidden from `--help`.
-    """
+    """Have a parser take a verb as `command`, and, hidden from `--help`, options before it."""
     parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     for name in (*VERB_VALUES, *VERB_FLAGS):
         parser.add_argument(
@@ -186,10 +179,7 @@ def _about_options(group: argparse._ArgumentGroup) -> None:
 
 
 class _VerbOption(argparse.Action):
-    """The argparse action for an option of a verb that is typed before the verb.
-
-    It appends the option, and its value if it has one, to `verb_options`.
-    """
+    """The argparse action that appends an option of a verb, typed before it, to `verb_options`."""
 
     def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
         given = [value] if isinstance(value, str) else []
@@ -197,11 +187,7 @@ class _VerbOption(argparse.Action):
 
 
 def _megabytes(text: str) -> int:
-    """Return the number in the text of `--recordings-limit`, which is 1 to a million megabytes.
-
-    Raises:
-        ArgumentTypeError: The text is no such number.
-    """
+    """Return the number in the text of `--recordings-limit`, 1 to a million."""
     if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
         raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
     return int(text)
@@ -331,10 +317,7 @@ def _mcp_options(parser: argparse._ActionsContainer) -> None:
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the words for this program, and those between `--ros-args` and `--` or the end.
-
-    Several such groups are joined. `--ros-args` and the `--` of a group are in neither list.
-    """
+    """Return the words for this program, and those between `--ros-args` and `--` or the end."""
     own: list[str] = []
     ros: list[str] = []
     inside = False

@@ -13,10 +13,7 @@ FAILED, MISUSED = 1, 2  # Exit codes.
 
 
 def complain(text: str) -> None:
-    """Print a line on standard error, if that is open, as `archo-tui: ...`.
-
-    Control characters in the text are made visible.
-    """
+    """Print a line on standard error, if that is open, as `archo-tui: ...`."""
     if sys.stderr is not None:
         print(f"archo-tui: {safe(text)}", file=sys.stderr)
 
@@ -29,9 +26,6 @@ class ClosedOutput(TextIOBase):
 
 
 def report_lost_output() -> None:
-    """Replace a closed standard output, so that printing raises OSError instead of losing text.
-
-    Nothing changes if standard output is open.
-    """
+    """Have printing to a closed standard output raise OSError instead of losing text."""
     if sys.stdout is None:
         sys.stdout = ClosedOutput()

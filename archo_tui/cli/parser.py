@@ -13,11 +13,7 @@ if TYPE_CHECKING:
 
 
 class OneLineErrorParser(argparse.ArgumentParser):
-    """An argument parser that raises an ArchoError of one line where others print and exit.
-
-    The line says what is wrong, the nearest known option, and which `--help` to read. Options
-    cannot be abbreviated.
-    """
+    """An argument parser that raises an ArchoError of one line where others print and exit."""
 
     def __init__(self, prog: str, description: str, **more: Any) -> None:
         width = _columns() - 2  # As in argparse, which imports all of shutil for it.
@@ -33,11 +29,7 @@ class OneLineErrorParser(argparse.ArgumentParser):
         raise ArchoError(f"{message}{self._nearest(message)} (see {self.prog} --help)")
 
     def _nearest(self, message: str) -> str:
-        """Return `, nearest: --node` for the first option that an error of argparse calls unknown.
-
-        Returns:
-            "" if the error is another one, or no option is alike.
-        """
+        """Return `, nearest: --node` for the first option that an error calls unknown, or ""."""
         wrong = message.partition("unrecognized arguments: ")[2].split()
         typed = next((word.partition("=")[0] for word in wrong if word.startswith("--")), "")
         if not typed:
@@ -61,7 +53,6 @@ class _Formatter(argparse.HelpFormatter):
 
 
 def _columns() -> int:
-    """Return COLUMNS, else the width of the terminal, else 80, as a number of columns."""
     columns = os.environ.get("COLUMNS", "")
     if columns.isdecimal() and int(columns):
         return int(columns)

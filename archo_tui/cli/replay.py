@@ -12,17 +12,7 @@ from archo_tui.safe_text import safe
 
 
 def replay(options: Namespace) -> int:
-    """Show a recording on the screen until it is left, or with `--text` print what happened.
-
-    The embedded engine is used, also for a recording of ROS 2. Mistakes in interface files are
-    printed as complaints.
-
-    Returns:
-        The exit code. If the screen crashes, a complaint says so.
-
-    Raises:
-        ArchoError: The recording, robot file or keymap cannot be read, or no screen can be shown.
-    """
+    """Show a recording on the screen until it is left, or with `--text` print what happened."""
     from pathlib import Path
 
     from archo_tui import engine

@@ -16,13 +16,7 @@ def use_namespace(namespace: str) -> None:
 
 
 def command_line(given: Sequence[str]) -> list[str]:
-    """Return the command line that starts the console again, from Python's path on.
-
-    It has the namespace of the last `use_namespace`, if any; `--ros-args` stands at the end.
-
-    Args:
-        given: The words of the present command line.
-    """
+    """Return the command line that starts the console again, in the chosen namespace."""
     own, ros_args = split_ros_args(given)
     ros = ["--ros-args", *ros_args] if ros_args else []
     return [sys.executable, *_this_program(), *own, *_added, *ros]

@@ -12,11 +12,7 @@ from archo_tui.safe_text import safe
 
 
 def check(options: Namespace) -> int:
-    """Run the checks of the textbook's chapter on files, and print a line for each.
-
-    Returns:
-        The exit code: 0 if a check passed and none failed; else FAILED, also if ctrl+c ends them.
-    """
+    """Run the checks of the textbook's chapter on files; 0 if some passed and none failed."""
     from pathlib import Path
 
     from archo_tui.chapter.run import run
@@ -36,14 +32,7 @@ def check(options: Namespace) -> int:
 
 
 def print_keys(options: Namespace) -> int:
-    """Print the key of each command, in the form of keymap.yaml, and return 0.
-
-    Commands without a key are commented out. A complaint names those in the user's keymap that the
-    robot does not have.
-
-    Raises:
-        ArchoError: The robot file or the keymap is not valid.
-    """
+    """Print the key of each command, in the form of keymap.yaml, and return 0."""
     from pathlib import Path
 
     from archo_tui.commands import keymap, registry
@@ -77,24 +66,14 @@ def print_completions(options: Namespace) -> int:
 
 
 def list_consoles(options: Namespace) -> int:
-    """Print the consoles that run here, one a line, with `--json` as JSON objects.
-
-    Returns:
-        The exit code; it is not 0 if none runs, or one of them does not answer properly.
-    """
+    """Print the consoles that run here; return 0 if there are any and all answer properly."""
     from archo_tui.remote.shell import print_consoles
 
     return print_consoles(["--json"] if options.json else [])
 
 
 def serve_assistant(options: Namespace) -> int:
-    """Serve an assistant on standard input and output until the input ends, and return 0.
-
-    At a terminal it complains first that an assistant's program is to start it.
-
-    Raises:
-        ArchoError: The package `mcp` is not installed, or standard input or output is closed.
-    """
+    """Serve an assistant on standard input and output until the input ends, and return 0."""
     try:
         from archo_tui.assistant.server import serve
     except ImportError:  # The SDK is missing or too old.
@@ -109,16 +88,7 @@ def serve_assistant(options: Namespace) -> int:
 
 
 def look(_options: Namespace) -> int:
-    """Print the nodes in the ROS 2 domains 0 to 20, a line for each domain with nodes.
-
-    If no domain has any, a line says so.
-
-    Returns:
-        The exit code: FAILED if no node was found, or the domains could not be looked at.
-
-    Raises:
-        ArchoError: ROS 2 is not installed.
-    """
+    """Print the nodes in the ROS 2 domains 0 to 20; return FAILED if there are none."""
     import asyncio
     import importlib.util
 
@@ -138,13 +108,7 @@ def look(_options: Namespace) -> int:
 
 
 def recordings(options: Namespace) -> int:
-    """Print a line for each recording of the black box, or for each one that is deleted; return 0.
-
-    With `--json` each line of the list is a JSON object.
-
-    Raises:
-        ArchoError: A name to delete is unknown, so that none is deleted, or the disk refuses it.
-    """
+    """Print a line for each recording of the black box, or for each one that is deleted."""
     from archo_tui.recordings import store
 
     if options.delete:

@@ -20,13 +20,6 @@ def require_terminal(stdin: TextIO | None) -> None:
     """Unset variables that would disturb a screen; raise ArchoError unless one can be shown.
 
     Call it before Textual is imported, which reads these environment variables once.
-
-    Args:
-        stdin: The standard input that the process had; None if it is closed.
-
-    Raises:
-        ArchoError: TERM names no terminal that can show a screen, or a standard stream is no
-            terminal, or is another terminal than standard input.
     """
     for name in _FOREIGN:
         os.environ.pop(name, None)
@@ -45,10 +38,7 @@ def require_terminal(stdin: TextIO | None) -> None:
 
 
 def _device(stream: TextIO) -> int:
-    """Return the number of a terminal's device, since its name may not be known in a container.
-
-    On Windows, return 0 for each.
-    """
+    """Return a terminal's device number, as a container may not know its name; 0 on Windows."""
     if sys.platform == "win32":
         return 0
     return os.fstat(stream.fileno()).st_rdev

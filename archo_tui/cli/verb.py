@@ -15,20 +15,9 @@ from archo_tui.plain.lines import is_stop_text
 def send_verb(options: Namespace, words: Sequence[str]) -> int:
     """Send a verb that stands after options of the console, and print its result.
 
-    Only `--engine` and `--namespace` are allowed there, which say where a console is looked for,
-    and with `--engine ros2` also `--robot`, since the verb then needs no console: if none runs, the
-    verb goes to the robot itself.
-
-    Args:
-        options: The options of the whole command line, with the verb in `command`.
-        words: The words of the whole command line.
-
-    Returns:
-        The exit code of the verb.
-
-    Raises:
-        ArchoError: An option of the console is given that a verb does not take, or `--engine` names
-            no engine. A STOP is sent all the same, with a complaint.
+    Only `--engine` and `--namespace`, which say where a console is looked for, are allowed, and
+    `--robot` with `--engine ros2`: if no console runs, the verb goes to the robot itself. Other
+    options raise ArchoError, but a STOP is sent all the same.
     """
     from pathlib import Path
 
@@ -63,10 +52,7 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
 
 
 def _options_of_the_console(options: Namespace) -> list[str]:
-    """Return the names of the given options that a verb does not take, without their `--`.
-
-    An option that is given its default value counts as not given.
-    """
+    """Return the names of given options that are not their defaults and not a verb's."""
     allowed = ["command", "verb_options", "namespace", "engine"]
     if options.engine == "ros2":
         allowed.append("robot")
@@ -79,9 +65,6 @@ def _options_of_the_console(options: Namespace) -> list[str]:
 
 
 def _domain() -> int:
-    """Return the ROS 2 domain of this process: ROS_DOMAIN_ID, or 0 if that is no number.
-
-    ROS 2 itself refuses what is no number.
-    """
+    """Return the ROS 2 domain of this process; 0 for no number, which ROS 2 itself refuses."""
     text = os.environ.get("ROS_DOMAIN_ID", "").strip()
     return int(text) if text.isdecimal() else 0

@@ -24,33 +24,18 @@ _GRACE = 2.0  # Seconds for Python's start, and for the process to say where it 
 
 
 class Reply(NamedTuple):
-    """The outcome of a request.
+    """The outcome of a request."""
 
-    Attributes:
-        value: The answer, as JSON has it; None if the process ended without a whole one.
-        printed: The first 100 kB that the code printed.
-        exit_code: The exit code of the process; negative for a signal, such as the kill when its
-            time was over.
-    """
-
-    value: Any
-    printed: str
-    exit_code: int
+    value: Any  # As JSON has it; None if the process ended without a whole answer.
+    printed: str  # The first 100 kB.
+    exit_code: int  # Negative for a signal, such as the kill when its time was over.
 
 
 def ask(module: str, request: Any, seconds: float) -> Reply:
     """Run `main()` of a module in a new process, send it a request, and return its reply.
 
-    Afterwards the process, and what it has started, is killed. This blocks: not for the UI thread.
-
-    Args:
-        module: The module, whose `main()` calls `serve`.
-        request: The request, as JSON has it.
-        seconds: The time limit, after which `serve` answers what its `late` returns. A process that
-            does not even do that is killed two seconds later, without an answer.
-
-    Raises:
-        ArchoError: No process can be started, or its answer is larger than 10 MB.
+    The process, and what it has started, is killed after `seconds` and two more. Blocks: not for
+    the UI thread.
     """
     # The path of this process, so that no file of the current folder is taken for a module.
     code = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
@@ -92,10 +77,7 @@ def ask(module: str, request: Any, seconds: float) -> Reply:
 
 
 def _read_all(pipe: IO[bytes], kept: bytearray, limit: int) -> None:
-    """Read a pipe to its end or an error, close it, and append its first bytes to `kept`.
-
-    `limit` + 1 bytes are kept, the others dropped: the last one shows that there were too many.
-    """
+    """Read a pipe to its end, and keep its first `limit` bytes, and one more if there is."""
     with pipe, contextlib.suppress(OSError, ValueError):
         while chunk := os.read(pipe.fileno(), 65_536):
             kept += chunk[: limit + 1 - len(kept)]
@@ -112,12 +94,8 @@ def _kill_group(process: subprocess.Popen[bytes]) -> None:
 def serve(answer: Callable[[Any], Any], late: Callable[[FrameType | None, float], Any]) -> None:
     """Answer the request of `ask`, and end the process: this function does not return.
 
-    What the code prints from now on goes to standard error, and Python writes no `__pycache__`.
-
-    Args:
-        answer: Returns the answer to a request; it raises nothing.
-        late: Returns the answer if time is over, given the frame that runs in the main thread and
-            the time limit in seconds. It is called on another thread.
+    What the code prints goes to standard error. If time is over, `late` is called on another
+    thread, with the frame that runs in the main thread.
     """
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # What the code prints goes to standard error.

@@ -20,11 +20,7 @@ class LaunchFileError(UserFileError):
 
 
 def parse_arguments(words: Iterable[str]) -> dict[str, str]:
-    """Return the values of words such as `use_sim:=true`, by name; the last one of a name wins.
-
-    Raises:
-        ArchoError: A word is not `name:=value`.
-    """
+    """Return the values of words such as `use_sim:=true`, by name; the last one of a name wins."""
     found = {}
     for word in words:
         name, is_one, value = word.partition(":=")
@@ -41,22 +37,10 @@ def evaluate(
     arguments: Mapping[str, str],
     seconds: float = EVALUATION_TIME,
 ) -> LaunchPlan:
-    """Return what a launch file would start.
+    """Return what a launch file, run in a process of its own, would start.
 
-    The file runs in a process of its own, and so does the setup.py of each package that it starts a
-    program of. A program that is not here is left out with a note. This blocks: not for the UI
-    thread.
-
-    Args:
-        given: The path of the file as the user typed it, which messages name.
-        workspace: The packages that the file can use.
-        prefix: A folder for files that nodes read as long as they run; the caller removes it.
-        arguments: The values of `name:=value`.
-        seconds: The time limit for the file; a setup.py has its own.
-
-    Raises:
-        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
-        ArchoError: No process can be started, or its answer is too large.
+    A program that is not here is left out with a note. Nodes read files in `prefix`, which the
+    caller removes. Blocks: not for the UI thread. Raises LaunchFileError.
     """
     value, printed = _evaluate_in_process(given, workspace, prefix, arguments, False, seconds)
     names = _Names(given)
@@ -76,21 +60,7 @@ def evaluate(
 def launch_arguments(
     given: str, workspace: Workspace, prefix: Path, seconds: float = EVALUATION_TIME
 ) -> Sequence[LaunchArgument]:
-    """Return the arguments that a launch file declares, without performing its actions.
-
-    The code of the file runs all the same, in a process of its own. This blocks: not for the UI
-    thread.
-
-    Args:
-        given: The path of the file as the user typed it.
-        workspace: The packages that the file can use.
-        prefix: A folder for files that are made; the caller removes it.
-        seconds: The time limit.
-
-    Raises:
-        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
-        ArchoError: No process can be started, or its answer is too large.
-    """
+    """Return the arguments that a launch file, whose code is run, declares; blocks."""
     value, _ = _evaluate_in_process(given, workspace, prefix, {}, True, seconds)
     return _arguments(value["arguments"])
 
@@ -103,15 +73,7 @@ def _evaluate_in_process(
     only_arguments: bool,
     seconds: float,
 ) -> tuple[Any, str]:
-    """Let `evaluation.py` evaluate the file in a process of its own.
-
-    Returns:
-        Its answer as JSON has it, and what the code of the file printed.
-
-    Raises:
-        LaunchFileError: The file is missing, wrong or not in Python, or does not return.
-        ArchoError: No process can be started, or its answer is too large.
-    """
+    """Return the answer of `evaluation.py` about a file, and what the code of the file printed."""
     path = Path(given).resolve()
     if not path.is_file():
         raise LaunchFileError(f"{given}: there is no such launch file")
@@ -151,17 +113,7 @@ class _Names:
 
 
 def _program(found: Mapping[str, Any], workspace: Workspace) -> LaunchedProgram:
-    """Return a program that the evaluation found, with the function that it runs.
-
-    The first program of a package runs the package's setup.py, and blocks.
-
-    Args:
-        found: The program as JSON has it.
-        workspace: The packages that are here.
-
-    Raises:
-        ArchoError: There is no such package or executable here.
-    """
+    """Return a program that was found, with its function; may block on a setup.py."""
     entry_point = workspace.entry_point(found["package"], found["executable"])
     changed: dict[str, Any] = {name: tuple(found[name]) for name in ("ros_args", "arguments")}
     changed["file"] = str(Path(found["file"]).resolve())  # Share folders have links.

@@ -41,17 +41,7 @@ def _is_own(filename: str) -> bool:
 
 
 def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a launch file would start, or the error that it raised.
-
-    Args:
-        request: `file`, the path of the launch file; `arguments`, values by their names;
-            `packages`, the folders of the workspace's packages; `prefix`, a folder for files that
-            are made; `only_arguments`, true to perform nothing.
-
-    Returns:
-        `programs`, `notes` and `arguments` as lists of objects, `environment`, the variables that
-        differ, and `files`, the paths of the launch files; or only `error`, a UserError.
-    """
+    """Return what a launch file would start, or only `error`, a UserError."""
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
     ament_index.use(ament_index.PackageIndex(workspace, Path(request["prefix"])))
@@ -125,11 +115,7 @@ def _as_json(found: DeclaredArgument) -> dict[str, Any]:
 
 
 def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.UserError:
-    """Describe an error of a launch file, with the file and line to mend, or "" and 0.
-
-    The line is the last one of the person's files in the traceback. For a SubstitutionFailure, or
-    without such a line, it is the `place` of the error, else that of the failed action.
-    """
+    """Describe an error of a launch file, with the file and line to mend, or "" and 0."""
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)
     missing = ament_index.index.missing_package(str(getattr(error, "filename", "")))

@@ -23,18 +23,7 @@ _CMAKE_INSTALL = re.compile(
 
 
 def share_folder(prefix: Path, package: Package) -> Path:
-    """Return the share folder of a package, with links to the files that it installs.
-
-    The first call for a package makes all its links below `prefix`. For an ament_python package,
-    it runs the setup.py, and blocks: not for the UI thread.
-
-    Args:
-        prefix: The folder to make it in, which the caller removes at the end.
-        package: The package.
-
-    Raises:
-        ArchoError: The setup.py has a mistake, or names a file that does not exist.
-    """
+    """Return a package's share folder of links; the first call may run its setup.py, and blocks."""
     share = prefix / "share" / package.name
     marker = prefix / _INDEX / package.name
     if not marker.exists():
@@ -48,16 +37,7 @@ def share_folder(prefix: Path, package: Package) -> Path:
 
 
 def missing_file_text(prefix: Path, package: Package, path: Path) -> str:
-    """Return why a file is missing in a package's share folder, and what to do about it.
-
-    Args:
-        prefix: The prefix of the share folder.
-        package: The package.
-        path: The missing file.
-
-    Returns:
-        "" for a path outside of that share folder.
-    """
+    """Return why a file is missing in a package's share folder; "" for a path outside of it."""
     try:
         inside = path.relative_to(prefix / "share" / package.name)
     except ValueError:
@@ -70,14 +50,7 @@ def missing_file_text(prefix: Path, package: Package, path: Path) -> str:
 
 
 def _installed_files(package: Package) -> Iterator[tuple[Path, Path]]:
-    """Yield each installed file: its path in the package's folder, and that below the prefix.
-
-    The files are those in `data_files` of an ament_python package's setup.py, which runs for it,
-    else those in `install()` of a CMakeLists.txt; none if that cannot be read.
-
-    Raises:
-        ArchoError: The setup.py has a mistake, or names a file that does not exist.
-    """
+    """Yield each installed file: its path in the package's folder, and that below the prefix."""
     if package.build_type == AMENT_PYTHON:
         for folder, names in run_setup(package).data_files:
             for name in names:

@@ -16,17 +16,11 @@ _WITHOUT_EXPORT = "catkin"  # What REP 149 takes where package.xml has no build_
 
 @dataclass(frozen=True)
 class Package:
-    """A package in its source folder.
-
-    Attributes:
-        name: Its name.
-        folder: The folder of its package.xml.
-        build_type: `ament_python`, `ament_cmake` or another one.
-    """
+    """A package in its source folder."""
 
     name: str
-    folder: Path
-    build_type: str
+    folder: Path  # Of its package.xml.
+    build_type: str  # `ament_python`, `ament_cmake`, ...; `catkin` if package.xml names none.
 
     @property
     def has_interfaces(self) -> bool:
@@ -35,11 +29,7 @@ class Package:
 
 
 def read_package(folder: Path) -> Package:
-    """Return the package of a folder; its build_type is `catkin` if package.xml names none.
-
-    Raises:
-        ArchoError: Its package.xml cannot be read, or has no name; the message has file and line.
-    """
+    """Return the package of a folder; raise ArchoError with file and line."""
     file = folder / "package.xml"
     try:
         root = ElementTree.fromstring(regular_files.read(file))

@@ -16,29 +16,16 @@ _CHILD = "archo_tui.launch.setup_child"
 
 @dataclass(frozen=True)
 class PackageSetup:
-    """The arguments of a package's `setup()` that say what can be run and found.
+    """The arguments of a package's `setup()` that say what can be run and found."""
 
-    Attributes:
-        console_scripts: `module:function` of each executable, by the name of the executable.
-        data_files: Each folder below the install prefix, and the files that go there, whose paths
-            begin at the package's folder.
-        source: The folder that the package's modules are imported from.
-    """
-
-    console_scripts: dict[str, str]
+    console_scripts: dict[str, str]  # `module:function`, by the executable.
+    # Folders below the prefix, and their files.
     data_files: tuple[tuple[str, tuple[str, ...]], ...]
-    source: Path
+    source: Path  # The folder that the package's modules are imported from.
 
 
 def run_setup(package: Package) -> PackageSetup:
-    """Run the setup.py of a package in a process of its own, which installs nothing.
-
-    This blocks, for little more than SETUP_TIME seconds at most: not for the UI thread.
-
-    Raises:
-        ArchoError: There is no setup.py, it has a mistake, or it does not return in time; the
-            message has the file, and the line if one is known.
-    """
+    """Run a setup.py in a process of its own, which installs nothing; blocks some seconds."""
     file = package.folder / "setup.py"
     if not file.is_file():
         raise ArchoError(f"{file}: an ament_python package needs it: ros2 pkg create writes one")

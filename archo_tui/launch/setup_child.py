@@ -32,18 +32,7 @@ def _is_own(filename: str) -> bool:
 
 
 def run(file: str) -> dict[str, Any]:
-    """Run a setup.py, and return the arguments of its last `setup()`, or the error.
-
-    An error is also that it calls no `setup()`, or calls it wrongly. The current folder of this
-    process becomes that of the setup.py, and stand-ins take the place of setuptools.
-
-    Args:
-        file: The path of the setup.py.
-
-    Returns:
-        `console_scripts`, `data_files` and `source` as in PackageSetup; or only `error`, the parts
-        of a UserError.
-    """
+    """Run a setup.py in its folder, and return the arguments of its last `setup()`, or `error`."""
     calls: list[dict[str, Any]] = []
     os.chdir(Path(file).parent)
     sys.argv = [file, "install"]
@@ -87,13 +76,7 @@ def _console_scripts(entry_points: Any) -> dict[str, str]:
 
 
 def _install_stand_ins(calls: list[dict[str, Any]]) -> None:
-    """Put modules in the place of setuptools and distutils, whose `setup()` keeps its arguments.
-
-    Nothing else happens in it, and the modules stay in `sys.modules`.
-
-    Args:
-        calls: Gets the arguments of each call of `setup()`.
-    """
+    """Replace setuptools and distutils by modules whose `setup()` appends to `calls`."""
 
     def setup(**arguments: Any) -> None:
         calls.append(arguments)
@@ -128,15 +111,7 @@ def _install_stand_ins(calls: list[dict[str, Any]]) -> None:
 def find_packages(
     where: str = ".", exclude: Iterable[str] = (), include: Iterable[str] = ("*",)
 ) -> list[str]:
-    """Return the names of the packages in a folder, sorted, as `setuptools.find_packages` does.
-
-    A folder counts if it and each folder above it, below `where`, has an `__init__.py`.
-
-    Args:
-        where: The folder.
-        exclude: Patterns of names that are left out, as for fnmatch.
-        include: Patterns, of which a name must match one.
-    """
+    """Return the sorted names of the packages in a folder, as `setuptools.find_packages` does."""
     exclude, include = list(exclude), list(include)
     found = []
     for file in sorted(Path(where).glob("**/__init__.py")):

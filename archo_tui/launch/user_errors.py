@@ -12,30 +12,16 @@ from archo_tui.errors import first_line, quoted_line
 
 
 class UserError(NamedTuple):
-    """An error of a person's file.
+    """An error of a person's file."""
 
-    Attributes:
-        file: The path of the file; "" if no line of it is known.
-        line: The number of the line, counted from 1; 0 if none is known.
-        text: The mistake, with the text of the line if that helps.
-        report: The traceback, without the frames of the console; "" for code that hangs.
-    """
-
-    file: str
-    line: int
+    file: str  # "" if no line is known.
+    line: int  # From 1; 0 if none is known.
     text: str
-    report: str
+    report: str  # The traceback, without the frames of the console; "" for code that hangs.
 
 
 def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
-    """Describe an error by the last line of a person's files in its traceback.
-
-    If no line of the traceback is theirs, the file is "" and the line 0.
-
-    Args:
-        error: The error.
-        is_own: Returns True for the path of one of the person's files.
-    """
+    """Describe an error by the last line of a person's files in its traceback."""
     name, why = type(error).__name__, first_line(error)
     report = _own_traceback(error, is_own)
     if isinstance(error, SyntaxError) and is_own(error.filename or ""):
@@ -57,15 +43,7 @@ def describe(error: BaseException, is_own: Callable[[str], bool]) -> UserError:
 def describe_hang(
     frame: FrameType | None, seconds: float, is_own: Callable[[str], bool]
 ) -> UserError:
-    """Describe code of a person's file that does not return in time, by the line that runs.
-
-    If no line that runs is of a person's file, the file is "" and the line 0.
-
-    Args:
-        frame: The frame that runs now.
-        seconds: The time limit that was exceeded.
-        is_own: Returns True for the path of one of the person's files.
-    """
+    """Describe code of a person's file that does not return in time, by the line that runs."""
     while frame is not None and not is_own(frame.f_code.co_filename):
         frame = frame.f_back
     if frame is None:

@@ -26,42 +26,25 @@ _CHECKOUT = Path(__file__).parent.parent.parent
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A function that runs a node, as an executable of a package names it.
+    """A function that runs a node, as an executable of a package names it."""
 
-    Attributes:
-        module: The dotted name of its module.
-        function: Its name.
-        source: The folder that the module is imported from; None for an installed package.
-    """
-
-    module: str
+    module: str  # Dotted.
     function: str
-    source: Path | None
+    source: Path | None  # The folder to import it from; None for an installed package.
 
     def make_importable(self) -> None:
-        """Put the source folder first in `sys.path`, so that this process can import the module.
-
-        Nothing changes for an installed package, or if the folder is on the path already.
-        """
+        """Put the source folder first in `sys.path`, so that this process can import the module."""
         if self.source is not None and str(self.source) not in sys.path:
             sys.path.insert(0, str(self.source))
 
 
 class Workspace:
-    """The packages of a workspace, and what can be run of them.
-
-    Attributes:
-        packages: The packages, by name.
-        problems: A line for each package.xml that cannot be used, or whose name is taken already.
-    """
+    """The packages of a workspace, and what can be run of them."""
 
     def __init__(self, folders: Iterable[Path]) -> None:
-        """Read the package.xml of some folders; of two packages with one name, take the first.
-
-        A package that cannot be used is left out, and told in `problems`.
-        """
+        """Read the package.xml of some folders; note in `problems` which cannot be used."""
         self.packages: dict[str, Package] = {}
-        self.problems: list[str] = []
+        self.problems: list[str] = []  # A line for each package.xml that is not used.
         self._setups: dict[str, PackageSetup] = {}
         for folder in folders:
             try:
@@ -76,11 +59,7 @@ class Workspace:
 
     @classmethod
     def below(cls, folder: Path) -> Workspace:
-        """Return the workspace with all packages at or below a folder.
-
-        Raises:
-            ArchoError: The folder has no usable package, or more than _MAX_FOLDERS folders.
-        """
+        """Return the workspace with all packages at or below a folder; ArchoError without any."""
         found = cls(_package_folders(folder))
         if not found.packages:
             nothing = f"{folder}: no package: a workspace has src/*/package.xml"
@@ -89,16 +68,10 @@ class Workspace:
 
     @classmethod
     def around(cls, file: Path) -> Workspace:
-        """Return the workspace around a file, with the packages that the file can use.
+        """Return the workspace around a file: the packages that the file can use, its own first.
 
-        These are all packages below the nearest folder `src/` above the file's package, else the
-        packages beside it; the file's own comes first. A file in no package has none.
-
-        Args:
-            file: A file, such as a launch file; none of its folders needs to be a package.
-
-        Raises:
-            ArchoError: The `src/` has more than _MAX_FOLDERS folders.
+        These are all packages below the nearest folder `src/`, else those beside the file's own. A
+        file in no package has none.
         """
         above = file.resolve().parents
         own = next((folder for folder in above if (folder / "package.xml").is_file()), None)
@@ -116,11 +89,7 @@ class Workspace:
         return {p.name: p.folder for p in self.packages.values() if p.has_interfaces}
 
     def find(self, name: str) -> Package | None:
-        """Return the package with a name: one of the workspace, or ARCHO's own in a checkout.
-
-        Returns:
-            None for any other name.
-        """
+        """Return the package with a name: one of the workspace, or ARCHO's own in a checkout."""
         if name == _OWN_PACKAGE and name not in self.packages:
             own = _CHECKOUT / "nodes"
             return read_package(own) if (own / "package.xml").is_file() else None
@@ -131,13 +100,7 @@ class Workspace:
         return nearest_hint(name, self.packages, _ALIKE)
 
     def executables(self, package: Package) -> dict[str, EntryPoint]:
-        """Return the executables of an ament_python package by name; none for another package.
-
-        The first call for a package runs its setup.py, and blocks: not for the UI thread.
-
-        Raises:
-            ArchoError: There is no setup.py, or it has a mistake; the message has the file.
-        """
+        """Return an ament_python package's executables; the first call blocks on its setup.py."""
         if package.build_type != AMENT_PYTHON:
             return {}
         if package.name not in self._setups:
@@ -149,15 +112,7 @@ class Workspace:
         }
 
     def entry_point(self, package_name: str, executable: str) -> EntryPoint:
-        """Return the function of an executable.
-
-        A package outside of the workspace is looked for among the installed Python packages. The
-        first call for a package runs its setup.py, and blocks: not for the UI thread.
-
-        Raises:
-            ArchoError: There is no such package, executable or module, the setup.py has a mistake,
-                or the executable is not written in Python; the message says what is there.
-        """
+        """Return the function of an executable, or raise ArchoError; may block on a setup.py."""
         package = self.find(package_name)
         installed = _installed_executables(package_name) if package is None else {}
         found = installed if package is None else self.executables(package)
@@ -178,13 +133,7 @@ class Workspace:
 
 
 def _checked(entry_point: EntryPoint, package: Package | None, executable: str) -> EntryPoint:
-    """Return an entry point of a package's executable if the file of its module is there.
-
-    Installed packages are not checked.
-
-    Raises:
-        ArchoError: There is no such file; the message names the nearest module.
-    """
+    """Return an entry point if the file of its module is there; installed ones are not checked."""
     if package is None or entry_point.source is None:
         return entry_point
     path = entry_point.source.joinpath(*entry_point.module.split("."))
@@ -204,12 +153,7 @@ def _split(target: str) -> tuple[str, str]:
 
 
 def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
-    """Return the console scripts of an installed Python package, by name.
-
-    Returns:
-        An empty dictionary if the package is not installed; for ARCHO's own package, if only the
-        console's wheel has it, an executable for each of its modules.
-    """
+    """Return the console scripts of an installed package, and all modules of ARCHO's own."""
     try:
         distribution = importlib.metadata.distribution(package_name)
     except (importlib.metadata.PackageNotFoundError, ValueError):
@@ -228,13 +172,10 @@ def _installed_executables(package_name: str) -> dict[str, EntryPoint]:
 
 
 def _package_folders(folder: Path) -> Iterator[Path]:
-    """Yield each folder at or below a folder that is a package, but none inside another package.
+    """Yield each package at or below a folder, but none inside another package, as colcon does.
 
-    As in colcon, hidden folders, folders with a COLCON_IGNORE or AMENT_IGNORE file, and `build`,
-    `install` and `log` directly in the folder are left out. Links are followed.
-
-    Raises:
-        ArchoError: There are more than _MAX_FOLDERS folders.
+    Hidden and ignored folders, and `build`, `install` and `log` directly in the folder, are left
+    out. Links are followed. Raises ArchoError for too many folders.
     """
     seen: set[str] = set()
     for root, names, files in os.walk(folder, followlinks=True):

@@ -18,10 +18,7 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def default_files() -> list[Path]:
-    """Return ARCHO's own parameter files, sorted, in a checkout or in an installed wheel.
-
-    The list is empty if neither is there.
-    """
+    """Return ARCHO's own parameter files, sorted, in a checkout or in an installed wheel."""
     for folder in (_PACKAGE.parent / "config", _PACKAGE / "config"):
         found = sorted(folder.glob("*.yaml"))
         if found:
@@ -30,11 +27,7 @@ def default_files() -> list[Path]:
 
 
 def load_files(files: Sequence[Path]) -> list[Override]:
-    """Return the overrides of all files, in the order of files and lines.
-
-    Raises:
-        ArchoError: A file cannot be read or is not valid; the message names file and line.
-    """
+    """Return the overrides of all files, in order; ArchoError names file and line."""
     overrides: list[Override] = []
     for path in files:
         try:
@@ -47,11 +40,7 @@ def load_files(files: Sequence[Path]) -> list[Override]:
 
 
 def parse_typed(ros_args: Sequence[str]) -> list[Override]:
-    """Return the overrides of `-p name:=value` and `-p node:name:=value` options, in their order.
-
-    `--param` is the same as `-p`. The values stay text. Without a node, an override is for every
-    node. Other arguments are ignored, also an option without `:=`.
-    """
+    """Return the overrides of `-p [node:]name:=value` options, as text and in their order."""
     found = []
     for option, given in pairwise(ros_args):
         target, is_one, value = given.partition(":=")
@@ -64,14 +53,9 @@ def parse_typed(ros_args: Sequence[str]) -> list[Override]:
 def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
     """Return a line for each node and parameter that is named and does not exist.
 
-    Each line ends with the nearest name that exists, if there is one. Lines about nodes come first.
-    A file that names more than three such nodes, as one for a whole stack does, gets one line for
-    them. Wildcards in files are never wrong, since nodes share files; a parameter typed for every
-    node must exist in one at least.
-
-    Args:
-        overrides: The overrides.
-        declared: The names of the parameters of each node, by its name with namespace.
+    A file that names more than three such nodes gets one line for them. Wildcards in files are
+    never wrong, since nodes share files; a parameter typed for every node must exist in one at
+    least.
     """
     lines = []
     missing: dict[str, dict[str, str]] = {}  # By file, each node with where it is first named.
@@ -98,13 +82,7 @@ def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) 
 def _unknown_node_lines(
     missing: dict[str, dict[str, str]], declared: Iterable[str]
 ) -> Iterable[str]:
-    """Yield a line for each node that is not here, or one for a file with many of them.
-
-    Args:
-        missing: By file, the nodes that it names and that are not here, each with the `FILE:LINE`
-            where it is named first.
-        declared: The names of the nodes that are here.
-    """
+    """Yield a line for each node that is not here, or one for a file with many of them."""
     for file, nodes in missing.items():
         if len(nodes) > _MAX_NAMED:
             first = ", ".join([*nodes][:_MAX_NAMED])

@@ -25,19 +25,11 @@ _ALL_REPORTED: Mapping[str, str] = MappingProxyType({})
 
 
 class LoadPlan(NamedTuple):
-    """The changes that loading a file would make; nothing is changed yet.
+    """The changes that loading a file would make; nothing is changed yet."""
 
-    Attributes:
-        changes: The parameters whose value would differ, each with its new value.
-        problems: Why the file cannot be loaded, a line each with file and line; if there are any,
-            nothing may be changed.
-        left_out: The lines about nodes and parameters of the file that do not exist, as
-            `unknown_lines` returns them.
-    """
-
-    changes: tuple[tuple[Parameter, Any], ...]
-    problems: tuple[str, ...]
-    left_out: tuple[str, ...]
+    changes: tuple[tuple[Parameter, Any], ...]  # Each with its new value.
+    problems: tuple[str, ...]  # If there are any, nothing may be changed.
+    left_out: tuple[str, ...]  # As `unknown_lines` returns them.
 
 
 class _Dumper(yaml.SafeDumper):
@@ -50,11 +42,7 @@ _Dumper.add_representer(
 
 
 def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
-    """Return the text of a ROS parameter file, and a line for each parameter it cannot hold.
-
-    These are byte arrays, parameters without a value, and empty lists. Nodes and parameters keep
-    the order in which they are given.
-    """
+    """Return the text of a ROS parameter file, and a line for each parameter it cannot hold."""
     text, left_out = "", []
     nodes: dict[str, dict[str, Any]] = {}
     for parameter in parameters:
@@ -78,7 +66,6 @@ def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
 
 
 def _yaml_key(name: str) -> str:
-    """Return a name as a YAML key, quoted if necessary."""
     plain = name.replace("_", "").replace(".", "").isalnum()
     return name if plain else yaml.dump(name, Dumper=_Dumper, width=10**9).strip()
 
@@ -86,11 +73,7 @@ def _yaml_key(name: str) -> str:
 def write_atomically(path: Path, text: str) -> None:
     """Write a file so that a reader finds the old text or the new one; wait for the disk.
 
-    A file that exists keeps its mode and owner, and, if `path` is a link to it, its own place.
-
-    Raises:
-        ArchoError: The file cannot be written, is not a regular one, or `path` is a link to a file
-            that does not exist; the message is one line.
+    A file that exists keeps its mode and owner, and a link to it stays one. Raises ArchoError.
     """
     try:
         _replace_file(path, text)
@@ -124,18 +107,7 @@ def _replace_file(path: Path, text: str) -> None:
 def plan_load(
     path: Path, parameters: Sequence[Parameter], unreported: Mapping[str, str] = _ALL_REPORTED
 ) -> LoadPlan:
-    """Read a parameter file, and return what loading it now would change.
-
-    If several entries of the file fit a parameter, the last one counts.
-
-    Args:
-        path: The file.
-        parameters: The parameters of all running nodes.
-        unreported: Why a running node's parameters are not known, by its full name.
-
-    Raises:
-        ArchoError: It cannot be read or is not a parameter file; the message names the line.
-    """
+    """Return what loading a file now would change; of several entries that fit, the last counts."""
     overrides = files.load_files([path])
     changes, problems = [], []
     for parameter in parameters:

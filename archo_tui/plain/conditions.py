@@ -10,19 +10,9 @@ from archo_tui.clock import Clock
 
 
 class Conditions:
-    """The conditions that tasks of a loop wait for.
-
-    Whoever changes what a condition depends on calls `check_again`.
-
-    All methods are called on the running loop.
-    """
+    """The conditions that tasks wait for; whoever changes one calls `check_again`, on the loop."""
 
     def __init__(self, clock: Clock) -> None:
-        """Create a collection of conditions for the running loop, without a waiting task.
-
-        Args:
-            clock: Measures the timeouts.
-        """
         self._clock = clock
         self._changed = asyncio.Event()
 
@@ -39,11 +29,6 @@ class Conditions:
     async def wait_at_most(
         self, condition: Callable[[], object], timeout: float | None = None
     ) -> None:
-        """Wait until `condition()` is true or the time has passed; return None in both cases.
-
-        Args:
-            condition: Called at once, and after each `check_again`; a true value ends the wait.
-            timeout: Seconds; None for no limit.
-        """
+        """Wait until `condition()` is true or the time in seconds has passed; None for no limit."""
         with contextlib.suppress(TimeoutError):
             await self._clock.wait_for(self.wait(condition), timeout)

@@ -1,7 +1,4 @@
-"""The reader of the lines that are typed into `--plain`.
-
-It reads also while a line is carried out: a STOP may be behind that line.
-"""
+"""The reader of typed lines, also while one is carried out: a STOP may be behind it."""
 
 from __future__ import annotations
 
@@ -25,52 +22,28 @@ _CHUNK = 64 * 1024  # Bytes; a pipe holds as many, so what is written at once is
 
 
 class TypedLine(NamedTuple):
-    """A line to be carried out; never a STOP.
+    """A line to be carried out; never a STOP."""
 
-    Attributes:
-        text: The line without its end; empty if it has a fault.
-        stops_before: STOPs that had been read when it was read.
-        fault: The reason why it cannot be carried out; "" if it can.
-    """
-
-    text: str
-    stops_before: int
-    fault: str = ""
+    text: str  # Without its end; empty if it has a fault.
+    stops_before: int  # STOPs that had been read when it was read.
+    fault: str = ""  # Why it cannot be carried out.
 
 
 class Input:
     """A file descriptor that is read on a thread of its own, which counts the STOPs in it.
 
-    The thread counts each STOP as it is read, since the loop may be busy with an earlier line. All
-    other lines wait here until they are taken, each with the number of STOPs before it. When
-    MAX_WAITING bytes of lines wait, further lines are dropped until half of them are taken; a STOP
-    never is. Blank lines are dropped unless a person types.
-
-    Attributes:
-        is_terminal: True if a person types, as far as the system knows.
-        last_line_timing: The monotonic time in seconds at which the last line, STOPs included, was
-            read, and the seconds between it and the line before; zeros before the first line.
-        unanswered: The numbers (by `Stops.count`) of the STOPs read here that the robot has not
-            answered. The thread appends; whoever sends STOPs removes them.
-        has_ended: True after the end of the input; lines may still wait.
-        overflows: The number of times that lines began to be dropped because too many waited.
+    STOPs are counted as they are read, since the loop may be busy; other lines wait until they are
+    taken, each with the number of STOPs before it. While too many wait, further lines are dropped;
+    a STOP never is. Blank lines are dropped unless a person types.
     """
 
     def __init__(
         self, descriptor: int | None, stops: Stops, on_input: Callable[[], None], clock: Clock
     ) -> None:
-        """Create the input; `start` begins to read.
-
-        Args:
-            descriptor: The file descriptor to read, which stays open; None for no input.
-            stops: The counter of STOPs.
-            on_input: Called on the running loop after something was read, once for all that was
-                read until it is called, and after the end.
-            clock: The clock for the times in `last_line_timing`.
-        """
+        """Create the input; `on_input` is called on the running loop after something was read."""
         self._descriptor, self._stops, self._on_input = descriptor, stops, on_input
         self._clock = clock
-        self.last_line_timing = 0.0, 0.0
+        self.last_line_timing = 0.0, 0.0  # Monotonic s of the last line, and since the one before.
         self._loop = asyncio.get_running_loop()
         self.is_terminal = descriptor is not None and os.isatty(descriptor)
         self._thread = threading.Thread(target=self._read, name="stdin", daemon=True)
@@ -84,18 +57,18 @@ class Input:
         self._is_closed = False
         self._is_at_work = False  # The thread has read something that is not counted or kept yet.
         self.has_ended = False
+        # STOPs by `Stops.count`; whoever sends them removes them.
         self.unanswered: deque[int] = deque()
-        self.overflows = 0
+        self.overflows = 0  # Times that lines began to be dropped.
 
     def start(self) -> None:
-        """Begin to read, on the thread."""
         self._thread.start()
 
     def close(self) -> None:
         """Ignore whatever is read from now on, a STOP too; the descriptor stays open.
 
-        Lines that wait can still be taken. The thread ends after its next read; a line that was
-        unfinished at the call counts as a line, or as a STOP, then.
+        Lines that wait can still be taken. An unfinished line still counts, as a line or a STOP,
+        after the thread's next read.
         """
         self._is_closed = True
 
@@ -106,7 +79,6 @@ class Input:
 
     @property
     def has_line_or_end(self) -> bool:
-        """True if a line waits, or the input has ended."""
         return bool(self._waiting) or self.has_ended
 
     @property
@@ -119,10 +91,9 @@ class Input:
 
     @property
     def is_quiet(self) -> bool:
-        """True if there is nothing to read now, and nothing that was read is still on its way.
+        """True if nothing can be read now, and all that was read is counted or can be taken.
 
-        Each STOP that was read is counted then, and each other line is ready to be taken. Always
-        True on Windows, and after `close()` or the end of the input.
+        Always True on Windows, and after `close()` or the end of the input.
         """
         if self._descriptor is None or self.has_ended or self._is_closed:
             return True
@@ -132,10 +103,7 @@ class Input:
         return not select.select([self._descriptor], [], [], 0)[0] and not self._is_at_work
 
     def take(self) -> TypedLine | None:
-        """Remove and return the line that has waited longest; None if no line waits.
-
-        A line that was too long or is not UTF-8 has no text but a fault.
-        """
+        """Remove and return the line that has waited longest; None if no line waits."""
         with self._lock:
             end = self._waiting.find(b"\n")
             entry = bytes(self._waiting[: max(end, 0)])
@@ -157,10 +125,6 @@ class Input:
     # Called on the thread.
 
     def _read(self) -> None:
-        """Read until the end of the input, or until `close()`; the target of the thread.
-
-        A last line without an end counts as a line.
-        """
         splitter = LineSplitter()
         while (chunk := self._read_chunk()) and not self._is_closed:
             lines = splitter.feed(chunk)
@@ -175,9 +139,9 @@ class Input:
         self._announce()
 
     def _read_chunk(self) -> bytes:
-        """Wait for input and return up to 64 KiB of it; b"" at the end, or if it cannot be read.
+        """Wait for input; b"" at the end.
 
-        `_is_at_work` is set before bytes are taken; the caller clears it once they are kept.
+        The caller clears `_is_at_work` once the bytes are kept.
         """
         while self._descriptor is not None:
             try:
@@ -193,10 +157,9 @@ class Input:
         return b""
 
     def _keep(self, lines: list[bytes]) -> None:
-        """Count each line that is a STOP; keep each other line with the number of STOPs before.
+        """Count each line that is a STOP or calls its service; keep each other line.
 
-        A `call` of the STOP's own service is a STOP, too. Once MAX_WAITING bytes wait, lines are
-        dropped until half of them are taken; blank lines are dropped unless a person types.
+        Once MAX_WAITING bytes wait, lines are dropped until half of them are taken.
         """
         stops = self._stops.count
         entries = []  # Each with the bytes of its text.
@@ -218,7 +181,7 @@ class Input:
                     self._size += size
 
     def _announce(self) -> None:
-        """Have the loop call `on_input`, unless a call is due already. Called on the thread."""
+        """Have the loop call `on_input`, unless a call is due already."""
         if not self._is_announced:
             self._is_announced = True
             with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for input.

@@ -1,6 +1,7 @@
-"""The rules for typed lines: where a line ends, and which line is a STOP. Pure functions.
+"""The rules for typed lines: where a line ends, and which line is a STOP.
 
-Every program of this project decides by `is_stop` and `is_stop_text` what a STOP is.
+Pure functions. Every program of this project decides by `is_stop` and `is_stop_text` what a STOP
+is.
 """
 
 from __future__ import annotations
@@ -22,14 +23,10 @@ _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 
 
 def is_stop(line: bytes) -> bool:
-    """Return True if the first word of a line is `stop`.
+    """Return True if the first word of a line is `stop`; `stopped` is no STOP.
 
-    Upper case, NULs (of UTF-16), the escape sequences of keys, punctuation around the word and,
-    around it, bytes that are not UTF-8 do not matter: a person who types STOP in a hurry must not
-    be refused for the spelling. `stopped` is no STOP.
-
-    Args:
-        line: The line, of any length, without its end.
+    Case, NULs (of UTF-16), the escape sequences of keys, punctuation and bytes that are not UTF-8
+    do not matter: a person who types STOP in a hurry must not be refused.
     """
     line = line.replace(b"\0", b"")  # ASCII text that was encoded in UTF-16.
     # Most lines end here: decoding is slower. A key's sequence may stand within the word.
@@ -46,10 +43,9 @@ def is_stop_text(text: str) -> bool:
 
 
 def shell_words(line: bytes) -> list[str]:
-    """Return the words of a line, split as by a shell.
+    """Return the words of a line, split as by a shell; [] if a quote or a backslash is left open.
 
-    Bytes that are not UTF-8 become replacement characters. The list is empty if a quote is not
-    closed, or if the line ends with a lone backslash.
+    Bytes that are not UTF-8 become replacement characters.
     """
     try:
         return shlex.split(line.decode(errors="replace"))
@@ -65,11 +61,10 @@ class LineSplitter:
         self._is_skipping = False  # The end of a line that is too long.
 
     def feed(self, chunk: bytes) -> list[bytes]:
-        """Return the lines that end in this chunk, without their ends.
+        """Return the lines that end in this chunk, at a line feed or a carriage return.
 
-        A line ends with a line feed or a carriage return, so both together add an empty line. A
-        line that exceeds `MAX_LINE` is in the list as soon as it does: as its first `MAX_LINE`
-        bytes if they are a STOP, else as `TOO_LONG`. The rest of it is dropped.
+        A line beyond `MAX_LINE` is returned as soon as it is: as its beginning if that is a STOP,
+        else as `TOO_LONG`. The rest of it is dropped.
         """
         first, *others = chunk.replace(b"\r", b"\n").split(b"\n")  # A raw terminal sends returns.
         lines: list[bytes] = []
@@ -82,10 +77,7 @@ class LineSplitter:
         return lines
 
     def _append(self, part: bytes, lines: list[bytes]) -> None:
-        """Add a part to the current line; if that becomes too long, add its stand-in to `lines`.
-
-        The stand-in is the line's beginning if that is a STOP, else `TOO_LONG`.
-        """
+        """Add a part to the current line; if that becomes too long, add its stand-in to `lines`."""
         if self._is_skipping:
             return
         self._rest += part

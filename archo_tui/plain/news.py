@@ -16,16 +16,9 @@ def is_event_news(
 ) -> bool:
     """Return True if a line is printed for an event.
 
-    No line is printed for DEBUG and GOAL; for INFO only if a node of the user's own files, or a
-    launch file, logged it. Nor is one printed for what another line reports: that a typed command
-    failed, and the server's reason for the refusal of this console's goal.
-
-    Args:
-        event: The event.
-        goal: The latest goal.
-        hosted: The nodes of this process.
-        is_ending: True if the console ends because of a signal or an error, so that no other line
-            reports a failed command.
+    None is printed for DEBUG and GOAL, nor for INFO except of the user's own files, nor for what
+    another line reports: a failed command, unless the console `is_ending`, and why this console's
+    goal was refused.
     """
     if event.level not in _PRINTED_LEVELS:
         return event.level == "INFO" and is_of_own_file(event, hosted)
@@ -44,26 +37,13 @@ def is_event_news(
 
 
 def is_goal_news(before: Goal | None, goal: Goal) -> bool:
-    """Return True if a line is printed for the state of a goal.
-
-    That is the case when its phase or the quarter of its way is another one, feedback has come for
-    the first time, or it has become readable or unreadable; not if the answer to a line typed here
-    has told the same.
-
-    Args:
-        before: The same goal in the snapshot before; None if it was not in it.
-        goal: The goal now.
-    """
+    """Return True if a line is printed for a goal: it reached a milestone no answer has told."""
     is_changed = before is None or _milestone(before) != _milestone(goal)
     return is_changed and not _is_in_answer(before, goal)
 
 
 def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
-    """Return the parts of a goal's state that are printed when one changes.
-
-    They are the phase, True if its feedback is unreadable, True if there was feedback, and the
-    quarter of the way, from 0 to 3.
-    """
+    """Return the parts of a goal's state that are printed when one changes."""
     quarter = min(int(goal.fraction() * 4), 3)
     return goal.phase, bool(goal.unreadable), _has_feedback(goal), quarter
 

@@ -1,7 +1,4 @@
-"""The writer of what `--plain` prints.
-
-It has a thread of its own, since whatever reads the output may stall.
-"""
+"""The writer of what `--plain` prints, on a thread of its own: a reader may stall."""
 
 from __future__ import annotations
 
@@ -21,18 +18,13 @@ class Output:
 
     When more than MAX_WAITING bytes wait, the oldest lines are dropped, and a line in their place
     tells how many.
-
-    Attributes:
-        is_broken: True after a write failed: the reader has left, or the disk is full.
     """
 
     def __init__(self, descriptor: int, on_change: Callable[[], None]) -> None:
-        """Create the output; `start` begins to write.
+        """Create the output; `start` begins to write, and the descriptor stays open.
 
-        Args:
-            descriptor: The file descriptor to write to; it stays open.
-            on_change: Called on the running loop when `has_room` or `is_done` may be true again,
-                and when a write has failed.
+        `on_change` is called on the running loop when `has_room` or `is_done` may be true again,
+        and when a write has failed.
         """
         self._descriptor, self._on_change = descriptor, on_change
         self._loop = asyncio.get_running_loop()
@@ -40,20 +32,13 @@ class Output:
         self._waiting = bytearray()
         self._dropped = 0  # Lines dropped since the last line that told how many.
         self._is_writing = self._is_closed = False
-        self.is_broken = False
+        self.is_broken = False  # True once the reader has left, or the disk is full.
 
     def start(self) -> None:
-        """Start the thread, which begins to write."""
         threading.Thread(target=self._run, name="stdout", daemon=True).start()
 
     def put(self, lines: bytes) -> None:
-        """Add lines to be written, and return at once; drop the oldest if too many wait.
-
-        Nothing is written before `start`, nor after a write has failed.
-
-        Args:
-            lines: Whole lines, each with its end.
-        """
+        """Add whole lines to be written, and return at once; drop the oldest if too many wait."""
         with self._condition:
             self._waiting += lines
             if len(self._waiting) > MAX_WAITING:
@@ -73,10 +58,7 @@ class Output:
         return self.is_broken or not (self._waiting or self._dropped or self._is_writing)
 
     def close(self) -> None:
-        """Let the thread end once it has written the waiting lines; call `put` no more.
-
-        It does not wait for the thread, and the descriptor stays open.
-        """
+        """Let the thread end once it has written the waiting lines, without waiting for it."""
         with self._condition:
             self._is_closed = True
             self._condition.notify()
@@ -84,7 +66,6 @@ class Output:
     # Called on the thread.
 
     def _run(self) -> None:
-        """Write lines until `close()` or an error, which sets `is_broken`; the thread's target."""
         try:
             while chunk := self._next_chunk():
                 self._write(chunk)
@@ -93,11 +74,7 @@ class Output:
             self._announce()
 
     def _next_chunk(self) -> bytes:
-        """Wait for lines, and return the next ones; empty once all is written after `close()`.
-
-        If lines were dropped before them, a line that tells how many is put in front. Calls
-        `on_change` as the constructor says.
-        """
+        """Wait for lines, and return the next ones; empty once all is written after `close()`."""
         with self._condition:
             self._is_writing = False
             if self.is_done:
@@ -118,16 +95,11 @@ class Output:
         return f"... {lines} left out: the reader was too slow\n".encode() + chunk
 
     def _announce(self) -> None:
-        """Have `on_change` called on the loop. Called on the thread."""
         with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for it.
             self._loop.call_soon_threadsafe(self._on_change)
 
     def _write(self, data: bytes) -> None:
-        """Write all bytes, however long the reader takes.
-
-        Raises:
-            OSError: The reader has left, or the disk is full.
-        """
+        """Write all bytes, however long the reader takes; OSError once it has left."""
         while data:
             try:
                 data = data[os.write(self._descriptor, data) :]

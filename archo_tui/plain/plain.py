@@ -51,10 +51,7 @@ _YES, _NO = ("y", "yes"), ("n", "no")
 
 
 def help_text(all_verbs: Mapping[str, Verb]) -> str:
-    """Return what `help` prints: each verb with its values and what it does, one a line.
-
-    `help` and `quit` come last.
-    """
+    """Return what `help` prints: each verb with its values and what it does, one a line."""
     lines = [verb.help_line for verb in all_verbs.values()]
     return "\n".join((*lines, "help: List these", "quit: End, once the last goal has ended"))
 
@@ -66,13 +63,7 @@ class Plain:
     """
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
-        """Create the frontend; `run` reads and writes.
-
-        Args:
-            station: The station that is operated.
-            read: The file descriptor of the input; None if there is no input. It stays open.
-            write: The file descriptor of the output, which stays open.
-        """
+        """Create the frontend; `run` reads and writes, and the descriptors stay open."""
         self._station, self._robot, self._clock = station, station.robot, station.clock
         self._conditions = Conditions(self._clock)
         self._input = Input(read, self._robot.stops, self._on_input, self._clock)
@@ -106,15 +97,8 @@ class Plain:
         """Operate the station until `quit`, the end of the input, a signal, or a failed write.
 
         After `quit` and the end of the input, requested goals and STOPs are waited for; otherwise
-        `Shutdown` decides about a running goal. At the end the frontend detaches from the station,
-        and its tasks are cancelled. The process's signals are handled meanwhile.
-
-        Returns:
-            The exit code: 0 if all succeeded; 1 if something failed, goals are left in the queue,
-            or the output cannot be written; 128 + a signal's number.
-
-        Raises:
-            Exception: The error of any task.
+        `Shutdown` decides about a running goal. Returns 0, or 1 if something failed or goals are
+        left in the queue, or 128 + a signal's number. Raises the error of any task.
         """
         self._station.attach(self)
         self._output.start()
@@ -141,7 +125,6 @@ class Plain:
         self._start_task(work)
 
     def _start_task(self, work: Coroutine[None, None, None]) -> asyncio.Task[None]:
-        """Run a coroutine as `_start` does, and return its task."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
 
@@ -183,11 +166,7 @@ class Plain:
     # The lines, one after the other.
 
     async def _serve(self) -> None:
-        """Carry out all lines up to `quit` or the end of the input, and end `run` with a code.
-
-        An empty line ends the following of a topic. If a shutdown has begun, the exit code is left
-        to it.
-        """
+        """Carry out all lines up to `quit` or the end of the input, and end `run` with a code."""
         while (line := await self._next_line()) is not None and line.text.split() != ["quit"]:
             if line.fault or line.text.split():
                 await self._carry_out(line)
@@ -200,10 +179,10 @@ class Plain:
             self._finish(0 if is_well and not self._output.is_broken else 1)
 
     async def _next_line(self) -> TypedLine | None:
-        """Wait for the next line, and for the answers to all STOPs before it, and return the line.
+        """Wait for the answers to all STOPs before the next line, and return it; None at the end.
 
-        A command that was typed in place of an answer is returned at once. If the reader of the
-        output is slow, the line waits for it, 2 s at most. None at the end of the input.
+        A command that was typed in place of an answer is returned at once. A slow reader of the
+        output is waited for, 2 s at most.
         """
         if self._put_back is not None:
             line, self._put_back = self._put_back, None
@@ -220,11 +199,7 @@ class Plain:
         return next_line
 
     async def _wait_for_the_end(self) -> None:
-        """Wait for the STOPs, slow lines and goals that were requested, and print what is left.
-
-        Lines tell which silent goal is waited for, that it is lost, and which goals are not driven;
-        a lost goal sets the exit code to 1. Returns when the output is written.
-        """
+        """Wait for the STOPs, slow lines and goals that were requested, and print what is left."""
         wait = self._conditions.wait
         await wait(lambda: self._input.is_quiet)  # A STOP may have come with the last line.
         await wait(lambda: not self._running_beside)
@@ -256,7 +231,6 @@ class Plain:
 
     @property
     def _goal(self) -> Goal | None:
-        """The goal in the last snapshot; None if there was none."""
         return self._printer.goal
 
     @property
@@ -273,10 +247,9 @@ class Plain:
         return self._goal is not None and self._goal.phase in (Phase.UNKNOWN, Phase.LOST)
 
     async def _carry_out(self, line: TypedLine) -> None:
-        """Carry out a line and wait for its answer, with two exceptions.
+        """Carry out a line and wait for its answer, but not for that of a slow `call`.
 
-        Each `cancel` directly behind the line is carried out meanwhile, if a goal runs. A `call`
-        whose service has not answered after SLOW_CALL seconds goes on beside the later lines.
+        Each `cancel` directly behind the line is carried out meanwhile, if a goal runs.
         """
         with self._robot.stops.typed_at(line.stops_before):
             running = asyncio.ensure_future(self._execute(line))
@@ -308,12 +281,10 @@ class Plain:
 
     @property
     def _is_cancel_next(self) -> bool:
-        """True if the next line is `cancel`, a goal runs, and no question waits for an answer."""
         has_goal = self._station.running_goal is not None
         return has_goal and self._input.is_cancel_next and not self._is_asking
 
     def _run_beside_later_lines(self, running: asyncio.Future[None]) -> None:
-        """Let a slow line run on beside later lines; `_wait_for_the_end` still waits for it."""
         self._running_beside += 1
         self._tasks.add(running)
 
@@ -325,10 +296,6 @@ class Plain:
         running.add_done_callback(on_end)
 
     async def _execute(self, line: TypedLine) -> None:
-        """Carry out one line, and print the reason if it fails.
-
-        Errors that a line may cause are not raised: ArchoError, ValueError and Void.
-        """
         if line.fault:
             self._printer.print_failure(line.fault)
             return
@@ -354,20 +321,8 @@ class Plain:
     async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
         """Run the verb that a line names, and print what was asked for; the caller prints failures.
 
-        Following a topic ends the following of another one. `skip` sets the exit code to 1.
-
-        Args:
-            word: The first word of the line.
-            rest: The other words.
-
-        Returns:
-            The outcome; DONE at once for `help`, a followed topic, and verbs that take seconds,
-            whose outcome is printed later.
-
-        Raises:
-            ArchoError: There is no such verb or name, or a question was not answered with yes.
-            ValueError: A value does not fit.
-            Void: A STOP was read after the line.
+        DONE at once for a followed topic and for verbs that take seconds, whose outcome is printed
+        later. `skip` sets the exit code to 1.
         """
         if word in ("help", "quit") and rest:
             raise ValueError("takes no values")
@@ -405,11 +360,7 @@ class Plain:
         return outcome
 
     async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
-        """Run a verb whose outcome takes seconds, and print its outcome or why it failed.
-
-        It asks no question. Later lines do not wait for it; the end of the input does. The caller
-        counts it in `_running_beside`; at its end that is undone.
-        """
+        """Run a verb that the caller counted in `_running_beside`, and print its outcome."""
         try:
             outcome = await run_when_ready(
                 self._station, verb, values, self._conditions.wait_at_most, None
@@ -427,8 +378,7 @@ class Plain:
     async def _follow(self, verb: Echo, values: Values) -> None:
         """Print each message of a topic, and how many were left out, until the task is cancelled.
 
-        A topic that is not on the graph is waited for while the robot may still appear. Print the
-        reason and return if there is no such topic, or a message cannot be shown.
+        A topic that is not on the graph is waited for while the robot may still appear.
         """
         try:
             await self._conditions.wait_at_most(
@@ -456,7 +406,6 @@ class Plain:
             self._following = None
 
     def _on_snapshot(self, snapshot: Snapshot) -> None:
-        """Print what is new in a snapshot, and pass it to the station."""
         self._printer.print_news(snapshot)
         self._printer.print_alarms(self._station.on_snapshot(snapshot))
         self._printer.print_requests()
@@ -465,15 +414,9 @@ class Plain:
     # Questions and requests, which a person answers.
 
     async def _ask(self, question: Question) -> None:
-        """Ask the person at the terminal; return if the answer is yes.
+        """Ask the person at the terminal: ArchoError unless the next line is yes, Void at a STOP.
 
-        The next line is the answer. An empty line and the end of the input mean no. A line that is
-        neither yes nor no means no, too, and is carried out as a command.
-
-        Raises:
-            ArchoError: The answer is not yes, or the input is no terminal.
-            Void: A STOP was read after the line that the question is about, or another console sent
-                one; also while no answer has come.
+        A line that is neither yes nor no means no, too, and is carried out as a command.
         """
         first, *more = (" ".join(line.split()) for line in question.text.splitlines() if line)
         if more:
@@ -503,16 +446,6 @@ class Plain:
 
         An answer counts only if it was typed alone, 0.3 s or more after the line before, a second
         or more after the request was printed, and if all output is written.
-
-        Args:
-            word: `allow` or `deny`.
-            rest: The other words of the line: the number of the request.
-
-        Returns:
-            The outcome, as of `Approvals.answer`; REFUSED also if the answer does not count.
-
-        Raises:
-            ValueError: No person types, or `rest` is not a number.
         """
         if not self._input.is_terminal:
             raise ValueError("only a person at a terminal answers an assistant")
@@ -538,21 +471,14 @@ class Plain:
     # What the station calls (`station.Frontend`).
 
     def carry_out(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work as a task beside the others; the end of the input does not wait for it.
-
-        An error in it ends `run`.
-        """
+        """Run work as a task beside the others; the end of the input does not wait for it."""
         self._start(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Run work as `carry_out` does."""
         self._start(work())
 
     def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Print why the robot did not accept a goal of the queue, and refresh the station.
-
-        An accepted goal is printed as news of the robot.
-        """
+        """Print why the robot did not accept a goal of the queue; an accepted one comes as news."""
         if not outcome.ok:
             self._printer.print_failure(f"{wanted.text}: {outcome.text}")
         self._station.refresh()
@@ -567,25 +493,12 @@ class Plain:
         """Do nothing: `_ask` watches for a STOP itself, and ends without an answer."""
 
     def restart(self, why: str) -> None:
-        """Log a warning that changes count from the next start on, and do not restart.
-
-        Restarting would lose lines that were read already.
-
-        Args:
-            why: The change that needs a restart.
-        """
+        """Log a warning only: restarting would lose lines that were read already."""
         self._robot.note("WARN", "console", f"{why}: they count from the next start on")
 
 
 def run(station: Station, read: int | None) -> int:
-    """Operate a station through a file descriptor and standard output; return the exit code.
-
-    It blocks until `Plain.run` has ended, and handles the process's signals meanwhile.
-
-    Args:
-        station: The station.
-        read: The file descriptor of the input; None if there is no input.
-    """
+    """Operate a station until the end, with the process's signals; return the exit code."""
 
     async def operate() -> int:
         return await Plain(station, read, sys.stdout.fileno()).run()

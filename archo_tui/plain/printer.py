@@ -22,44 +22,21 @@ if TYPE_CHECKING:
 
 
 class Printer:
-    """The printer of events, goals, alarms and requests of assistants; each change is printed once.
-
-    Its methods are called on the running loop only, and do not wait for the output.
-
-    Attributes:
-        goal: The goal in the last snapshot that was passed in; None if it had none.
-        has_failed: True once a failure was printed, or a goal of this console did not arrive, was
-            skipped or is lost; the exit code is 1 then.
-        requests_shown_at: The monotonic time in seconds at which each request of an assistant was
-            printed, by its number.
-    """
+    """The printer of events, goals, alarms and requests, each change once; it never waits."""
 
     def __init__(
         self, station: Station, output: Output, status: Status, is_ending: Callable[[], bool]
     ) -> None:
-        """Create a printer that has printed nothing.
-
-        Args:
-            station: The station whose news are printed.
-            output: Takes the lines.
-            status: The verb whose hints say what to type for a goal or about an alarm.
-            is_ending: Returns True while this program ends: failed commands are printed as events
-                then, since no line answers them any more.
-        """
         self._station, self._output, self._status = station, output, status
         self._clock, self._is_ending = station.clock, is_ending
         self._ascii = ascii_only()
         self._printed_events: set[int] = set()  # Numbers of events in the last snapshot.
         self.goal: Goal | None = None
-        self.has_failed = False
-        self.requests_shown_at: dict[int, float] = {}
+        self.has_failed = False  # The exit code is 1 then.
+        self.requests_shown_at: dict[int, float] = {}  # Monotonic s, by number.
 
     def print_news(self, snapshot: Snapshot) -> None:
-        """Print the events and the state of the goal that are news, by news.py, in a snapshot.
-
-        An event that only repeats is not printed again. `goal` is set, and `has_failed` if a goal
-        of this console ended without arriving.
-        """
+        """Print the events and the goal's state that are news; set `goal` and `has_failed`."""
         for event in snapshot.events:
             if event.number not in self._printed_events and is_event_news(
                 event, snapshot.goal, self._station.view.hosted, is_ending=self._is_ending()
@@ -69,10 +46,6 @@ class Printer:
         self._print_goal(snapshot)
 
     def _print_goal(self, snapshot: Snapshot) -> None:
-        """Print the state of the snapshot's goal if it is news, and keep it as `goal`.
-
-        Sets `has_failed` if a goal of this console has ended, and did not arrive.
-        """
         goal, before = snapshot.goal, self.goal
         self.goal = goal
         if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):
@@ -86,11 +59,7 @@ class Printer:
             self.print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
 
     def print_alarms(self, changed: list[Alarm]) -> None:
-        """Print the new state of each alarm: its name, or the text and a remedy of a raised one.
-
-        Args:
-            changed: The alarms whose state has changed.
-        """
+        """Print the new state of each alarm, with the text and a remedy of a raised one."""
         for alarm in changed:
             is_new = alarm.state == AlarmState.UNACKNOWLEDGED
             snapshot = self._station.robot.snapshot
@@ -98,10 +67,7 @@ class Printer:
             self.print_timed(f"alarm {alarm.state.value}: {text}")
 
     def print_requests(self) -> None:
-        """Print each new request of an assistant, and what to type to answer it.
-
-        The time is kept in `requests_shown_at`.
-        """
+        """Print each new request of an assistant, and what to type to answer it."""
         for request in self._station.view.requests:
             if request.number not in self.requests_shown_at:
                 self.requests_shown_at[request.number] = self._clock.monotonic()
@@ -109,21 +75,15 @@ class Printer:
                 self.print_timed(f"{request.requester.source} wants: {request.text} ({ways})")
 
     def print_failure(self, text: str) -> None:
-        """Print `failed: ` and a text behind the time of day, and set `has_failed`."""
         self.print_timed(f"failed: {text}")
         self.has_failed = True
 
     def print_timed(self, text: str, at: float | None = None) -> None:
-        """Print a text behind a time of day, `HH:MM:SS`.
-
-        Args:
-            text: The text.
-            at: Unix time in seconds; None for now.
-        """
+        """Print a text behind a time of day; `at` is Unix time in seconds, None for now."""
         self.print_text(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
 
     def print_text(self, text: str) -> None:
-        """Print a text of one or more lines, with a mark in place of each control character.
+        """Print lines, with a mark in place of each control character.
 
         On a terminal that takes only ASCII, other characters are replaced.
         """

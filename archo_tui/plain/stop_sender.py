@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 
 
 class StopSender:
-    """The sender of typed STOPs: one STOP to the robot for all that were read and not sent yet.
-
-    All methods are called on the running loop.
-    """
+    """The sender of typed STOPs: one STOP to the robot for all that were read and not sent yet."""
 
     def __init__(
         self,
@@ -33,16 +30,6 @@ class StopSender:
         start: Callable[[Coroutine[None, None, None]], None],
         on_failure: Callable[[str], None],
     ) -> None:
-        """Create the sender; `run` sends.
-
-        Args:
-            station: The station, whose robot is stopped.
-            verb: The verb `stop`.
-            typed: The input, which counts the STOPs and lists the unanswered ones.
-            conditions: Wakes `run` when a STOP was read; `check_again` is called after each answer.
-            start: Runs a coroutine as a task beside the others.
-            on_failure: Gets the text of a STOP that the robot did not confirm.
-        """
         self._station, self._stops = station, station.robot.stops
         self._verb, self._typed, self._conditions = verb, typed, conditions
         self._start, self._on_failure = start, on_failure
@@ -52,7 +39,6 @@ class StopSender:
     async def run(self) -> None:
         """Send the typed STOPs as they are read, until the task is cancelled.
 
-        One is sent for all that were read since the last was sent, without waiting for its answer.
         At most two a second are sent, unless something else was requested since the last one.
         """
         unsent = self._typed.unanswered
@@ -71,8 +57,8 @@ class StopSender:
     async def _send(self, number: int) -> None:
         """Send one STOP for all up to `number`, wait for the answer, and mark them as answered.
 
-        They are marked also if the robot did not confirm the STOP; `on_failure` is called then,
-        unless the robot has confirmed a later one.
+        They are marked also without a confirmation; `on_failure` is called then, unless the robot
+        has confirmed a later one.
         """
         unanswered = self._typed.unanswered
         outcome = await self._verb.run(self._station, {})
@@ -85,12 +71,6 @@ class StopSender:
         self._conditions.check_again()
 
     def are_answered(self, up_to: int | None = None) -> bool:
-        """Return True if every typed STOP was answered by the robot, or the time for that is over.
-
-        True also if none was typed.
-
-        Args:
-            up_to: The number (by `Stops.count`) of the last STOP that matters; None for all.
-        """
+        """Return True if every typed STOP up to a number was answered, or has timed out."""
         unanswered = self._typed.unanswered
         return not unanswered or (up_to is not None and unanswered[0] > up_to)

@@ -1,7 +1,6 @@
 """The robot of a console, for Python programs: `archo_tui.connect()`. Standard library only.
 
-Each call has a connection of its own to the console, so no call waits for a call in another thread.
-When a connection closes, the console calls off what was requested through it.
+Each call has a connection of its own; when it closes, the console calls off what it requested.
 """
 
 from __future__ import annotations
@@ -33,20 +32,13 @@ class Robot:
     can call everything here, too; goals that the parent has sent stay the parent's, and end with
     it.
 
-    Each `timeout` is in seconds; None waits for as long as the console answers. Every method raises
-    Unreached if the console has gone or is suspended, and Misused if `timeout` is not a valid time.
+    Each `timeout` is in seconds; None waits for as long as the console answers. Unless an iterator
+    ends there, RanOut is raised once it is over. Every method raises Unreached if the console has
+    gone or is suspended, and Misused if `timeout` is not a valid time.
     """
 
     def __init__(self, to: str = "") -> None:
-        """Find the console, without keeping a connection. See `archo_tui.connect`.
-
-        Args:
-            to: The process number, namespace or socket name of the console; "" for that which the
-                environment variable ARCHO_TUI_CONSOLE names, or else the only one.
-
-        Raises:
-            Unreached: No console or several could be meant, or one of them does not answer.
-        """
+        """Find the console, without keeping a connection. See `archo_tui.connect`."""
         with convert_unreached(), contextlib.closing(finder.choose({"to": to})) as console:
             self._path, self._hello = console.path, console.hello
         self._lock = threading.Lock()
@@ -88,8 +80,7 @@ class Robot:
     def _leave_to_parent(self) -> None:
         """Close a forked child's copies of the parent's connections, and end its goal handles.
 
-        If the child kept the connections, the console would not notice the end of the parent, and
-        would let the parent's goals run on.
+        Else the console would not notice the end of the parent, and let its goals run on.
         """
         for request in self._requests:
             request.close()
@@ -101,10 +92,7 @@ class Robot:
         """Return the state of the robot, with its goal, queue and alarms, at this moment.
 
         Args:
-            timeout: Seconds; None: as long as the console answers.
-
-        Raises:
-            RanOut: `timeout` seconds are over.
+            timeout: See `Robot`.
         """
         reply = self.do("status", timeout=timeout)
         return from_reply(
@@ -136,17 +124,13 @@ class Robot:
                 `wait` raises RanOut; None: it may take any time.
             **values: The fields of a goal that has several, by their names: `x=1.5, y=2`.
 
-        Returns:
-            The handle: `wait`, `cancel`, `feedback`, `done`.
-
         Raises:
             Refused: The robot or the console refused; nothing is driven.
             Unconfirmed: The robot has not answered: it may drive.
-            Misused: The kind or the values mean nothing, or the battery is low: then
-                `do("go", "12", "--yes")` sends it. Nothing was sent.
+            Misused: Nothing was sent: the kind or the values mean nothing, or the battery is low;
+                then `do("go", "12", "--yes")` sends it.
             Cancelled: A STOP came before the goal had left, or the goal is held in the queue.
             RanOut: `timeout` seconds passed before the robot had answered.
-            Unreached: The console has gone or does not answer.
         """
         words = [kind, *map(_text, numbers), *(f"{name}={_text(v)}" for name, v in values.items())]
         if is_stop({"words": words}):
@@ -171,13 +155,12 @@ class Robot:
         are held, not cancelled.
 
         Args:
-            timeout: Seconds for the robot's answer; None: as long as the console answers.
+            timeout: See `Robot`.
 
         Raises:
             Refused: No goal runs, or the robot refuses.
             Unconfirmed: The robot does not answer.
             Misused: The running goal is another client's: `do("cancel", "--yes")` cancels it.
-            RanOut: `timeout` seconds are over.
         """
         self.do("cancel", timeout=timeout)
 
@@ -187,10 +170,7 @@ class Robot:
         STOP jumps every queue, and requests that were made before it and not sent yet are not sent.
         It takes at most 15 s; a console that received it carries it out even if nobody waits for
         the result. If this console has gone, STOP goes to every other console of the same robot.
-
-        Args:
-            *ignored: Anything: a STOP is never refused for what is given with it.
-            **also_ignored: Anything.
+        Arguments are ignored: none makes a STOP fail.
 
         Raises:
             Unreached: The STOP is not confirmed: the robot may be moving. A suspended console
@@ -212,13 +192,12 @@ class Robot:
             node: The name of the node: `motor_controller`.
             name: The name of the parameter: `max_speed`.
             value: A bool, number, text, or list of these, as the parameter's type is.
-            timeout: Seconds; None: as long as the console answers.
+            timeout: See `Robot`.
 
         Raises:
             Refused: The node refuses the value.
             Unconfirmed: The node does not answer: it may have taken the value.
             Misused: There is no such parameter, or the value is beyond its range.
-            RanOut: `timeout` seconds are over.
         """
         self.do("set", node, name, _text(value), timeout=timeout)
 
@@ -231,11 +210,10 @@ class Robot:
         Args:
             node: The name of the node: `motor_controller`.
             name: The name of the parameter: `max_speed`.
-            timeout: Seconds; None: as long as the console answers.
+            timeout: See `Robot`.
 
         Raises:
             Misused: There is no such node or parameter.
-            RanOut: `timeout` seconds are over.
         """
         return self.do("get", node, name, timeout=timeout)["value"]
 
@@ -245,10 +223,9 @@ class Robot:
         Args:
             *what: `idle`, `ready`, `stopped`, `arrived` (the goal that runs now, whoever sent it),
                 or `battery` and a number of percent.
-            timeout: Seconds; None: as long as the console answers. Nothing is cancelled after it.
+            timeout: See `Robot`. Nothing is cancelled after it.
 
         Raises:
-            RanOut: The robot is not in that state after `timeout` seconds.
             Refused: The robot cannot reach that state, or no goal runs that could arrive.
             Unconfirmed: With `arrived`: the goal is lost: the robot may still be moving.
             Aborted: With `arrived`: the goal has ended without arriving.
@@ -258,15 +235,14 @@ class Robot:
         self.do("wait", *map(_text, what), timeout=timeout)
 
     def events(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
-        """Return an iterator over the events from this call on; other calls go on beside it.
+        """Return an iterator over the events from this call on, for one thread.
+
+        An event is what `archo-tui events --follow --json` prints: `level`, `source`, `text`. The
+        iterator raises Unreached once the console has gone.
 
         Args:
             timeout: Seconds after which the iterator ends; None: it goes on while the console
                 answers.
-
-        Returns:
-            An iterator, for one thread, of events as `archo-tui events --follow --json` prints
-            them: `level`, `source`, `text`. It raises Unreached once the console has gone.
         """
         request = self._request(checked_timeout(timeout), words=["events"], follow=True)
         request.send()
@@ -277,19 +253,17 @@ class Robot:
     def messages(
         self, topic: str, *fields: str, timeout: float | None = None
     ) -> Iterator[dict[str, Any]]:
-        """Return an iterator over the messages of a topic; other calls go on beside it.
+        """Return an iterator over the messages of a topic, for one thread.
 
-        It yields at most five messages a second, and leaves out those between.
+        It yields at most five messages a second, and leaves out those between. Numbers that JSON
+        lacks are the texts `nan`, `inf` and `-inf`.
 
         Args:
             topic: The name of the topic: `/battery_level`.
-            *fields: The dotted paths of fields, `pose.position.x`; without any the whole message.
+            *fields: The dotted paths of fields, `pose.position.x`, which are the keys then; without
+                any the whole message.
             timeout: Seconds after which the iterator ends; None: it goes on while the console
                 answers.
-
-        Returns:
-            An iterator, for one thread, of mappings: fields by name, or the chosen ones by path.
-            Numbers that JSON lacks are the texts `nan`, `inf` and `-inf`.
 
         Raises:
             Misused: There is no such topic or field, or a message is too large: raised by the
@@ -350,28 +324,13 @@ if hasattr(os, "register_at_fork"):
 
 
 def stop(to: str = "") -> None:
-    """Send STOP to every console that could be meant. See `archo_tui.stop`.
-
-    Without `to`, ARCHO_TUI_CONSOLE decides, as for `finder.stop`.
-
-    Raises:
-        Unreached: No console runs, or one did not confirm the STOP.
-        Unconfirmed, Refused: A robot did not confirm the STOP, or refused it.
-    """
+    """Send STOP to every console that could be meant. See `archo_tui.stop`."""
     with convert_unreached():
         _stop({"to": to})
 
 
 def _stop(selection: Mapping[str, Any]) -> None:
-    """Send STOP to every console that is meant, and wait for the results of all, 15 s at most.
-
-    Args:
-        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-
-    Raises:
-        NotDone: A console did not confirm the STOP: the error of the first such console.
-        finder.NoConsole: No console could be meant.
-    """
+    """Send STOP to every console that is meant; raise the first failure, or `finder.NoConsole`."""
     for ended in finder.stop(selection, _ignore):
         data_or_raise({"code": ended.code, "text": ended.text})
 
@@ -379,18 +338,7 @@ def _stop(selection: Mapping[str, Any]) -> None:
 def _events(
     request: Request, first: dict[str, Any], replies: Iterator[dict[str, Any]]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the events among the replies to a request, and close the request at the end.
-
-    The iterator ends without an error when the request's timeout is over.
-
-    Args:
-        request: The request.
-        first: Its first reply.
-        replies: The replies that follow.
-
-    Raises:
-        NotDone: The request ended otherwise.
-    """
+    """Yield the events of a request, and close it at the end or when its timeout is over."""
     reply = first
     with contextlib.closing(request):
         while "code" not in reply:
@@ -402,16 +350,7 @@ def _events(
 
 
 def _messages(request: Request) -> Iterator[dict[str, Any]]:
-    """Yield the messages of a topic that is followed, and close the request at the end.
-
-    The iterator ends without an error when the request's timeout is over.
-
-    Args:
-        request: The request to follow the topic, which has been sent.
-
-    Raises:
-        NotDone: The request ended otherwise.
-    """
+    """Yield the messages of a topic, and close the request at the end or after its timeout."""
     with contextlib.closing(request):
         for reply in request.replies():
             if "message" in reply:
@@ -425,11 +364,7 @@ def _ignore(_text: str) -> None:
 
 
 def _text(value: Any) -> str:
-    """Return a value as it is typed: texts unchanged, anything else as JSON.
-
-    Raises:
-        Misused: JSON has no such value.
-    """
+    """Return a value as it is typed: texts unchanged, anything else as JSON."""
     try:
         return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     except (TypeError, ValueError) as error:

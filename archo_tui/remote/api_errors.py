@@ -73,12 +73,7 @@ _GOOD = ("done", "accepted", "arrived")
 
 
 def data_or_raise(result: Mapping[str, Any]) -> Any:
-    """Return the `data` of a successful result, None if it has none; raise the error of any other.
-
-    Raises:
-        NotDone: The code is not `done`, `accepted` or `arrived`. The subclass depends on the code;
-            for a code that is not in ERRORS it is Refused.
-    """
+    """Return the `data` of a successful result, None without one; raise any other's error."""
     code = result["code"]
     if code not in _GOOD:
         raise ERRORS.get(code, Refused)(code, result["text"])
@@ -95,11 +90,7 @@ def convert_unreached() -> Iterator[None]:
 
 
 def checked_timeout(timeout: float | None) -> float | None:
-    """Return `timeout` unchanged if it is None or from 0 to 1e9 seconds.
-
-    Raises:
-        Misused: It is anything else.
-    """
+    """Return `timeout` if it is None or from 0 to 1e9 seconds; raise Misused otherwise."""
     if timeout is not None and not is_valid_timeout(timeout):
         raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")
     return timeout

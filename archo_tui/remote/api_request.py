@@ -19,22 +19,9 @@ _CALL_OFF_TIMEOUT = 5.0
 
 
 class Request:
-    """A request to a console, on a connection of its own, which it closes as a context manager.
-
-    An exception inside the context calls the request off.
-    """
+    """A connection for one request; an exception inside its context calls the request off."""
 
     def __init__(self, path: str, timeout: float | None, fields: Mapping[str, Any]) -> None:
-        """Connect to the console; `send` sends the request.
-
-        Args:
-            path: The socket of the console.
-            timeout: Seconds after `send` in which the console ends the request; None: never.
-            fields: The names and values of the request, as docs/protocol.md lists them.
-
-        Raises:
-            Unreached: The console has gone, does not say hello, or speaks another protocol.
-        """
         self._path, self._timeout, self._fields = path, timeout, fields
         self._end: float | None = None  # Monotonic time in seconds.
         with convert_unreached():
@@ -53,11 +40,7 @@ class Request:
             self.close()
 
     def send(self) -> None:
-        """Send the request; its timeout begins now.
-
-        Raises:
-            Unreached: The console has gone.
-        """
+        """Send the request; its timeout begins now."""
         if self._timeout is not None:
             self._end = time.monotonic() + self._timeout + _CALL_OFF_TIMEOUT
         with convert_unreached():
@@ -67,10 +50,6 @@ class Request:
         """Yield all replies of the console, the result last.
 
         After each 10 s without a reply, another connection tests whether the console still answers.
-
-        Raises:
-            Unreached: The console has gone or no longer answers, or there is no result 5 s after
-                the timeout of the request.
         """
         reply: dict[str, Any] = {}
         while "code" not in reply:
@@ -87,36 +66,23 @@ class Request:
             yield reply
 
     def result(self) -> dict[str, Any]:
-        """Wait for the result and return it; other replies are dropped.
-
-        Raises:
-            Unreached: The console has gone or no longer answers, as for `replies`.
-        """
+        """Wait for the result and return it; other replies are dropped."""
         reply: dict[str, Any] = {}
         for reply in self.replies():  # noqa: B007  # the last one is wanted
             pass
         return reply
 
     def give_up(self) -> None:
-        """Tell the console to call the request off, and return without waiting for the result.
-
-        Does nothing if the connection is closed or broken.
-        """
+        """Tell the console to call the request off; do not wait, and ignore a broken connection."""
         with contextlib.suppress(client.Unreached):
             self._send_message({"give_up": True})
 
     def close(self) -> None:
-        """Close the connection: the console calls off what is still underway.
-
-        A second call does nothing.
-        """
+        """Close the connection: the console calls off what is still underway."""
         self._console.close()
 
     def shut_down(self) -> None:
-        """End the connection from another thread: `replies` raises Unreached in its thread.
-
-        That thread closes the socket. The console calls off what is still underway.
-        """
+        """End the connection from another thread: `replies`, which closes it, raises Unreached."""
         if self._console.socket is not None:
             with contextlib.suppress(OSError):  # It is closed already.
                 self._console.socket.shutdown(socket.SHUT_RDWR)
@@ -127,10 +93,5 @@ class Request:
             self._console.send(message)
 
     def _check_that_it_answers(self) -> None:
-        """Connect to the console once more, and close that connection at once.
-
-        Raises:
-            Unreached: The console does not say hello within 10 s.
-        """
         with convert_unreached():
             finder.reach(self._path, _SILENCE).close()

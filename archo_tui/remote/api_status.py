@@ -134,11 +134,5 @@ class Status:
 
 
 def from_reply(kind: type[_Kind], reply: Mapping[str, Any]) -> _Kind:
-    """Create an object of the class `kind` from a console's reply.
-
-    Entries that the class does not have, such as those of a newer console, are ignored.
-
-    Raises:
-        KeyError: The reply lacks an attribute of the class.
-    """
+    """Create an object of `kind` from a console's reply; entries of a newer console are ignored."""
     return kind(**{field.name: reply[field.name] for field in fields(kind)})  # type: ignore[arg-type]

@@ -29,31 +29,16 @@ ASKED = "asked"  # In place of an outcome's code: a person has to decide.
 
 
 class Assistants:
-    """The handler of all assistants' requests; each assistant sees and cancels only its own goals.
-
-    A STOP of an assistant does not come here: the request handler carries it out like any STOP.
-    """
+    """The handler of assistants' requests except STOP; each cancels only its own goals."""
 
     def __init__(self, station: Station, verbs: Mapping[str, Verb], until: Until) -> None:
-        """Create the handler.
-
-        Args:
-            station: The station that knows the robot.
-            verbs: All verbs, by id.
-            until: Waits for a condition.
-        """
         self._station, self._verbs, self._until = station, verbs, until
 
     async def carry_out(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request of an assistant, and return the result with the request's `id`.
+        """Return the result of a request of an assistant, with the request's `id`.
 
-        An assistant may ask for a goal, list goals, wait for its request, cancel its goal, and run
-        verbs that only read; any other verb is refused.
-
-        Raises:
-            RequestTimedOut: The timeout is over.
-            ArchoError: A name means nothing here.
-            ValueError: The request means nothing here.
+        Verbs that act are refused. Raises ArchoError or ValueError for what means nothing here, and
+        RequestTimedOut.
         """
         number = request.get("id")
         if "ask" in request:
@@ -80,10 +65,7 @@ class Assistants:
         return result if data is None else {**result, "data": data}
 
     def _goals(self) -> list[dict[str, Any]]:
-        """Return `kind`, `title` and `schema`, the JSON schema of the values, of each kind of goal.
-
-        The values are named by the dotted paths of their fields, and all are required.
-        """
+        """Return `kind`, `title` and `schema`, a JSON schema with field paths, of each goal."""
         snapshot, found = self._station.robot.snapshot, []
         for verb in self._verbs.values():
             if isinstance(verb, Go):
@@ -98,21 +80,7 @@ class Assistants:
         return found
 
     async def _request_approval(self, requester: Requester, wanted: Any) -> dict[str, Any]:
-        """Ask a person to allow a goal, and return the reply without waiting for the decision.
-
-        If this console has just started, the robot is waited for first, some seconds at most.
-
-        Args:
-            requester: The assistant.
-            wanted: The `ask` of its request: `kind` and `values` of the goal.
-
-        Returns:
-            The reply with code `asked` and the number of the approval request in `data`; with a
-            code such as `refused` if nobody is asked.
-
-        Raises:
-            ValueError: The kind or the values mean nothing, or are not fit for a person to read.
-        """
+        """Ask a person to allow a goal, and reply without waiting for the decision."""
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):
@@ -148,16 +116,7 @@ class Assistants:
         }
 
     def _checked_values(self, verb: Go, given: Any) -> dict[str, Any]:
-        """Return the values of a goal by dotted path, each converted to its field's type.
-
-        Args:
-            verb: The verb of the goal.
-            given: The values that the assistant sent, by dotted path.
-
-        Raises:
-            ValueError: `given` is no object, or a value is missing, unknown, or not of its type; or
-                the action's type is not installed.
-        """
+        """Return the values of a goal by dotted path, each converted to its field's type."""
         fields = self._station.robot.snapshot.forms.get(verb.kind.id)
         if fields is None:
             raise ValueError(f"{verb.kind.type} is not installed here")
@@ -182,18 +141,7 @@ class Assistants:
     ) -> dict[str, Any]:
         """Wait until the assistant's request is denied, void or expired, or its goal has ended.
 
-        Args:
-            requester: The assistant.
-            words: The words behind `wait request`: the number of the approval request.
-            request: The request to wait; its `timeout` in seconds counts up to 50, the default.
-
-        Returns:
-            The reply: `denied`, `void` or `expired` as its code; or the outcome of the goal, and
-            the goal as its data, if the robot accepted it.
-
-        Raises:
-            RequestTimedOut: The timeout is over; the text tells the state of the request.
-            ValueError: This assistant has no request of that number.
+        The request's `timeout` counts up to 50 s, which is the default.
         """
         self._request_of(requester, words)
         timeout = timeout_of(request)
@@ -235,15 +183,7 @@ class Assistants:
         return self._station.clock.monotonic()
 
     def _request_of(self, requester: Requester, words: list[str]) -> ApprovalRequest:
-        """Return the assistant's approval request that has the typed number.
-
-        Args:
-            requester: The assistant.
-            words: The words that were typed: the number alone.
-
-        Raises:
-            ValueError: The words are no number, or this assistant has no request of that number.
-        """
+        """Return this assistant's approval request by its number; ValueError if there is none."""
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10
         request = self._station.approvals.get(int(number)) if is_number else None

@@ -28,34 +28,19 @@ class Silent(Unreached):
 
 
 class Connection:
-    """A connection to one console.
+    """A connection to one console; nothing blocks before `set_blocking`.
 
-    At first no method blocks, so that one thread can connect to several consoles at once. After
-    `set_blocking`, `request` and `remaining_replies` wait for the console.
-
-    Attributes:
-        path: The path of the socket.
-        card: The copy of the hello in the file beside the socket; None if there is no such file.
-        hello: The console's first message, which describes it; empty until it has come.
-        result: The result of the request that was sent on connecting; None until it has come.
-        is_dead: True if no process listens on the socket.
-        has_gone: True if the connection broke or could not be made, though the socket exists.
-        socket: The connected socket, also after it was closed; None before that.
+    So one thread can connect to several consoles at once.
     """
 
     def __init__(self, path: str, card: dict[str, Any] | None = None) -> None:
-        """Create the connection without connecting.
-
-        Args:
-            path: The path of the socket.
-            card: The result of `socket_files.read_card` for the socket.
-        """
+        # card: the hello in the file beside the socket; None without one
         self.path, self.card = path, card
-        self.hello: dict[str, Any] = {}
-        self.result: dict[str, Any] | None = None
-        self.is_dead = False
-        self.has_gone = False
-        self.socket: socket.socket | None = None
+        self.hello: dict[str, Any] = {}  # The first message; empty until it has come.
+        self.result: dict[str, Any] | None = None  # Of the request that was sent on connecting.
+        self.is_dead = False  # No process listens on the socket.
+        self.has_gone = False  # The connection broke or could not be made.
+        self.socket: socket.socket | None = None  # Also after it was closed.
         self._buffer = b""
         self._number = 0
 
@@ -64,12 +49,8 @@ class Connection:
     def connect(self, first: bytes) -> None:
         """Try to connect, without waiting, and send `first` before the hello has come.
 
-        Errors are not raised: `is_dead` or `has_gone` is set instead. The files of a console that
-        was killed are removed. If too many connections wait, `socket` stays None and the caller
-        tries again.
-
-        Args:
-            first: The request as bytes; b"" for none.
+        Errors set `is_dead` or `has_gone`; the files of a killed console are removed. If too many
+        connections wait, `socket` stays None: try again.
         """
         try:
             self.socket = socket_files.connect(self.path)
@@ -85,10 +66,9 @@ class Connection:
             self.has_gone = True
 
     def receive(self) -> None:
-        """Read what the console has sent, without waiting, and set `hello` and `result` from it.
+        """Read what the console has sent, without waiting, up to the result.
 
         Sets `has_gone` if the console has closed the connection or sent what is no message.
-        Messages behind the result stay unread.
         """
         assert self.socket is not None
         try:
@@ -110,10 +90,7 @@ class Connection:
 
     @property
     def fault(self) -> str:
-        """The reason why this console takes no verb, such as no hello yet; "" if it takes verbs.
-
-        A console that only watches has no fault.
-        """
+        """The reason why this console takes no verb, such as no hello yet; "" if it takes verbs."""
         if not self.hello:
             return f"{self.short_description} does not answer: is it suspended?"
         protocol = self.hello.get("protocol")
@@ -134,21 +111,14 @@ class Connection:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """The robot, namespace, engine and pid of the console, among other values of a hello.
-
-        They are those of the hello or, until a valid hello has come, those of the card: the file
-        beside the socket with a copy of the hello. Empty if neither names the console.
-        """
+        """The hello or, until a valid one has come, the card; empty without either."""
         return next(
             (hello for hello in (self.hello, self.card) if hello and _names_console(hello)), {}
         )
 
     @property
     def description(self) -> str:
-        """The console in a line: `pid 7: ROBOT NAMESPACE, ENGINE domain 0`, with `, watching`.
-
-        Before the hello it is what the card or the socket's name tells, at least the pid.
-        """
+        """The console in a line: `pid 7: ROBOT NAMESPACE, ENGINE domain 0`, with `, watching`."""
         identity = self.identity
         if not identity:
             return self.short_description.removeprefix("the console of ")
@@ -159,7 +129,7 @@ class Connection:
     # Waiting, once the hello has come.
 
     def set_blocking(self) -> None:
-        """Make the socket blocking, so that later calls wait for the console."""
+        """Make later calls wait for the console."""
         assert self.socket is not None
         self.socket.settimeout(None)
 
@@ -168,16 +138,8 @@ class Connection:
     ) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.
 
-        Nothing is sent before the iterator is first advanced. Replies to other requests are
-        dropped; those without an `id` are not.
-
-        Args:
-            total_timeout: Seconds for all replies together; None for any time.
-            **fields: The fields of the request, as docs/protocol.md lists them.
-
-        Raises:
-            Silent: The result did not come in time. A subclass of Unreached.
-            Unreached: The console has gone.
+        Nothing is sent before the iterator is first advanced. Raises Silent if the result does not
+        come within `total_timeout` s, else Unreached.
         """
         self._number += 1
         number = self._number
@@ -191,15 +153,8 @@ class Connection:
     def remaining_replies(self, total_timeout: float | None = None) -> Iterator[dict[str, Any]]:
         """Yield all further messages of the console, whichever request they are for.
 
-        The iterator never ends without an error.
-
-        Args:
-            total_timeout: Seconds for all messages together, from the first `next` on; None for any
-                time.
-
-        Raises:
-            Silent: The time is over.
-            Unreached: The console has gone.
+        Never ends without an error: Silent after `total_timeout` s, counted from the first `next`,
+        or Unreached.
         """
         assert self.socket is not None
         end = None if total_timeout is None else time.monotonic() + total_timeout
@@ -222,14 +177,7 @@ class Connection:
         raise Unreached(GONE)
 
     def send(self, request: dict[str, Any]) -> None:
-        """Send a request, an answer, or `give_up`, as docs/protocol.md lists them.
-
-        Args:
-            request: The whole message, with an `id` if it needs one.
-
-        Raises:
-            Unreached: The console has gone.
-        """
+        """Send a message of docs/protocol.md; raise Unreached if the console has gone."""
         assert self.socket is not None
         try:
             self.socket.sendall(encode(request))
@@ -237,27 +185,15 @@ class Connection:
             raise Unreached(GONE) from None
 
     def close(self) -> None:
-        """Close the connection, if there is one."""
         if self.socket is not None:
             self.socket.close()
 
     def detach(self) -> tuple[socket.socket, bytes]:
-        """Return the socket, and the bytes that were read from it and not parsed yet.
-
-        The caller reads and closes the socket from now on.
-        """
+        """Return the socket, which the caller closes, and the bytes that were not parsed."""
         assert self.socket is not None
         return self.socket, self._buffer
 
     def _next_message(self) -> dict[str, Any] | None:
-        """Remove the next whole line from the buffer and return its message.
-
-        Returns:
-            The message; None if no line is whole yet.
-
-        Raises:
-            ValueError: The line is no JSON object.
-        """
         data, found, rest = self._buffer.partition(b"\n")
         if not found:
             return None
@@ -266,6 +202,5 @@ class Connection:
 
 
 def _names_console(hello: dict[str, Any]) -> bool:
-    """Return True if a hello has the robot, namespace, engine and pid of its console."""
     texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
     return texts and type(hello.get("pid")) is int

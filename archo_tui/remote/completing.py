@@ -1,7 +1,6 @@
 """The hidden `archo-tui __complete WORD ...`, which the script of a shell calls at a tab.
 
-A person waits for it in the middle of a line: it takes half a second at most, prints nothing if it
-gets no answer, and changes nothing on the robot.
+It takes half a second at most, prints nothing without an answer, and changes nothing on the robot.
 """
 
 from __future__ import annotations
@@ -27,15 +26,7 @@ _PLAIN_WORD = re.compile(r"[\w./:=+-]+", re.ASCII)
 
 
 def print_candidates(words: Sequence[str]) -> int:
-    """Print the words that may follow on a command line, one a line, and return 0.
-
-    Behind `replay` and `recordings` these are the names of recordings. Otherwise a console tells
-    them, and nothing is printed if none answers within half a second. Words with blanks or
-    characters that a shell interprets are left out.
-
-    Args:
-        words: The words behind `archo-tui`; the last one is unfinished, and may be empty.
-    """
+    """Print the words that may follow, except those that a shell interprets, and return 0."""
     with contextlib.suppress(argparse.ArgumentError, Unreached, ArchoError, OSError, ValueError):
         for word in _candidates(words):
             if _PLAIN_WORD.fullmatch(word):

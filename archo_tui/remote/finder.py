@@ -36,15 +36,10 @@ class NoConsole(Unreached):
 
 
 class StopResult:
-    """The result of a STOP at one console.
-
-    Attributes:
-        console: The description of the console, one line.
-        code: A code of docs/protocol.md; LOST if the console reported no valid result.
-        text: The console's text, or the reason why there is none.
-    """
+    """The result of a STOP at one console."""
 
     def __init__(self, console: str, code: str, text: str) -> None:
+        # code: of docs/protocol.md; LOST without a valid result
         self.console, self.code, self.text = console, code, text
 
 
@@ -55,16 +50,8 @@ def find(
 ) -> list[Connection]:
     """Return connections to all consoles that could be meant, sorted by process number.
 
-    Consoles that do not answer are among them. The caller closes the connections. Socket files of
-    killed consoles are removed.
-
-    Args:
-        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        faults: The reason for each folder that is not searched is appended to this list.
-        hello_timeout: Seconds in which all consoles have to send their hellos.
-
-    Raises:
-        Unreached: This system has no Unix sockets.
+    Silent consoles are among them; the caller closes all. Socket files of killed consoles are
+    removed, and reasons for unsearched folders are appended to `faults`.
     """
     found = _candidates(selection, [] if faults is None else faults)
     _exchange(found, b"", lambda console: bool(console.hello), hello_timeout)
@@ -78,20 +65,11 @@ def find(
 
 
 def choose(selection: Mapping[str, Any], hello_timeout: float = HELLO_TIMEOUT) -> Connection:
-    """Return a blocking connection to the one console that is meant, whose hello has come.
+    """Return a blocking connection to the one console that is meant; the caller closes it.
 
-    Without `to`, the environment variable ARCHO_TUI_CONSOLE names the console. A console that only
-    watches is passed over if another one of the same robot can act. The caller closes the
-    connection.
-
-    Args:
-        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        hello_timeout: Seconds in which the console has to send its hello.
-
-    Raises:
-        NoConsole: No console could be meant.
-        Unreached: Several are meant, or one that could be meant does not answer or speaks another
-            protocol: a verb could reach another robot. Or this system has no Unix sockets.
+    A console that only watches is passed over if another one of the same robot acts. Raises
+    NoConsole, or Unreached if several are meant or one does not answer: a verb could reach another
+    robot.
     """
     selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
     found = _without_needless_watchers(find(selection, faults, hello_timeout))
@@ -109,10 +87,6 @@ def choose(selection: Mapping[str, Any], hello_timeout: float = HELLO_TIMEOUT) -
 
 
 def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
-    """Drop the connections to consoles that watch a robot on which another one acts.
-
-    Return the others; the dropped connections are closed.
-    """
     watching = _only_watching(found)
     for console in watching:
         console.close()
@@ -120,10 +94,7 @@ def _without_needless_watchers(found: list[Connection]) -> list[Connection]:
 
 
 def _only_watching(found: Sequence[Connection]) -> list[Connection]:
-    """Return the consoles that only watch a robot on which another one of `found` can act.
-
-    Consoles with the same engine, domain and namespace have the same robot.
-    """
+    """Return the consoles that only watch a robot on which another one of `found` can act."""
 
     def robot(console: Connection) -> tuple[Any, ...]:
         return tuple(console.identity.get(name) for name in ("engine", "domain", "namespace"))
@@ -134,16 +105,9 @@ def _only_watching(found: Sequence[Connection]) -> list[Connection]:
 
 
 def reach(path: str, hello_timeout: float = HELLO_TIMEOUT) -> Connection:
-    """Connect to the console of a socket, and return the connection once its hello has come.
+    """Return a blocking connection to a socket's console after its hello; the caller closes it.
 
-    Requests on the connection wait for replies. The caller closes the connection.
-
-    Args:
-        path: The path of the socket.
-        hello_timeout: Seconds in which the console has to send its hello.
-
-    Raises:
-        Unreached: The console has gone, does not answer, or speaks another protocol.
+    Raises Unreached.
     """
     console = Connection(path, socket_files.read_card(path))
     _exchange([console], b"", lambda console: bool(console.hello), hello_timeout)
@@ -161,22 +125,8 @@ def stop(
 ) -> list[StopResult]:
     """Send STOP to every console that could be meant, then wait for all of them, 15 s at most.
 
-    Without `to`, the environment variable ARCHO_TUI_CONSOLE names the console; if that is not
-    found, every console that fits `selection` gets the STOP.
-
-    Args:
-        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        notice: Called with each line that a person should read while other consoles are waited for,
-            or afterwards.
-        more: Further names and values of the request.
-
-    Returns:
-        The result of each console that is meant, but of none that only watches a robot on which
-        another one acts.
-
-    Raises:
-        NoConsole: No console could be meant.
-        Unreached: This system has no Unix sockets.
+    If the console that ARCHO_TUI_CONSOLE names is not found, all others that fit get the STOP.
+    Consoles that watch where another one acts have no result. Raises NoConsole.
     """
     faults: list[str] = []
     meant = _with_default_console(selection)
@@ -198,19 +148,6 @@ def _stop_each(
     more: Mapping[str, Any],
     faults: list[str],
 ) -> list[StopResult]:
-    """Send STOP to each console that fits, wait for all, and return their results.
-
-    The connections are closed at the end.
-
-    Args:
-        selection: The consoles that are meant, as for `stop`.
-        notice: Called with a line for each console that does not answer after a second.
-        more: Further names and values of the request.
-        faults: The reason for each folder that is not searched is appended to it.
-
-    Returns:
-        The results; empty if no console fits.
-    """
     found = _candidates(selection, faults)
     first = encode({"id": 1, "words": ["stop"], **more, **selection})
     began = time.monotonic()
@@ -253,15 +190,7 @@ def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connection]:
-    """Return an unconnected connection for each socket whose card does not exclude its console.
-
-    Args:
-        selection: The consoles that are meant.
-        faults: The reason for each folder that is not searched is appended to it.
-
-    Raises:
-        Unreached: This system has no Unix sockets.
-    """
+    """Return an unconnected connection for each socket whose card does not exclude its console."""
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
     paths = socket_files.socket_paths(faults)
@@ -270,10 +199,7 @@ def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connect
 
 
 def _could_be_meant(selection: Mapping[str, Any], console: Connection) -> bool:
-    """Return True unless the console's hello, or else its card, does not fit the selection.
-
-    A console of which neither is known could be meant.
-    """
+    """Return True unless hello or card exclude the console; with neither it could be meant."""
     return not console.identity or is_meant(selection, console.identity)
 
 
@@ -283,16 +209,7 @@ def _exchange(
     is_over: Callable[[Connection], bool],
     timeout: float,
 ) -> None:
-    """Connect to all consoles at once, and read their messages until all are done or time is over.
-
-    Errors are recorded in each connection's `is_dead` and `has_gone`.
-
-    Args:
-        consoles: The consoles; one that is connected already is only read.
-        first: Sent to each as it is connected.
-        is_over: Returns True if a console needs no more time.
-        timeout: Seconds for all consoles together.
-    """
+    """Connect to all and read until each `is_over`; errors are kept in the connections."""
     end = time.monotonic() + timeout
     while True:
         for console in consoles:
@@ -322,13 +239,6 @@ def _exchange(
 def _silent_error(
     selection: Mapping[str, Any], silent: Sequence[Connection], found: Sequence[Connection]
 ) -> str:
-    """Return the error text for consoles that could be meant and take no verb.
-
-    Args:
-        selection: The console that was looked for; its `to` stands in the text.
-        silent: The consoles that take no verb.
-        found: All consoles that could be meant.
-    """
     faults = "; ".join(console.fault for console in silent)
     if selection.get("to"):
         return f"no console {selection['to']} answers here; {faults}"
@@ -352,12 +262,7 @@ def _several_error(selection: Mapping[str, Any], found: Sequence[Connection]) ->
 
 
 def no_console_error(selection: Mapping[str, Any], faults: Sequence[str]) -> str:
-    """Return the error text for a search that found no console, with the likely causes.
-
-    Args:
-        selection: The console that was looked for, as for `find`.
-        faults: The reasons why folders of sockets were not searched.
-    """
+    """Return the error text for a search that found no console, with the likely causes."""
     to, by_name = selection.get("to", ""), os.environ.get(CHOSEN, "")
     text = NO_CONSOLE
     if to:

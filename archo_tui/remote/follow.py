@@ -13,14 +13,9 @@ PERIOD = 0.2  # Seconds between two polls: five a second, as on the screen.
 
 
 async def follow(station: Station, send: Callable[[dict[str, Any]], None], number: Any) -> NoReturn:
-    """Send each event from now on, and the state now and when its line changes, until cancelled.
+    """Send each event from now on, and the state when its line changes, until cancelled.
 
-    Polls five times a second. An event that repeats is sent again.
-
-    Args:
-        station: The station that is followed.
-        send: Sends a message to the client.
-        number: The `id` of the client's request, which each message repeats.
+    An event that repeats is sent again.
     """
     seen = {event.number: event.count for event in station.robot.snapshot.events}
     line = ""
@@ -40,17 +35,7 @@ async def follow(station: Station, send: Callable[[dict[str, Any]], None], numbe
 async def follow_goal(
     station: Station, requester: Requester, send: Callable[[dict[str, Any]], None], number: Any
 ) -> NoReturn:
-    """Send the state of the goal of `requester` whenever it has changed, until cancelled.
-
-    Polls five times a second. Of several goals the one that runs is sent; nothing while none does,
-    so the state at the end is not.
-
-    Args:
-        station: The station that drives the goal.
-        requester: The client that waits for its goals; it may have none yet.
-        send: Sends a message to that client.
-        number: The `id` of its request, which each message repeats.
-    """
+    """Send the state of a goal of `requester` when it changes, but not its end, until cancelled."""
     last = None
     while True:
         current = station.goals.goal_of(requester)

@@ -26,7 +26,7 @@ class GoalHandle:
     """A goal that the robot has accepted or that waits in the console's queue; `Robot.go` makes it.
 
     Several goals of one `go` share a handle; the robot drives them one after the other. Every
-    method may be called from any thread, also at the same time.
+    method may be called from any thread.
     """
 
     def __init__(self, request: Request) -> None:
@@ -40,13 +40,11 @@ class GoalHandle:
     def wait(self, timeout: float | None = None) -> Goal:
         """Wait until the goal has ended, and return it if the robot has arrived.
 
-        An exception that interrupts the wait, such as KeyboardInterrupt, cancels the goal.
+        Of several goals the last one is returned. An exception that interrupts the wait, such as
+        KeyboardInterrupt, cancels the goal.
 
         Args:
             timeout: Seconds to wait, after which the goal runs on; None: until it has ended.
-
-        Returns:
-            The goal at its end, of several the last one.
 
         Raises:
             Aborted: The goal ended, and the robot has not arrived.
@@ -89,12 +87,9 @@ class GoalHandle:
             data_or_raise(self._result)
 
     def feedback(self) -> Goal | None:
-        """Return the newest state of the goal, without waiting.
+        """Return the newest state of the goal, without waiting; None: not reported yet.
 
         Of several goals it is the one that is driven; after the end, the last one as it ended.
-
-        Returns:
-            The state; its `remaining` is the way left, in metres. None: not reported yet.
         """
         return self._state
 
@@ -103,11 +98,7 @@ class GoalHandle:
         return self._has_ended.is_set()
 
     def _leave_to_parent(self) -> None:
-        """End the handle in a forked child, which has no thread that reads replies.
-
-        From now on `done` is True, and `wait` and `cancel` raise Unreached: the goal is the
-        parent's.
-        """
+        """End the handle in a forked child, which has no thread that reads replies."""
         self._result = {"code": "lost", "text": PARENTS_GOAL}
         # New events: a thread of the parent, which the child lacks, may hold the old ones' locks.
         self._is_answered, self._has_ended = threading.Event(), threading.Event()
@@ -115,22 +106,12 @@ class GoalHandle:
         self._has_ended.set()
 
     def _wait_until_accepted(self) -> None:
-        """Wait until the robot has accepted the goal, or the console has queued it.
-
-        An accepted goal may have ended since; `wait` tells how.
-
-        Raises:
-            NotDone: The goal was not accepted; the subclass is one that `Robot.go` names.
-        """
+        """Wait until the robot has accepted the goal, or the console has queued it."""
         self._is_answered.wait()
         if not self._is_accepted:
             data_or_raise(self._result)
 
     def _read_replies(self) -> None:
-        """Read replies until the goal has ended, and keep its newest state and its result.
-
-        The connection is closed at the end. This is the target of the handle's thread.
-        """
         try:
             for reply in self._request.replies():
                 if "goal" in reply:

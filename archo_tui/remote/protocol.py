@@ -44,19 +44,12 @@ def is_valid_timeout(timeout: object) -> bool:
 
 
 def encode(message: dict[str, Any]) -> bytes:
-    """Return a message as a line of JSON in UTF-8, with its line feed.
-
-    A lone surrogate becomes `?`.
-    """
+    """Return a message as a line of JSON in UTF-8; a lone surrogate becomes `?`."""
     return json.dumps(message, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
 def words_of(request: dict[str, Any]) -> list[str]:
-    """Return the words of a request: a verb and its arguments.
-
-    Raises:
-        ValueError: The request has no words, or they are not a list of valid texts.
-    """
+    """Return the words of a request: a verb and its arguments; ValueError if they are not valid."""
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
         raise ValueError('expected {"id": ..., "words": ["status"]}')
@@ -66,10 +59,9 @@ def words_of(request: dict[str, Any]) -> list[str]:
 
 
 def is_stop(request: Mapping[str, Any]) -> bool:
-    """Return True for the request of a STOP: its first word is `stop` in any spelling.
+    """Return True for the request of a STOP, in any spelling that `plain.lines.is_stop` takes.
 
-    `plain.lines.is_stop` has the rule. Words that are no texts are skipped, and `words` may be a
-    text.
+    Words that are no texts are skipped, and `words` may be a text.
     """
     words = request.get("words")
     if isinstance(words, list):
@@ -78,14 +70,10 @@ def is_stop(request: Mapping[str, Any]) -> bool:
 
 
 def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
-    """Return True if a console fits the selection of a request.
+    """Return True if a console fits a selection of `to`, `engine` and `domain`.
 
-    Args:
-        selection: `to` is a process number, a namespace or the name of a socket; `engine` and
-            `domain` are as in a hello. An entry that is missing or None, or a text that is empty,
-            fits every console.
-        hello: The first message of the console, which describes it. A console without a domain fits
-            every domain.
+    `to` is a process number, a namespace or a socket's name; an entry that is missing or empty fits
+    every console, and a console without a domain fits every domain.
     """
     to, engine, domain = selection.get("to"), selection.get("engine"), selection.get("domain")
     names = (str(hello.get("pid")), hello.get("namespace"), hello.get("name"))
@@ -97,11 +85,7 @@ def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
 
 
 def decode(data: bytes) -> dict[str, Any]:
-    """Return the message that a line contains.
-
-    Raises:
-        ValueError: The line is not a JSON object, or is nested too deeply.
-    """
+    """Return the message in a line; ValueError if it is not a JSON object, or nested too deeply."""
     try:
         found = json.loads(data)
     except RecursionError:

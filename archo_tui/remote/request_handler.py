@@ -39,16 +39,9 @@ RAN_OUT = "ran_out"  # In place of an outcome's code: the client's timeout is ov
 
 
 class RequestHandler:
-    """The handler that carries out the requests of one console's clients on the console's loop.
-
-    `serve`, `on_answer` and `on_client_left` may be called on any thread, and return at once.
-
-    Attributes:
-        verbs: The robot's verbs, by id.
-    """
+    """The handler of requests on the console's loop; call its public methods on any thread."""
 
     def __init__(self, station: Station) -> None:
-        """Create the handler of a station, whose loop carries out the requests."""
         self._station, self._robot = station, station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
@@ -63,17 +56,10 @@ class RequestHandler:
     # Called on the server's thread.
 
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        """Begin to carry out a request, and return at once; a STOP goes before all others.
+        """Begin to carry out a request; a STOP goes before all others.
 
-        The client gets the result as a reply, and a call of `on_request_ended` unless it is a STOP.
-        STOPs that wait at the same time are sent to the robot as one; of more than 1000 only the
-        last are answered.
-
-        Args:
-            client: Gets the replies.
-            request: A request of docs/protocol.md.
-            stops: STOPs that had been read when it was read. If another STOP is read before the
-                robot gets the request, the request is void.
+        STOPs that wait at the same time are sent to the robot as one. A STOP read after the first
+        `stops` ones, before the robot gets the request, makes the request void.
         """
         if is_stop(request):
             is_assistant = request.get("assistant") is True
@@ -85,20 +71,13 @@ class RequestHandler:
             self._station.post(partial(self._serve, client, request, stops))
 
     def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Pass on a client's answer to a question, or call its request off at a `give_up`.
-
-        Args:
-            client: The client that sent it.
-            answer: An `answer` or `give_up` of docs/protocol.md.
-            stops: Ignored.
-        """
         self._station.post(partial(self._pass_answer, client, answer))
 
     def on_client_left(self, client: ClientSession) -> None:
-        """Call off the work that a client waits for, after its connection has closed.
+        """Call off the work that a client waits for.
 
-        Goals that the client did not wait for, or asked to leave running, run on; those of an
-        assistant do not.
+        Goals that it did not wait for, or asked to leave running, run on; those of an assistant do
+        not.
         """
         self._station.post(partial(self._end_session, client))
 
@@ -107,8 +86,7 @@ class RequestHandler:
     async def _stop(self) -> None:
         """Send one STOP for all that wait, within the rate limit, and reply to each client.
 
-        An earlier STOP may still be unanswered. Open questions are closed. If the task is
-        cancelled, the STOPs are put back and a new task is requested for them.
+        An earlier STOP may still be unanswered. Open questions are closed.
         """
         clock = self._station.clock
         now: list[tuple[ClientSession, Any, bool]] = []
@@ -163,11 +141,10 @@ class RequestHandler:
         await self._call_off(session)
 
     async def _call_off(self, session: _Session) -> None:
-        """Call off what a client waits for: answer its open question with no, and end the wait.
+        """Call off what a client waits for: deny its open question, and end the wait.
 
-        A request that only waits or reads is cancelled. Goals are removed from the queue and the
-        running one is cancelled, if the client waits for them and did not ask to leave them
-        running, or is an assistant that has left. Everything else goes on.
+        Goals end if the client waits for them and did not ask to leave them running, or is an
+        assistant that has left.
         """
         if session.pending_answer is not None and not session.pending_answer.done():
             session.pending_answer.set_result(False)
@@ -184,8 +161,7 @@ class RequestHandler:
     async def _pass_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`.
 
-        A `give_up` without a request gets a reply at once. One for a service call only ends the
-        wait: the service goes on. An answer to no question is ignored.
+        A `give_up` without a request gets a reply at once; an answer to no question is ignored.
         """
         session = self._session_of(client)
         if answer.get("give_up") and session.task is None:
@@ -240,14 +216,7 @@ class RequestHandler:
     async def _carry_out_in_time(
         self, session: _Session, request: dict[str, Any]
     ) -> dict[str, Any]:
-        """Carry out a request within its `timeout`, and return the result that the client gets.
-
-        `wait` and requests of assistants apply the timeout themselves.
-
-        Raises:
-            RequestTimedOut: The timeout is over. What was sent is cancelled, unless the client
-                keeps its goals or waits for a service, which cannot be called back.
-        """
+        """Carry out a request within its `timeout`, and return the result that the client gets."""
         words, timeout = request.get("words"), timeout_of(request)
         waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
         if timeout is None or waits or session.is_assistant:
@@ -274,16 +243,7 @@ class RequestHandler:
     ) -> dict[str, Any]:
         """Call off work whose time is over, and return its result if it has succeeded after all.
 
-        The call returns within 3 s, even if the robot has not answered the cancel, which goes on
-        then.
-
-        Args:
-            session: The client whose work it is.
-            work: The task that does it; it is not cancelled here.
-            over: The beginning of the error text: `not within 5 s`.
-
-        Raises:
-            RequestTimedOut: The work did not end well; the text is `over`, and how it ended.
+        Returns within 3 s: an unanswered cancel goes on alone. RequestTimedOut begins with `over`.
         """
         session.is_waiting = session.requester.has_left = True
         cancel = asyncio.ensure_future(self._call_off(session))
@@ -300,17 +260,7 @@ class RequestHandler:
         raise RequestTimedOut(f"{over}; what was sent may still be done")
 
     async def _carry_out(self, session: _Session, request: dict[str, Any]) -> dict[str, Any]:
-        """Carry out a request without a time limit, and return the result that the client gets.
-
-        Further replies, such as questions, go to the client meanwhile. A request to follow events
-        or a topic never returns.
-
-        Raises:
-            ArchoError: A name means nothing, or a question was not answered with yes.
-            ValueError: The request means nothing here.
-            RequestTimedOut: The time of a `wait` is over.
-            Void: A STOP was read after the request.
-        """
+        """Carry out a request without a time limit; following events or a topic never returns."""
         number = request.get("id")
         if session.is_assistant:
             return await self._assistants.carry_out(session.requester, request)
@@ -374,10 +324,6 @@ class RequestHandler:
         """Send the client each message of a topic until the task is cancelled.
 
         Messages are left out beyond five a second, and while the client has not read all replies.
-        While none comes, one `said` reply tells why.
-
-        Raises:
-            ArchoError: There is no such topic or field, or a message cannot be shown.
         """
         station, client, number = self._station, session.client, request.get("id")
         verb = self.verbs["echo"]
@@ -401,13 +347,6 @@ class RequestHandler:
         )
 
     async def _wait_for_ends(self, session: _Session, number: Any, *, feedback: bool) -> Outcome:
-        """Wait until all goals of a client have ended, and return their combined outcome.
-
-        Args:
-            session: The client.
-            number: The `id` of its request.
-            feedback: True to send it the state of the goal whenever that has changed.
-        """
         if not feedback:
             return await _wait_for_all(session.requester.ends)
         work = follow_goal(self._station, session.requester, session.client.reply, number)
@@ -419,22 +358,10 @@ class RequestHandler:
 
     @staticmethod
     def _check_of_goals(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
-        """Return a function that returns the combined outcome of goals; None until all have one."""
         return lambda: _combined_outcome(ends) if all(end.done() for end in ends) else None
 
     async def _ask(self, session: _Session, number: Any, person: bool, question: Question) -> None:
-        """Ask the person at the shell, and return if the answer is yes.
-
-        Args:
-            session: The client that is asked.
-            number: The id of its request.
-            person: True if a person can answer there.
-            question: The question.
-
-        Raises:
-            ArchoError: No person is there.
-            _Declined: The answer is not yes, or none came within 60 s.
-        """
+        """Ask the person at the shell: ArchoError if nobody is there, _Declined without a yes."""
         text = " ".join(question.text.split())
         if not person:
             raise ArchoError(f"{text} (add {YES} to do it)")
@@ -452,7 +379,6 @@ class RequestHandler:
     async def _until(
         self, requester: Requester, holds: Callable[[], object], seconds: float
     ) -> None:
-        """Wait until `holds()` is true, the client has left, or `seconds` have passed."""
         clock = self._station.clock
         end = clock.monotonic() + seconds
         while not (holds() or requester.has_left) and clock.monotonic() < end:
@@ -464,37 +390,19 @@ class _Declined(ArchoError):
 
 
 class _Session:
-    """The state of one client: its request, its goals, and its name in events.
-
-    Attributes:
-        client: The connected client, which gets the replies.
-        sent: Futures for the outcomes of the goals that it sent last, also after its request ended.
-        pending_answer: The future of the person's answer to a question; None while none is asked.
-        task: The task that carries out its request; None between requests.
-        requester: The client as events and goals name it.
-        is_assistant: True from the first request on that says so.
-        has_gone: True once its connection is closed.
-        is_waiting: True during a request to wait for the end of its goals.
-        keeps_goals: True if its goals are to run on when it leaves or its time is over.
-        calls_service: True if its request is a call of a service.
-        is_read_only: True for a request that only waits or reads, so that its task is cancelled to
-            call it off.
-        is_called_off: True once the task was cancelled to call its request off.
-    """
+    """The state of one client: its request, its goals, and its name in events."""
 
     def __init__(self, client: ClientSession) -> None:
         self.client = client
+        # Of its last goals, also after its request ended.
         self.sent: list[asyncio.Future[Outcome]] = []
-        self.pending_answer: asyncio.Future[bool] | None = None
-        self.task: asyncio.Task[None] | None = None
+        self.pending_answer: asyncio.Future[bool] | None = None  # None while nothing is asked.
+        self.task: asyncio.Task[None] | None = None  # None between requests.
         self.is_assistant = self.has_gone = False
         self.start_request({})
 
     def start_request(self, request: Mapping[str, Any]) -> None:
-        """Set the attributes for the next request of the client; a new requester is made for it.
-
-        An assistant keeps its requester for all its requests.
-        """
+        """Set the attributes for the next request; an assistant keeps its requester for all."""
         words = request.get("words")
         if not self.is_assistant:
             self.is_assistant = request.get("assistant") is True
@@ -505,8 +413,9 @@ class _Session:
         self.requester.waits = self.is_assistant or (self.is_waiting and not self.keeps_goals)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"], ["echo"], ["hz"])
         self.calls_service = False
+        # So cancelling the task calls it off.
         self.is_read_only = waits or bool(request.get("follow"))
-        self.is_called_off = False
+        self.is_called_off = False  # True once the task was cancelled to call its request off.
 
 
 def _retrieve_exception(work: asyncio.Future[Any]) -> None:
@@ -527,8 +436,7 @@ def _requester(client: ClientSession, *, assistant: bool = False) -> Requester:
 async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
     """Wait for the ends of all goals, and return their combined outcome.
 
-    If a held goal is continued, its future in `ends` is replaced by a new one, which is waited for,
-    too.
+    A held goal that is continued gets a new future in `ends`, which is waited for, too.
     """
     while waited := [end for end in ends if not end.done()]:
         await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
@@ -536,11 +444,7 @@ async def _wait_for_all(ends: list[asyncio.Future[Outcome]]) -> Outcome:
 
 
 def _combined_outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
-    """Return the outcome of the first goal that did not arrive, else that of the last goal.
-
-    Args:
-        ends: At least one future, and every one is done.
-    """
+    """Return the outcome of the first goal that did not arrive, else that of the last goal."""
     outcomes = [end.result() for end in ends]
     bad = [outcome for outcome in outcomes if outcome.code != Code.ARRIVED]
     return bad[0] if bad else outcomes[-1]

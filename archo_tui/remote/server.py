@@ -1,11 +1,9 @@
 """The server of the console's socket, to which programs of the same user send requests.
 
-It has a thread and a loop of its own. Requests of one client are carried out one after the other; a
-STOP is counted as it is read and overtakes them. A client that floods, or does not read its
-replies, delays no other.
-
-A STOP is read also when its client has gone: sockets are read and written independently, because
-asyncio's streams drop unread data as soon as a write fails.
+It has a thread and a loop of its own. Requests of one client are carried out one after the other;
+a STOP is counted as it is read and overtakes them. A client that floods, or does not read its
+replies, delays no other. A STOP is read also when its client has gone: sockets are read and
+written independently, because asyncio's streams drop unread data as soon as a write fails.
 """
 
 from __future__ import annotations
@@ -44,26 +42,19 @@ _MAX_ID = 100  # Characters.
 
 
 class ClientSession(Protocol):
-    """The interface to a connected client, as the request handler uses it.
+    """The interface to a connected client; all of it may be used on any thread."""
 
-    Attributes:
-        pid: The client's process; 0 if it is not known.
-    """
-
-    pid: int
+    pid: int  # 0 if it is not known.
 
     def reply(self, reply: dict[str, Any]) -> None:
-        """Send a reply to the client, without waiting. May be called on any thread."""
+        """Send a reply to the client, without waiting."""
 
     def on_request_ended(self) -> None:
-        """Record that the client's request has ended, and have its next one carried out.
-
-        May be called on any thread.
-        """
+        """Record that the client's request has ended, and have its next one carried out."""
 
     @property
     def is_behind(self) -> bool:
-        """True while the client has not read all replies. May be read on any thread."""
+        """True while the client has not read all replies."""
 
 
 class HandlesRequests(Protocol):
@@ -72,36 +63,22 @@ class HandlesRequests(Protocol):
     def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
         """Begin to carry out a request, and return at once.
 
-        `client.on_request_ended()` must be called when the request has ended, except for a STOP.
-
-        Args:
-            client: Gets the replies.
-            request: A request of docs/protocol.md.
-            stops: STOPs that had been read when it was read; a STOP counts itself.
+        `client.on_request_ended()` must be called at its end, except for a STOP. `stops` are the
+        STOPs read before the request; a STOP counts itself.
         """
 
     def on_answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
-        """Pass on a client's answer to a question, or call its request off at a `give_up`.
-
-        Args:
-            client: The client that sent it.
-            answer: An `answer` or `give_up` of docs/protocol.md.
-            stops: STOPs that had been read when it was read.
-        """
+        """Pass on a client's answer to a question, or call its request off at a `give_up`."""
 
     def on_client_left(self, client: ClientSession) -> None:
         """Call off the work that a client waits for, after its connection has closed."""
 
 
 class Client:
-    """A connected program: the requests of it that wait, and the replies that it has not read.
-
-    Attributes:
-        pid: The client's process; 0 if it is not known.
-    """
+    """A connected program: the requests of it that wait, and the replies that it has not read."""
 
     def __init__(self, server: Server, connected: socket.socket, pid: int) -> None:
-        self.pid = pid
+        self.pid = pid  # 0 if it is not known.
         self._server, self._socket = server, connected
         self._loop = asyncio.get_running_loop()
         self._unread = bytearray()  # Still to be written.
@@ -114,10 +91,7 @@ class Client:
     # Called on any thread.
 
     def reply(self, reply: dict[str, Any]) -> None:
-        """Send a reply, without waiting; a client that leaves 256 kB unread is disconnected.
-
-        A client that has left gets nothing.
-        """
+        """Send a reply, without waiting; a client that leaves 256 kB unread is disconnected."""
         with contextlib.suppress(RuntimeError):  # The loop is closed.
             self._loop.call_soon_threadsafe(self._write, encode(reply))
 
@@ -128,7 +102,6 @@ class Client:
 
     @property
     def is_behind(self) -> bool:
-        """True while replies wait because the client has not read earlier ones."""
         return bool(self._unread)
 
     # Called on the server's thread.
@@ -157,13 +130,8 @@ class Client:
     def on_line(self, data: bytes) -> None:
         """Handle a line that the client sent: a STOP or an answer at once, other requests in turn.
 
-        A STOP is counted, unless its `to`, `engine` or `domain` mean another console: it is refused
-        then. Other lines are refused if they are too long, if MAX_CLIENTS others were connected
-        earlier, or if MAX_WAITING bytes of requests wait, which only the first of them is told. Of
-        a client that has left or was dropped, all but a STOP is ignored.
-
-        Args:
-            data: The line without its end, or `lines.TOO_LONG`.
+        A STOP that means another console is refused. Of a client that has left or was dropped, all
+        but a STOP is ignored.
         """
         stops = self._server.stops
         if data == lines.TOO_LONG:
@@ -195,10 +163,7 @@ class Client:
         self._loop.call_later(REQUEST_INTERVAL, self._serve_next_line)
 
     def _serve_next_line(self) -> None:
-        """Hand the oldest waiting line to the handler, with the answers that follow it.
-
-        An invalid line is answered with a refusal instead. Does nothing if no line waits.
-        """
+        """Hand the oldest waiting line to the handler, with the answers that follow it."""
         self._is_pausing = False
         self._is_busy = bool(self._waiting)
         if not self._waiting:
@@ -218,15 +183,11 @@ class Client:
             self._server.handler.on_answer(self, _parse_request(data) or {}, stops)
 
     def on_left(self) -> None:
-        """Drop the waiting requests of a client that has disconnected, and tell the handler."""
         self._waiting.clear()
         self._server.handler.on_client_left(self)
 
     def drop(self) -> None:
-        """Shut the connection down.
-
-        Of what the client has sent already, only a STOP is still carried out.
-        """
+        """Shut the connection down; of what was sent already, only a STOP is still carried out."""
         self._is_cut_off = True
         with contextlib.suppress(OSError):  # It has left already.
             self._socket.shutdown(socket.SHUT_RDWR)
@@ -239,23 +200,15 @@ class Client:
         self._socket.close()
 
     def refuse(self, data: bytes | None, code: str, text: str) -> None:
-        """Reply to a line that is not carried out, if the client is still connected.
-
-        Args:
-            data: The line, whose id the reply repeats; None if it was too long to be read.
-            code: A word of docs/protocol.md.
-            text: The reason.
-        """
+        """Reply to a line that is not carried out; `data` is None if it was too long to be read."""
         request = _parse_request(data) if data else None
         self._write(encode({"id": (request or {}).get("id"), "code": code, "text": text}))
 
 
 def _parse_request(data: bytes) -> dict[str, Any] | None:
-    """Return the request in a line.
+    """Return the request in a line; None if it is no JSON object or its id cannot be repeated.
 
-    Returns:
-        None if the line is no JSON object, or its id cannot be repeated in the reply. A STOP with
-        such an id is returned all the same, with None as its id.
+    A STOP with such an id is returned all the same, with None as its id.
     """
     try:
         request = decode(data)
@@ -269,10 +222,7 @@ def _parse_request(data: bytes) -> dict[str, Any] | None:
 
 
 def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
-    """Return the request of a line that is a STOP; None if the line is no STOP.
-
-    A STOP may also be plain text, or a `call` of the STOP's service, which becomes `stop`.
-    """
+    """Return the request of a STOP in a line, plain text and calls of its service included."""
     text = data.replace(b"\0", b"").lower()
     if not any(word in text for word in (b"stop", b"call", b"\\u")):  # Nearly no line has one.
         return None
@@ -298,12 +248,7 @@ def _is_answer(data: bytes) -> bool:
 
 
 class Server:
-    """The server of the console's socket, which reads the clients' requests on its thread.
-
-    Attributes:
-        stops: The counter of STOPs.
-        hello: The first message to every client; `start` adds the name of the socket.
-    """
+    """The server of the console's socket, which reads the clients' requests on its thread."""
 
     def __init__(
         self,
@@ -312,17 +257,8 @@ class Server:
         stops: Stops,
         notify: Callable[[str], None],
     ) -> None:
-        """Create a server that does not listen yet.
-
-        Args:
-            make_handler: Makes the request handler; called on the server's thread for the first
-                request.
-            hello: The first message to every client, without the name of the socket.
-            stops: Counts each STOP as it is read.
-            notify: Called with a line if no socket can be opened.
-        """
         self._make_handler, self.stops, self._notify = make_handler, stops, notify
-        self.hello = hello
+        self.hello = hello  # `start` adds the name of the socket.
         self._listening: socket.socket | None = None
         self._path = ""
         self._is_kept = False  # True if the listening socket outlives the thread.
@@ -339,10 +275,7 @@ class Server:
         return self._make_handler()
 
     def start(self) -> None:
-        """Make the socket and its card, begin to listen, and start the thread.
-
-        If no socket can be opened, only `notify` is called with the reason.
-        """
+        """Make the socket and its card, and start the thread; `notify` is called if that fails."""
         # A process in another container may have the same number: the name needs more.
         if self._listening is None:
             name = f"{os.getpid()}-{secrets.token_hex(4)}"
@@ -384,7 +317,7 @@ class Server:
     def keep(self) -> tuple[int, str] | None:
         """Disconnect all clients, and return the socket for the process that follows, and its path.
 
-        The socket still listens; who connects waits for that process. None if it never listened.
+        It still listens; who connects waits for that process. None if it never listened.
         """
         if self._listening is None:
             return None
@@ -397,8 +330,7 @@ class Server:
     def close(self) -> None:
         """End listening, remove the socket and its card, and disconnect all clients.
 
-        Waits up to 1 s while what the clients have sent is still read. Does nothing if it never
-        listened.
+        Waits up to 1 s while what the clients have sent is still read.
         """
         if self._path and not self._is_kept:
             socket_files.remove(self._path)
@@ -430,7 +362,6 @@ class Server:
             loop.close()
 
     def takes_all_requests_of(self, client: Client) -> bool:
-        """Return True for the first MAX_CLIENTS connected clients; others may only send STOP."""
         return client in islice(self._clients, MAX_CLIENTS)
 
     async def _accept_clients(self, listening: socket.socket) -> None:
@@ -486,10 +417,7 @@ class Server:
 
 
 def _read_at_once(connected: socket.socket) -> bytes:
-    """Return the bytes that a client has sent already, up to 256 kB, without waiting; b"" if none.
-
-    The socket is made non-blocking.
-    """
+    """Make the socket non-blocking, and return the bytes sent already, up to 256 kB."""
     connected.setblocking(False)
     read = bytearray()
     with contextlib.suppress(OSError):  # There is no more, or it has left.
@@ -499,14 +427,7 @@ def _read_at_once(connected: socket.socket) -> bytes:
 
 
 def _open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
-    """Open a socket that only this user can connect to, and write its card, the hello, beside it.
-
-    Returns:
-        The listening, non-blocking socket, and its path.
-
-    Raises:
-        OSError: No socket can be opened on this system or in this user's folders.
-    """
+    """Return a listening socket for this user alone, and its path, or raise OSError."""
     if sys.platform == "win32" or not hasattr(os, "fchmod"):
         raise OSError("Windows has none that Python knows")
     folder = socket_files.listening_folder()
@@ -545,10 +466,7 @@ def _write_card(path: str, hello: dict[str, Any], flag: int) -> None:
 
 
 def _link_from_home(path: str) -> None:
-    """Make links to a socket and its card in the user's home, where other clients look.
-
-    Does nothing if the socket is there itself or the home cannot be written to.
-    """
+    """Link a socket and its card from the user's home, where other clients look."""
     folder = socket_files.link_folder()
     name = os.path.basename(path).removesuffix(socket_files.SUFFIX)
     with contextlib.suppress(OSError):  # The home cannot be written to.

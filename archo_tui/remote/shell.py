@@ -41,24 +41,12 @@ if TYPE_CHECKING:
         ) -> Iterator[dict[str, Any]]:
             """Send a request, and yield all replies to it, the result last.
 
-            Args:
-                seconds: The time for all replies together from a console, for each from a station
-                    in this process; None for any time.
-                **fields: The fields of the request, as docs/protocol.md lists them.
-
-            Raises:
-                Unreached: No reply came in time, or the console has gone.
+            `seconds` limits all replies of a console together, each reply of a station in this
+            process; Unreached if it is over.
             """
 
         def remaining_replies(self, seconds: float | None = None, /) -> Iterator[dict[str, Any]]:
-            """Yield the replies that follow: from a console without end, else to the result.
-
-            Args:
-                seconds: The time for them, as for `request`.
-
-            Raises:
-                Unreached: No reply came in time, or the console has gone.
-            """
+            """Yield the replies that follow: from a console without end, else to the result."""
 
         def send(self, message: dict[str, Any], /) -> None:
             """Send an answer, or `give_up`, to the request that is being carried out."""
@@ -71,25 +59,14 @@ _ANSWER_TIMEOUT = 2.0  # Further seconds in which a console that runs reports th
 
 
 class _CommandLine:
-    """The words of a verb, with the options of this program taken out.
-
-    Attributes:
-        is_stop: True if the words are a STOP, whatever follows it.
-        flags: Options without a value, as typed.
-        values: Options with a value, by name.
-        rest: The words for the console: the verb and its arguments.
-    """
+    """The words of a verb, with the options of this program taken out."""
 
     def __init__(self, words: Sequence[str]) -> None:
-        """Sort the words.
-
-        Raises:
-            ValueError: An option is wrong, or a word is no UTF-8; never for a STOP.
-        """
-        self.is_stop = is_stop({"words": list(words)})
-        self.flags: set[str] = set()
-        self.values: dict[str, str] = {}
-        self.rest: list[str] = []
+        """Sort the words; raise ValueError for a wrong option or no UTF-8, never for a STOP."""
+        self.is_stop = is_stop({"words": list(words)})  # Whatever follows it.
+        self.flags: set[str] = set()  # Options without a value.
+        self.values: dict[str, str] = {}  # Options with a value, by name.
+        self.rest: list[str] = []  # The verb and its arguments, for the console.
         remaining = iter(words)
         for word in remaining:
             if has_lone_surrogate(word):
@@ -109,12 +86,6 @@ class _CommandLine:
             self._check()
 
     def _check(self) -> None:
-        """Check that this program's options fit the verb; the console checks the rest.
-
-        Raises:
-            ValueError: The verb has no `--line`, `--follow` or `--once`, or `--leave` is without
-                `--wait`.
-        """
         verb = self.rest[0] if self.rest else ""
         for flag, verbs in _VERBS_WITH_OPTION.items():
             if flag in self.flags and verb not in verbs:
@@ -133,11 +104,7 @@ class _CommandLine:
 
     @property
     def timeout(self) -> float | None:
-        """The seconds of `--timeout`; None without that option, and for a STOP.
-
-        Raises:
-            ValueError: The value is not a number from 0 to below 1e9.
-        """
+        """The seconds of `--timeout`; None without it and for a STOP. Raises ValueError."""
         text = None if self.is_stop else self.values.get("--timeout")
         try:
             seconds = None if text is None else float(text)
@@ -161,17 +128,9 @@ def run(
 ) -> int:
     """Send a verb to the selected console, print its result, and return the exit code.
 
-    A STOP goes to every console that could be meant. `--help` needs no console. Errors are printed,
-    not raised.
-
-    Args:
-        words: The verb and its arguments.
-        others: Commands besides verbs, for the nearest one to a misspelled word.
-        attach: Connects to the robot itself if no console runs, or it only watches, or none
-            confirms a STOP; not if `--to` or, but for a STOP, ARCHO_TUI_CONSOLE names a console.
-            None: an error is printed then.
-        meant: `to`, `engine` and `domain` that were typed before the verb.
-        robot_file: The robot file whose verbs are explained if no console runs; None: ARCHO's.
+    A STOP goes to every console that could be meant. `attach` connects to the robot itself if no
+    console runs, it only watches, or none confirms a STOP, unless a console was named. Errors are
+    printed.
     """
     # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
     if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
@@ -213,11 +172,7 @@ def run(
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
-    """Print why a command failed, and return the exit code of `code`.
-
-    The reason goes to standard error; with `--json` among `words` it is an object on standard
-    output.
-    """
+    """Print why a command failed, with `--json` on standard output; return the exit code."""
     if "--json" in words:
         _print_json({"code": code, "text": text})
     else:
@@ -230,15 +185,8 @@ def _print_without_console(
 ) -> int:
     """Print help or an error that needs no console, and return the exit code.
 
-    Args:
-        words: The verb and its arguments.
-        others: Commands besides verbs.
-        why: The reason why no console was reached.
-        robot_file: The robot file whose verbs are known; None: ARCHO's.
-
-    Returns:
-        0 if help was printed; MISUSED for a word that is no verb and resembles another command;
-        otherwise UNREACHED, since the console may know further verbs.
+    UNREACHED for an unknown verb, since the console may know it; MISUSED if it resembles another
+    command.
     """
     word, wants_help = words[0], "--help" in words[1:]
     if wants_help or word not in (*VERBS, "wait"):
@@ -255,23 +203,13 @@ def _print_without_console(
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
-    """Return the word of `others` that is spelled most like `word`; "" if none is similar."""
     from archo_tui.nearest import nearest
 
     return nearest(word.lower(), others)
 
 
 def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
-    """Return a console's error about an unknown verb with the nearest of all commands.
-
-    The console knows verbs only, this program other commands, too. Any other error is returned
-    unchanged.
-
-    Args:
-        text: The console's error.
-        word: The verb that was typed.
-        others: The commands of this program besides verbs.
-    """
+    """Add the nearest of all commands to a console's error, which knows verbs only."""
     reason, found, verb = text.removesuffix(")").partition(" (nearest: ")
     reason = reason.removesuffix(" (help lists them")
     if reason != f"no command {word!r}":
@@ -281,15 +219,7 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
 
 
 def print_consoles(words: Sequence[str]) -> int:
-    """Print the consoles that run here, one a line.
-
-    Args:
-        words: With `--json` among them, each console is printed as JSON.
-
-    Returns:
-        The exit code: UNREACHED if none runs or one has a fault, such as no answer or another
-        version of the protocol; otherwise 0.
-    """
+    """Print the consoles that run here; return UNREACHED if there is none or one has a fault."""
     faults: list[str] = []
     try:
         found = finder.find({}, faults)
@@ -314,21 +244,7 @@ def _stop(
     command_line: _CommandLine,
     attach: Callable[[], AbstractContextManager[VerbConnection]] | None,
 ) -> int:
-    """Send STOP to every console that could be meant or to the robot itself, and print the results.
-
-    Args:
-        selection: The consoles that are meant, as for `finder.find`.
-        command_line: The words of the STOP; those after the first are ignored, with a warning.
-        attach: Connects to the robot itself, which is done if no console confirms the STOP and no
-            `--to` is given; None: nothing can.
-
-    Returns:
-        The highest exit code of all results.
-
-    Raises:
-        Unreached: Neither a console nor the robot could be reached.
-        ArchoError: No console is there, and the session for the robot itself cannot begin.
-    """
+    """Send STOP to every console that could be meant or to the robot, and return the worst code."""
     if len(command_line.rest) > 1:
         _print_to_stderr(f"{command_line.rest[0]}: ignored: {' '.join(command_line.rest[1:])}")
     codes, unreached = [], ""
@@ -366,19 +282,9 @@ def _send(
 ) -> int:
     """Send a verb, print the replies and the result, and return the exit code.
 
-    If the verb acts and the console only watches, the verb goes to the robot itself, if `attach` is
-    given. From now on SIGINT and SIGTERM call the request off, a second one ends the program; with
-    `--leave` the first only ends the wait.
-
-    Args:
-        console: The console that is meant.
-        command_line: The words of the verb.
-        timeout: Seconds that the user gave; None: none.
-        others: Commands besides verbs, for the nearest one to a misspelled word.
-        attach: Connects to the robot itself; None: nothing can.
-
-    Raises:
-        Unreached: The console has gone, or did not answer in time.
+    A verb that acts goes to the robot itself where the console only watches. From now on the first
+    SIGINT or SIGTERM calls the request off (with `--leave` it ends the wait), a second one ends the
+    program.
     """
     words = command_line.rest[:1] if command_line.is_stop else command_line.rest
     request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
@@ -416,17 +322,6 @@ def _request_result(
     command_line: _CommandLine,
     seconds: float | None,
 ) -> dict[str, Any]:
-    """Send a request, print its replies, ask the person its questions, and return the result.
-
-    Args:
-        console: The console, or a station in this process.
-        request: The fields of the request.
-        command_line: The words; with `--json` each reply is printed as JSON.
-        seconds: The time for the replies, as for `VerbConnection.request`.
-
-    Raises:
-        Unreached: The console has gone, or did not answer in time.
-    """
     for reply in console.request(seconds, **request):
         if "code" in reply:
             return reply
@@ -445,10 +340,7 @@ def _request_result(
 
 
 def _print_topic_message(reply: dict[str, Any]) -> None:
-    """Print a message of a topic, with YAML's separator `---` behind a message of several lines.
-
-    If messages before it were left out, their number is printed to standard error.
-    """
+    """Print a message of a topic, with YAML's separator `---` behind one of several lines."""
     text = reply["text"]
     _print(f"{text}\n---" if "\n" in text else text)
     if reply["left_out"]:
@@ -458,16 +350,7 @@ def _print_topic_message(reply: dict[str, Any]) -> None:
 def _print_result(
     result: dict[str, Any], command_line: _CommandLine, others: Iterable[str] = ()
 ) -> int:
-    """Print a result, or why the command failed, and return its exit code.
-
-    Answers go to standard output, acknowledgements and failures to standard error.
-
-    Args:
-        result: The console's result.
-        command_line: The words and the options that were typed.
-        others: The commands of this program besides verbs, for the nearest one to a misspelled
-            word.
-    """
+    """Print a result, and return its exit code; only answers go to standard output."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
     if "--json" in command_line.flags:
@@ -488,15 +371,7 @@ def _print_result(
 
 
 def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
-    """Return why a command failed, with the nearest command or option to a misspelled one.
-
-    The verb stands in front, unless the text says that there is no such command.
-
-    Args:
-        result: The console's result.
-        words: The verb and its values, as typed.
-        others: The commands of this program besides verbs, which the console does not know.
-    """
+    """Return why a command failed, with the nearest command or option to a misspelled one."""
     if not words:
         return str(result["text"])
     verb, text = words[0], str(result["text"])
@@ -512,10 +387,7 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
 
 
 def _give_up(console: VerbConnection, command_line: _CommandLine) -> int:
-    """Call the request off, print its result, and return INTERRUPTED.
-
-    The wait for the result lasts 3 s at most; if none comes, an error is printed.
-    """
+    """Call the request off, wait 3 s at most, print its result, and return INTERRUPTED."""
     try:
         console.send({"give_up": True})
         for reply in console.remaining_replies(_CALL_OFF_TIMEOUT):

@@ -24,9 +24,8 @@ _RUNTIME = "/run/user"  # systemd makes a folder there for each user who is logg
 def listening_folder() -> str:
     """Return the folder in which a console of this process listens; it may not exist yet.
 
-    The folder is that of ARCHO_TUI_SOCKETS; else `archo-tui` in XDG_RUNTIME_DIR, if that is a
-    folder of this user; else `archo-tui/run` in the state folder. "" if this user has no home
-    either.
+    It is that of ARCHO_TUI_SOCKETS, else in XDG_RUNTIME_DIR if that is this user's, else in the
+    state folder; "" if this user has no home either.
     """
     only, runtime = os.environ.get(FOLDER_VARIABLE, ""), os.environ.get("XDG_RUNTIME_DIR", "")
     if only:
@@ -37,11 +36,10 @@ def listening_folder() -> str:
 
 
 def all_folders() -> list[str]:
-    """Return every folder in which a console of this user can listen, whether it exists or not.
+    """Return every folder in which a console of this user can listen, existing or not.
 
-    Consoles that were started with other environment variables are covered: cron, `su -` and
-    systemd set neither XDG_RUNTIME_DIR nor XDG_STATE_HOME. If ARCHO_TUI_SOCKETS is set, its folder
-    is the only one.
+    Consoles started with other variables count: cron, `su -` and systemd set neither
+    XDG_RUNTIME_DIR nor XDG_STATE_HOME. ARCHO_TUI_SOCKETS excludes all others.
     """
     if os.environ.get(FOLDER_VARIABLE, ""):
         return [listening_folder()]
@@ -55,20 +53,18 @@ def all_folders() -> list[str]:
 
 
 def link_folder() -> str:
-    """Return the folder in the user's home in which a console leaves links to its socket.
+    """Return the folder in the home for links to the socket; "" if none is needed or possible.
 
-    Clients with another XDG_RUNTIME_DIR find the console there. "" if the console listens there
-    itself, ARCHO_TUI_SOCKETS is set, or this user has no home.
+    Clients with another XDG_RUNTIME_DIR find the console there.
     """
     own, last = listening_folder(), (_folders_in_homes() or [""])[-1]
     return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
 
 
 def _folders_in_homes() -> list[str]:
-    """Return the socket folders of this user below XDG_STATE_HOME, HOME and the system's home.
+    """Return the socket folders below XDG_STATE_HOME (not on macOS), HOME and the system's home.
 
-    On macOS XDG_STATE_HOME does not count. The last folder depends on no variable: `sudo` and `su`
-    may leave another user's HOME behind.
+    The last depends on no variable: `sudo` and `su` may leave another user's HOME behind.
     """
     state, homes = os.environ.get("XDG_STATE_HOME", "").strip(), [os.environ.get("HOME", "")]
     if sys.platform != "win32":
@@ -93,10 +89,7 @@ def _owner(path: str) -> int | None:
 
 
 def folder_fault(path: str) -> str:
-    """Return the reason why a folder is not used for sockets; "" if it is safe.
-
-    It must be a folder of this user that nobody else may read or write.
-    """
+    """Return why a folder is not used for sockets, as others could open it; "" if it is safe."""
     try:
         found = os.lstat(path)
     except OSError as error:
@@ -112,10 +105,7 @@ def folder_fault(path: str) -> str:
 
 
 def other_users() -> list[str]:
-    """Return the names of other users who have sockets that this user may list.
-
-    Mostly only root can list them. Empty if ARCHO_TUI_SOCKETS is set.
-    """
+    """Return the names of other users whose sockets this user, mostly root, may list."""
     found = []
     if not os.environ.get(FOLDER_VARIABLE, ""):
         for user in _names_in(_RUNTIME):
@@ -146,13 +136,10 @@ def _names_in(path: str) -> list[str]:
 
 
 def socket_paths(faults: list[str] | None = None) -> list[str]:
-    """Return the paths of all sockets in all folders, also of consoles that are dead.
+    """Return the paths of all sockets in all folders, also of dead consoles, each name once.
 
-    Sockets of the same name in two folders count as one.
-
-    Args:
-        faults: The reason for each existing folder that is not searched, because others could
-            listen there, is appended to it; None drops the reasons.
+    The reason for each folder that is not searched, as others could listen there, is appended to
+    `faults`.
     """
     found: dict[str, str] = {}  # by name: two paths may be one folder
     for path in all_folders():
@@ -169,11 +156,7 @@ def socket_paths(faults: list[str] | None = None) -> list[str]:
 
 
 def read_card(path: str) -> dict[str, Any] | None:
-    """Return the card of a socket: the copy of its console's hello in the file beside it.
-
-    Returns:
-        The hello; None if there is no such file, or it has no JSON object.
-    """
+    """Return the card of a socket: its console's hello in the file beside it; None without one."""
     try:
         with open(path.removesuffix(SUFFIX) + CARD_SUFFIX, "rb") as file:
             found = json.loads(file.read())
@@ -183,11 +166,7 @@ def read_card(path: str) -> dict[str, Any] | None:
 
 
 def make_folder(path: str) -> None:
-    """Make a folder for sockets with mode 0700, and the folders above it; it may exist already.
-
-    Raises:
-        OSError: The folder cannot be made, or others could listen there.
-    """
+    """Make a folder for sockets with mode 0700; raise OSError if others could listen there."""
     parent = os.path.dirname(path)
     os.makedirs(os.path.dirname(parent), exist_ok=True)
     for folder in (parent, path):  # The state folder holds a journal, too.
@@ -199,11 +178,7 @@ def make_folder(path: str) -> None:
 
 
 def remove(path: str) -> None:
-    """Remove a socket, its card, and the links to both in all folders; missing files are no error.
-
-    Args:
-        path: The path of the socket of a console that has gone.
-    """
+    """Remove a socket, its card, and the links to both; missing files are no error."""
     name = os.path.basename(path).removesuffix(SUFFIX)
     for folder in {os.path.dirname(path), *all_folders()}:
         for suffix in (SUFFIX, CARD_SUFFIX):
@@ -214,11 +189,8 @@ def remove(path: str) -> None:
 def connect(path: str) -> socket.socket:
     """Return a socket that is connected to `path` and does not block.
 
-    Raises:
-        BlockingIOError: Too many connections wait to be accepted.
-        ConnectionRefusedError: The console is dead: a socket has its name only while it listens.
-        FileNotFoundError: There is no such socket.
-        OSError: The connection failed otherwise, or the system has no such sockets.
+    Raises BlockingIOError if too many connections wait, ConnectionRefusedError or FileNotFoundError
+    for a dead console, and other OSErrors.
     """
     if sys.platform == "win32":
         raise OSError("Windows has no such sockets")
@@ -238,16 +210,7 @@ def connect(path: str) -> socket.socket:
 
 
 def short_path(descriptor: int, path: str) -> str:
-    """Return a socket's path that is short enough for the system.
-
-    Args:
-        descriptor: The open descriptor of the socket's folder, through which a path that is too
-            long is given.
-        path: The path of the socket.
-
-    Raises:
-        OSError: The path is too long, and the system has no /proc.
-    """
+    """Return a path of at most 107 bytes to a socket, through its folder's descriptor if needed."""
     if len(os.fsencode(path)) <= MAX_PATH:
         return path
     if not os.path.isdir("/proc/self/fd"):

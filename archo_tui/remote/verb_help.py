@@ -36,16 +36,7 @@ def client_verb_help(verb: str) -> str:
 
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
-    """Return the verbs of a robot by their ids.
-
-    The fields of its goals count as int32, since no interface file is read.
-
-    Args:
-        path: The robot file; None for ARCHO's.
-
-    Raises:
-        ArchoError: The file cannot be read or is not valid.
-    """
+    """Return a robot's verbs by id; fields of goals count as int32, as no interface is read."""
     from archo_tui.robot.messages.types import TypedField
     from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
@@ -58,27 +49,13 @@ def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
 
 
 def help_of(verb: str, path: Path | None = None) -> str:
-    """Return the help of a verb; "" if the robot has no such verb.
-
-    Args:
-        verb: The verb's id.
-        path: The robot file; None for ARCHO's.
-
-    Raises:
-        ArchoError: The file cannot be read or is not valid.
-    """
+    """Return the help of a verb; "" if the robot has no such verb. Raises ArchoError."""
     found = verbs_of_file(path).get(verb)
     return "" if found is None else help_with_options(verb, found.help_line, found.options)
 
 
 def help_with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
-    """Return the help of a verb: its line, and below it its options with what each does.
-
-    Args:
-        verb: The verb's id.
-        line: Its line of help, as `Verb.help_line` has it.
-        takes: Its options, as in `Verb.options`.
-    """
+    """Return the help of a verb: its line, and below it its options with what each does."""
     options = "\n".join(f"  {name:<14}{what}" for name, what in options_of(verb, takes))
     return f"{line}\n\noptions:\n{options}"
 
@@ -91,13 +68,7 @@ def every_option() -> list[str]:
 
 
 def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str], ...]:
-    """Return the options of a verb as pairs of what is typed, `--timeout S`, and what it does.
-
-    Args:
-        verb: The verb's id.
-        takes: The options of its own, as in `Verb.options`; those of all verbs are added. `stop`
-            has `--json` and `--to` only.
-    """
+    """Return what is typed, `--timeout S`, and what it does, of each option of a verb."""
     if verb == "stop":
         return _JSON, _TO
     possible = (*_QUESTION_OPTIONS, *_GOAL_OPTIONS, *_OPTIONS_OF_VERB.get(verb, ()))

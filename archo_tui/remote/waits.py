@@ -26,25 +26,10 @@ async def wait_for(
     request: Mapping[str, Any],
     goals_outcome: Callable[[], Outcome | None] | None = None,
 ) -> Outcome:
-    """Wait until a condition holds or can no longer become true, and return the outcome.
+    """Wait until a condition holds (DONE) or never will (REFUSED), and return the outcome.
 
-    Nothing is cancelled at a timeout.
-
-    Args:
-        station: The station that knows the robot.
-        verbs: All verbs, by id.
-        words: The condition, as typed behind `wait`.
-        request: The request; its `timeout` in seconds limits the wait.
-        goals_outcome: Returns the outcome of the client's own goals, None while they run; it is
-            used in place of `words`.
-
-    Returns:
-        The outcome: DONE if the condition holds, REFUSED if it never will. For `arrived` and the
-        client's own goals it is that of the goal, or the combined one of the goals.
-
-    Raises:
-        RequestTimedOut: The timeout is over.
-        ValueError: There is no such condition, or the timeout is no time.
+    `arrived` and `goals_outcome`, used in place of the words, return the goals' outcome. Nothing is
+    cancelled at a timeout. Raises RequestTimedOut, ValueError.
     """
     check = goals_outcome or _check_of(station, verbs, words)
     timeout, clock = timeout_of(request), station.clock
@@ -58,11 +43,7 @@ async def wait_for(
 
 
 def timeout_of(request: Mapping[str, Any]) -> float | None:
-    """Return the timeout of a request in seconds; None if it has none.
-
-    Raises:
-        ValueError: The timeout is not a number from 0 to 1e9.
-    """
+    """Return the timeout of a request in seconds; None without one; ValueError if it is no time."""
     timeout = request.get("timeout")
     if timeout is not None and not is_valid_timeout(timeout):
         raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
@@ -74,19 +55,11 @@ class RequestTimedOut(ValueError):
 
 
 def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
-    """Return the function that checks the condition typed behind `wait`.
-
-    Raises:
-        ValueError: There is no such condition.
-    """
+    """Return the function that checks a condition; ValueError if there is no such condition."""
     robot = station.robot
 
     def idle() -> Outcome | None:
-        """Return success once no goal runs or is about to be sent, and the robot does not move.
-
-        None while the robot's topics bring no data; without reports of motion also for the first
-        DISCOVERY_TIME seconds, in which another client's goal may not be found yet.
-        """
+        """Return success once no goal runs or is due, and nothing moves; None without data."""
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
         # A goal of a robot that does not report its motion may not be found yet.
         is_new = robot.file.motion is None and station.age < DISCOVERY_TIME
@@ -95,27 +68,20 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:
-        """Return success once a goal could be sent and driven; None before that.
-
-        Return a refusal if the console only watches or the robot file has no goal `go`.
-        """
+        """Return success once a goal could be sent and driven; a refusal if it never can be."""
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
             return None if _is_goal_pointless(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
     def stopped() -> Outcome | None:
-        """Return success once the robot is stopped and does not move."""
         done = _is_stopped(station) and not _may_move(station)
         return Outcome(Code.DONE, "stopped") if done else None
 
     running = robot.snapshot.running_goal
 
     def arrived() -> Outcome | None:
-        """Return the outcome of the goal that ran when the wait began; None while it runs.
-
-        It is a refusal if no goal ran, or the goal is no longer known.
-        """
+        """Return the outcome of the goal that ran when the wait began; a refusal if none did."""
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _newest_state_of(station, running)
@@ -135,7 +101,6 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             raise ValueError("the robot file names no battery")
 
         def charged() -> Outcome | None:
-            """Return success once a recent reading of the battery has the wanted charge or more."""
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
             if charge is None or charge < percent or old:  # An old charge says nothing about now.
@@ -147,26 +112,18 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
 
 
 def _is_silent(station: Station) -> bool:
-    """Return True while reports of the motion are missing or old.
-
-    Always False for a robot whose file names no such reports.
-    """
+    """Return True while reports of the motion, if the robot file names any, are missing or old."""
     motion, described = station.robot.snapshot.motion, station.robot.file.motion
     silent = motion.received is None or motion.is_old(station.clock.monotonic())
     return described is not None and silent
 
 
 def _may_move(station: Station) -> bool:
-    """Return True while the robot reports motion, or should report its motion and does not."""
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
 
 
 def _is_stopped(station: Station) -> bool:
-    """Return True while the robot reports a stop.
-
-    For a robot whose file names no such report: while a confirmed STOP surely holds, and no later
-    STOP is unconfirmed.
-    """
+    """Return True while the robot reports a stop or, without such reports, a STOP surely holds."""
     snapshot, described = station.robot.snapshot, station.robot.file.motion
     if described is not None and described.reports_stop:
         return snapshot.says_stopped
@@ -174,10 +131,7 @@ def _is_stopped(station: Station) -> bool:
 
 
 def _is_goal_pointless(station: Station) -> bool:
-    """Return True while the robot is stopped, its battery is empty, or its reports are missing.
-
-    A STOP that is open or uncertain counts as well.
-    """
+    """Return True while the robot is stopped, its battery is empty, or its reports are missing."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
     is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
         (CONTACT_LOST, BATTERY_EMPTY)
@@ -186,7 +140,6 @@ def _is_goal_pointless(station: Station) -> bool:
 
 
 def _newest_state_of(station: Station, wanted: Goal) -> Goal | None:
-    """Return the newest state of a goal; None if it is not known any more."""
     snapshot = station.robot.snapshot
     known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)
     return next((goal for goal in known if goal.number == wanted.number), None)

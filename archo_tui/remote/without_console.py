@@ -31,16 +31,7 @@ class HasStation(Protocol):
 def attached(
     make_session: Callable[[], AbstractContextManager[HasStation]],
 ) -> Iterator[InProcessConnection]:
-    """Run a session for one verb, yield a connection to its station, and end both afterwards.
-
-    Work that is still being carried out at the end is cancelled.
-
-    Args:
-        make_session: Returns the session, which runs inside its context.
-
-    Raises:
-        Unreached: No robot is on the graph after 5 s.
-    """
+    """Run a session for one verb, and yield a connection to its station, or raise Unreached."""
     with make_session() as session:
         connection = InProcessConnection(session.station)
         try:
@@ -57,23 +48,13 @@ _END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 class InProcessConnection:
     """A connection to a station in this process, used like a `Connection` to a console.
 
-    It is the client of a request handler and the station's front end at once. The station runs on a
-    loop in a thread of its own; `request`, `remaining_replies`, `send` and `close` are called on
-    other threads, all further methods on the loop.
-
-    Attributes:
-        pid: The number of this process.
+    It is the client of a request handler and the station's front end at once. `request`,
+    `remaining_replies`, `send` and `close` are called outside the loop's thread, all further
+    methods on it.
     """
 
     def __init__(self, station: Station) -> None:
-        """Start the loop in its thread, and wait up to 5 s until a node is on the graph.
-
-        Args:
-            station: The station, whose session runs already.
-
-        Raises:
-            Unreached: No robot is on the graph by then; the loop has ended again.
-        """
+        """Start the loop in its thread, and wait up to 5 s for a node, or raise Unreached."""
         self.pid = os.getpid()
         self._station, self._handler = station, RequestHandler(station)
         self._replies: queue.Queue[dict[str, Any]] = queue.Queue()
@@ -97,13 +78,6 @@ class InProcessConnection:
 
         Nothing is sent before the iterator is first advanced. A STOP is counted; a `call` of the
         STOP's service becomes one.
-
-        Args:
-            reply_timeout: Seconds for each reply; None for any time.
-            **fields: The fields of the request, as docs/protocol.md lists them; `words` is needed.
-
-        Raises:
-            Unreached: A reply did not come in time.
         """
         self._number += 1
         stops = self._station.robot.stops
@@ -114,14 +88,7 @@ class InProcessConnection:
         yield from self.remaining_replies(reply_timeout)
 
     def remaining_replies(self, reply_timeout: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield the replies that are still to come, the result last.
-
-        Args:
-            reply_timeout: Seconds for each reply; None for any time.
-
-        Raises:
-            Unreached: A reply did not come in time.
-        """
+        """Yield the replies that are still to come; Unreached if one takes too long."""
         reply: dict[str, Any] = {}
         while "code" not in reply:
             try:
@@ -131,7 +98,6 @@ class InProcessConnection:
             yield reply
 
     def send(self, request: dict[str, Any]) -> None:
-        """Send an answer, or `give_up`, to the request that is being carried out."""
         self._handler.on_answer(self, request, self._station.robot.stops.count)
 
     def close(self) -> None:
@@ -142,7 +108,6 @@ class InProcessConnection:
     # The client of the request handler, on the loop.
 
     def reply(self, reply: dict[str, Any]) -> None:
-        """Keep a reply for `remaining_replies`."""
         self._replies.put(reply)
 
     def on_request_ended(self) -> None:
@@ -150,17 +115,14 @@ class InProcessConnection:
 
     @property
     def is_behind(self) -> bool:
-        """True while replies have not been taken by `remaining_replies`."""
         return not self._replies.empty()
 
     # The station's front end.
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin work that the operator wants, as a task on the loop, and return at once."""
         self._start_task(work())
 
     def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin work that nobody waits for, as a task on the loop, and return at once."""
         self._start_task(work())
 
     def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
@@ -194,7 +156,6 @@ class InProcessConnection:
         self._station.on_snapshot(snapshot)
 
     async def _run_station(self, found: threading.Event) -> None:
-        """Attach to the station, set `found` once a node is on the graph, then tick each second."""
         station = self._station
         station.attach(self)
         station.robot.subscribe(self._on_snapshot)

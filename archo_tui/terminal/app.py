@@ -53,20 +53,12 @@ def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], g
 
     `work` is called when the worker begins: a coroutine of a worker that is cancelled before would
     never be awaited, which Python warns of.
-
-    Args:
-        node: The app, screen or widget with which the worker ends.
-        work: Makes the coroutine.
-        group: The group of the worker; the app waits at its end for those of COMMANDS.
     """
     node.run_worker(work, group=group)  # type: ignore[arg-type]  # its union takes any result
 
 
 class TextFilter(LineFilter):
-    """A filter that passes every text that is drawn through a function.
-
-    The function must keep the width in cells.
-    """
+    """A filter that passes every text that is drawn through a function that keeps its width."""
 
     def __init__(self, change: Callable[[str], str]) -> None:
         super().__init__()
@@ -80,11 +72,7 @@ class TextFilter(LineFilter):
 
 
 def _import_and_freeze() -> None:
-    """Import everything the first picture did without, then turn on garbage collection.
-
-    What was made so far is frozen, so that the collector never looks through it. It is called on a
-    thread of its own.
-    """
+    """Import all that the first picture did without, freeze it, and turn on the collector."""
     try:
         import_the_rest((*OF_ALL, *OF_THE_SCREEN))
     finally:
@@ -93,33 +81,18 @@ def _import_and_freeze() -> None:
 
 
 class TerminalApp(App[None]):
-    """The base of the console's app: the driver, colours, STOP, the bell, and the end of the app.
-
-    Attributes:
-        station: The operator's station.
-        failure: The traceback of the first error that ended the screen; "" for none.
-        theme_variables: What `get_css_variables` has returned last.
-        stop_key: Textual's name of the key of STOP; "" until a subclass sets it.
-        settings_before: The settings that the terminal gets back at the end, as `termios` has them;
-            None for those that it has at the start.
-    """
+    """The base of the console's app: driver, colours, STOP, the bell, and the end of the app."""
 
     _main_loop: asyncio.AbstractEventLoop
 
     def __init__(self, station: Station, theme: str) -> None:
-        """Create the app, and register the console's own themes.
-
-        Args:
-            station: The operator's station.
-            theme: The name of a theme; "" means the one that suits the terminal: the high-contrast
-                theme if it has 16 colours, else Textual's default.
-        """
+        """Create the app; without a theme, it takes the one that suits the terminal's colours."""
         share_colour_cache()
         super().__init__()
         self.station = station
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
-        self.settings_before: Sequence[Any] | None = None
+        self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
@@ -145,10 +118,7 @@ class TerminalApp(App[None]):
         return chosen
 
     def get_css_variables(self) -> dict[str, str]:
-        """Return the theme's colours, and tones between them that the theme does not define.
-
-        They are adapted to terminals of 16 and of 256 colours, and kept in `theme_variables`.
-        """
+        """Return the theme's colours and derived tones, adapted to the terminal's colours."""
         variables = super().get_css_variables()
         if self.console.color_system == "256":
             variables |= to_grey(variables)
@@ -162,7 +132,7 @@ class TerminalApp(App[None]):
 
     @property
     def unanswered(self) -> list[Worker[Any]]:
-        """Return the workers of commands that have not ended yet."""
+        """The workers of commands that have not ended yet."""
         return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]
 
     async def wait_for_answers(self) -> None:
@@ -176,15 +146,11 @@ class TerminalApp(App[None]):
         self._stop_context = contextvars.copy_context()
 
     def _carry_stops(self, message: Message) -> None:
-        """Set how many STOPs had been read when the cause of a message was typed, for its handlers.
-
-        Textual calls this hook before a widget handles the message.
-        """
+        """Set, for a message's handlers, how many STOPs had been read when its cause was typed."""
         self.stops.set_typed_at(stops_before(message))
 
     @property
     def stops(self) -> Stops:
-        """Return the counter of the STOPs that were read from the keyboard and elsewhere."""
         return self.station.robot.stops
 
     def is_stop(self, message: Message) -> bool:
@@ -194,7 +160,7 @@ class TerminalApp(App[None]):
     def stop_typed(self, message: Message) -> None:
         """Call `stop_now` for the key of STOP, before any key that waits; an error ends the screen.
 
-        A message that is no key is ignored. The driver calls it on the event loop.
+        The driver calls it on the event loop.
         """
         if isinstance(message, events.Key):
             try:
@@ -215,11 +181,7 @@ class TerminalApp(App[None]):
             self.set_timer(_SETTLE_TIME, settle.start)
 
     def watch_theme(self, before: str, theme: str) -> None:
-        """Write a theme that the operator chose to the disk, for the next start.
-
-        Textual calls it at each change; the theme of the start is not written. A thread writes, and
-        a message says why it could not.
-        """
+        """Write a theme that the operator chose to the disk, on a thread, for the next start."""
 
         async def write() -> None:
             try:
@@ -232,33 +194,21 @@ class TerminalApp(App[None]):
             start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Ring the bell and notify the desktop of new alarms of high priority.
-
-        An alarm that is active and unacknowledged rings once. A quiet station rings for none.
-
-        Args:
-            alarms: All alarms on the board.
-        """
+        """Ring the bell and notify the desktop of new alarms of high priority, unless quiet."""
         news = self.station.bell.take_new(alarms)
         if news and not self.station.quiet and self._driver is not None:
             self.bell()
             self._driver.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
-        """Draw the whole screen again, since the terminal may show something else.
-
-        Nothing is drawn before the first screen and after the last.
-        """
+        """Draw the whole screen again, since the terminal may show something else."""
         if self.is_running and self.screen_stack:
             self.screen.refresh(layout=True)
             self.refresh()
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal does not show what was drawn.
-
-        False if the driver cannot tell.
-        """
+        """True while the terminal does not show what was drawn; False if nobody can tell."""
         return getattr(self._driver, "is_stuck", False)
 
     def on_paste_stalled(self) -> None:
@@ -294,7 +244,6 @@ class TerminalApp(App[None]):
             self.settings_before = keep_keys()
 
     def end(self, code: int) -> None:
-        """Leave the app with an exit code, after `Shutdown` has done its work."""
         self.exit(return_code=code)
 
     def hang_up(self) -> None:
@@ -304,8 +253,7 @@ class TerminalApp(App[None]):
     def _handle_exception(self, error: Exception) -> None:
         """Keep the traceback in `failure`, and end the screen without Textual's report.
 
-        The first error counts. Errors after the end has begun are ignored. Without a terminal, as
-        in a test, Textual handles the error itself.
+        The first error counts. Without a terminal, as in a test, Textual handles the error itself.
         """
         if isinstance(error, WorkerFailed):  # The error that the worker raised is of interest.
             error = error.error if isinstance(error.error, Exception) else error

@@ -12,13 +12,7 @@ _BRAILLE = 0x2800
 
 
 def _braille_in_ascii(dots: int) -> str:
-    """Return an ASCII character about as high as a braille cell's dots.
-
-    Dots in more than two rows are `|`; no dots are a space.
-
-    Args:
-        dots: The dots as bits, as in Unicode's braille block.
-    """
+    """Return an ASCII character about as high as a braille cell's dots, given as bits."""
     rows = [number for number, mask in enumerate(_DOT_ROWS) if dots & mask]
     if not rows or len(rows) > 2:
         return "|" if rows else " "

@@ -24,8 +24,8 @@ class LayoutOnly(Container):
 class DirtyCompositor(Compositor):
     """A compositor that renders the lines that changed.
 
-    Textual's own asks every widget for all its lines, however little has changed. That is most of
-    the cost of a screen whose readings change a few times a second.
+    Textual's own asks every widget for all its lines, which is most of the cost of a screen whose
+    readings change a few times a second.
     """
 
     def __init__(self) -> None:
@@ -64,10 +64,7 @@ class DirtyCompositor(Compositor):
                     self._mark_drawn(y, seen.x, seen.right)
 
     def _mark_drawn(self, y: int, start: int, end: int) -> None:
-        """Take the columns from `start` to before `end` off what is still to be drawn of a line.
-
-        So no widget behind is asked for them.
-        """
+        """Take columns off what is still to be drawn of a line, for the widgets behind."""
         if self._dirty is None:
             return
         self._dirty[y] = [
@@ -78,12 +75,7 @@ class DirtyCompositor(Compositor):
         ]
 
     def _is_dirty(self, y: int, seen: Region) -> bool:
-        """Return True if a part of a line is still to be drawn.
-
-        Args:
-            y: The line of the screen.
-            seen: The visible region of the widget; only its columns count.
-        """
+        """Return True if a part of a line is still to be drawn."""
         if self._dirty is None:  # Everything is to be drawn.
             return True
         spans = self._dirty.get(y)

@@ -6,10 +6,7 @@ import codecs
 
 
 def _replace_or_control(error: UnicodeError) -> tuple[str, int]:
-    """Return the text for bytes that are not UTF-8, and the position behind them.
-
-    A single byte from 0x80 to 0x9f is the control of that number, all else U+FFFD.
-    """
+    """Return U+FFFD or an 8-bit control for bytes that are not UTF-8, and where they end."""
     assert isinstance(error, UnicodeDecodeError)
     wrong = error.object[error.start : error.end]
     is_control = len(wrong) == 1 and 0x80 <= wrong[0] <= 0x9F
@@ -26,20 +23,11 @@ class Decoder:
         self._decoder = codecs.getincrementaldecoder("utf-8")("archo-terminal")
 
     def decode(self, data: bytes, *, after_a_pause: bool) -> str:
-        """Return the text that the bytes complete; never raise.
-
-        Bytes that are not UTF-8 become 8-bit controls or U+FFFD.
-
-        Args:
-            data: The bytes that were read.
-            after_a_pause: True if nothing came for a while: an incomplete character is dropped if
-                ASCII follows.
-        """
+        """Return the text that the bytes complete; never raise, and drop what a pause cut off."""
         if after_a_pause and data[:1].isascii():
             self._decoder.reset()  # The rest of the character will not come.
         return self._decoder.decode(data)
 
     @property
     def is_amid_character(self) -> bool:
-        """Return True if the last bytes ended within a character."""
         return self._decoder.getstate()[0] != b""

@@ -58,21 +58,14 @@ class DriverApp(StopKeyOwner, Protocol):
 
 
 class TerminalWriter(threading.Thread):
-    """A thread that writes to a terminal at its pace, and drops frames that are too much for it.
-
-    Attributes:
-        dead: True once the terminal is gone, or `kill` was called.
-    """
+    """A thread that writes to a terminal at its pace, and drops frames that are too much for it."""
 
     def __init__(
         self, descriptor: int, on_drained: Callable[[], None], on_dead: Callable[[], None]
     ) -> None:
-        """Create the thread; `start` starts it.
+        """Create the thread; both functions are called on it, and the descriptor stays open.
 
-        Args:
-            descriptor: The terminal's file descriptor, which stays open.
-            on_drained: Called on this thread when everything is written after frames were dropped.
-            on_dead: Called on this thread when the terminal is gone.
+        `on_drained` is called when everything is written after frames were dropped.
         """
         super().__init__(daemon=True, name="textual-output")
         self._descriptor = descriptor
@@ -88,13 +81,8 @@ class TerminalWriter(threading.Thread):
     def write(self, text: str, *, keep: bool = False) -> None:
         """Queue a text for writing, without waiting; drop it if too much is queued already.
 
-        Too much is 64 kB, or twice the largest text if that is more. All that is queued is dropped
-        then, and so is what follows, until the terminal has taken the rest: only texts with `keep`
-        stay. When the terminal is gone, nothing is queued.
-
-        Args:
-            text: The text.
-            keep: True for what must not be dropped, such as the terminal's modes.
+        All that is queued is dropped then, and so is what follows, until the terminal has taken the
+        rest: only texts with `keep`, such as its modes, stay.
         """
         data = text.encode("utf-8", "replace")
         with self._changed:
@@ -115,7 +103,7 @@ class TerminalWriter(threading.Thread):
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while a write takes 0.5 s or longer, or dropped frames await a redraw."""
+        """True while a write takes 0.5 s or longer, or dropped frames await a redraw."""
         with self._changed:
             waits = self._writing and time.monotonic() - self._write_began >= _STUCK_AFTER
             return self._dropping or waits
@@ -158,8 +146,7 @@ class TerminalWriter(threading.Thread):
     def stop(self) -> None:
         """Write what is queued, and end the thread.
 
-        The call waits for a terminal that does not read for 0.5 s twice at most, and drops the
-        rest.
+        It waits for a terminal that does not read, 0.5 s twice at most, and drops the rest.
         """
         with self._changed:
             self._ending = True
@@ -215,9 +202,7 @@ class SteadyDriver(LinuxDriver):
     def keep_keys(self) -> list[Any] | None:
         """Leave the terminal raw at the end: what is typed waits for the process that follows.
 
-        Returns:
-            The settings that it had before the start, for that process, as numbers only; see
-            `termios.tcgetattr`. None if they are not known.
+        Returns the settings from before the start, as numbers only, or None if they are not known.
         """
         self._keeps_keys = True
         settings, self.attrs_before = self.attrs_before, None
@@ -248,7 +233,6 @@ class SteadyDriver(LinuxDriver):
 
     @property
     def is_stuck(self) -> bool:
-        """Return True while the terminal does not show what was drawn last."""
         return self._writer is not None and self._writer.is_stuck
 
     def _sigcont_application(self, *_: Any) -> None:
@@ -280,11 +264,7 @@ class SteadyDriver(LinuxDriver):
         self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
 
     def _read_available(self, selector: selectors.BaseSelector) -> bytes:
-        """Return everything that can be read now, up to _MAX_READ bytes.
-
-        It is empty if the terminal is gone. Call it only when something can be read; it waits
-        otherwise.
-        """
+        """Return everything that can be read now; empty if the terminal is gone."""
         data = b""
         with contextlib.suppress(OSError):
             while part := os.read(self.fileno, _MAX_READ - len(data)):

@@ -24,13 +24,7 @@ class Keyboard:
     """A parser of a terminal's bytes into messages. Nothing here reads a clock or a file."""
 
     def __init__(self, stop_key: str = "ctrl+x", debug: bool = False) -> None:
-        """Create the parser.
-
-        Args:
-            stop_key: Textual's name of the key of STOP.
-            debug: Textual's flag, passed on to its parser.
-        """
-        self._stop_key, self._debug = stop_key, debug
+        self._stop_key, self._debug = stop_key, debug  # debug: Textual's flag, for its parser
         self._parser = XTermParser(debug)
         self._decoder = Decoder()
         self._sequences = Sequences()
@@ -40,21 +34,14 @@ class Keyboard:
 
     @property
     def is_waiting(self) -> bool:
-        """Return True while a short silence decides something, such as what an escape means.
-
-        `on_silence` is to be called more often then.
-        """
+        """True while a short silence decides something: `on_silence` is to be called more often."""
         return self._sequences.is_waiting or (self._paste is not None and self._paste.is_waiting)
 
     def feed(self, data: bytes, now: float) -> list[Message]:
-        """Return the messages for bytes that were read, in their order.
+        """Return the messages for bytes that were read at a monotonic time.
 
-        They include those that the silence before has decided. Replies of the terminal, and moves
-        of the mouse that another move follows, give no message.
-
-        Args:
-            data: Everything that was available.
-            now: Monotonic time of the reading, in s.
+        Those that the silence before decided come first. Replies of the terminal, and moves of the
+        mouse that another move follows, give no message.
         """
         messages = self.on_silence(now)
         text = self._decoder.decode(data, after_a_pause=now - self._last_time >= PAUSE)
@@ -62,13 +49,7 @@ class Keyboard:
         return messages + self._read(self._drop_stray_end(drop_passed_moves(text)), now)
 
     def on_silence(self, now: float) -> list[Message]:
-        """Return the messages that silence decides; call it regularly while nothing arrives.
-
-        They are keys such as escape, and PasteStalled or PasteCut; an empty list most times.
-
-        Args:
-            now: Monotonic time, in s.
-        """
+        """Return the messages that silence decides; call it regularly while nothing arrives."""
         messages: list[Message] = []
         if self._paste is not None:
             if self._paste.has_just_stalled(now):
@@ -80,11 +61,7 @@ class Keyboard:
         return messages + self._all_messages(self._sequences.on_silence(now))
 
     def _drop_stray_end(self, text: str) -> str:
-        """Return a text without the rest of a paste's end mark at its beginning.
-
-        The mark's escape came alone before, and was taken as a key that ends the paste. The rest
-        may arrive in several texts.
-        """
+        """Return a text without the rest of an end mark whose escape was taken as a key."""
         if not text or not self._stray_end:
             return text
         while text and text[0] == self._stray_end[:1]:
@@ -109,7 +86,7 @@ class Keyboard:
     def _feed_paste(self, paste: Paste, text: str, now: float) -> tuple[list[Message], str]:
         """Return the messages for a text within a paste, and the text behind the end of the paste.
 
-        Mouse and focus reports are taken out of the paste. The end clears `_paste`.
+        Mouse and focus reports are taken out of it. The end clears `_paste`.
         """
         inside, mark, behind = text.partition(PASTE_END)
         reports, inside = split_reports(inside)  # The mouse may move while a paste stalls.

@@ -25,11 +25,7 @@ _CHARACTERS = {"backspace": "\x7f", "enter": "\r", "tab": "\t"}
 
 
 def keys_of(sequence: str) -> list[events.Key] | None:
-    """Return the keys of a whole escape sequence; several if the sequence types several characters.
-
-    A key that is let go, or that Textual ignores, gives an empty list; None means that the sequence
-    is not a key.
-    """
+    """Return the keys of a whole escape sequence, [] for one let go; None if it is no key."""
     if match := _EXTENDED.fullmatch(sequence):
         keys = _extended(*(match[group] or "" for group in range(1, 5)))
         if keys is not None:
@@ -43,10 +39,7 @@ def keys_of(sequence: str) -> list[events.Key] | None:
 
 
 def alt_key(character: str) -> events.Key:
-    """Return the key that an escape before a character means: alt and that character.
-
-    It has no character of its own, so that it types nothing.
-    """
+    """Return the key that an escape before a character means; it types nothing."""
     name = _character_to_key(character)
     return events.Key(f"alt+shift+{name.lower()}" if name.isupper() else f"alt+{name}", None)
 
@@ -85,13 +78,7 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
 
 
 def _key(name: str, character: str, held: int) -> events.Key:
-    """Return a key event; modifiers that its character includes are not part of its name.
-
-    Args:
-        name: Textual's name of the key alone.
-        character: The character that the key types; "" for none.
-        held: The modifiers as kitty's bits.
-    """
+    """Return a key event, whose name lacks the modifiers that its character includes."""
     with_shift = held & _SHIFT and (not character or character.isspace())
     words = ["shift"] if with_shift else []
     words += [word for word, bit in _MODIFIERS.items() if held & bit]

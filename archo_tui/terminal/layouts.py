@@ -16,8 +16,5 @@ _ON_QWERTY = {
 
 
 def on_qwerty(letter: str) -> str:
-    """Return the character of the QWERTY key on which a Cyrillic or Greek letter is printed.
-
-    A capital letter gives the same as a small one; any other character is returned unchanged.
-    """
+    """Return the character of a Cyrillic or Greek letter's QWERTY key; any other unchanged."""
     return _ON_QWERTY.get(letter.lower(), letter)

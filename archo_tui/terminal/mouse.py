@@ -11,18 +11,14 @@ _MOVES, _WHEEL = 32, 64  # Bits of the button code.
 
 
 def drop_passed_moves(text: str) -> str:
-    """Return a text without those mouse moves that another move follows.
-
-    In a run of moves the last one with each state of the buttons stays; all else keeps its place.
-    """
+    """Return a text without mouse moves that another one with the same buttons follows."""
     return _RUN.sub(lambda run: "".join(_last_moves(run[0])), text)
 
 
 def _last_moves(run: str) -> list[str]:
     """Return the reports of a run without each move that a later one with equal buttons follows.
 
-    Moves before and after a press, or a turn of the wheel, do not count as one run. The order
-    stays.
+    A press, or a turn of the wheel, separates two runs.
     """
     kept: list[str] = []
     seen: set[str] = set()

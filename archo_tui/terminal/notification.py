@@ -14,15 +14,7 @@ _OSC_777 = ("foot", "rxvt")  # Beginnings of TERM.
 
 
 def desktop_notification(text: str, environ: Mapping[str, str] = os.environ) -> str:
-    """Return the escape sequence that has the terminal show a notification.
-
-    Return "" for a terminal that is not known to have one, and within tmux and screen.
-
-    Args:
-        text: The notification; `;` becomes `,`, control characters become U+FFFD, and it is cut to
-            500 characters.
-        environ: The environment, which tells the terminal's kind.
-    """
+    """Return the escape sequence for a notification; "" for a terminal not known to have one."""
     text = harmless(text).replace(";", ",")
     term, program = environ.get("TERM", ""), environ.get("TERM_PROGRAM", "")
     if term.startswith(("tmux", "screen")):

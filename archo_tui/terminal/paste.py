@@ -34,28 +34,16 @@ class PasteStalled(Message):
 
 
 class PasteEnd(NamedTuple):
-    """The end of a paste.
+    """The end of a paste."""
 
-    Attributes:
-        messages: The paste itself, or PasteCut if it was cut off.
-        rest: The text that does not belong to the paste, to be read as keys: what was read after
-            the paste, or the key that has ended it.
-    """
-
-    messages: list[Message]
-    rest: str
+    messages: list[Message]  # The paste itself, or PasteCut.
+    rest: str  # What was read after the paste, or the key that has ended it.
 
 
 class Paste:
     """A paste from its begin mark on, which keeps its first PASTE_LIMIT characters."""
 
     def __init__(self, now: float, stop_key: str) -> None:
-        """Begin a paste.
-
-        Args:
-            now: Monotonic time at which its begin mark was read, in s.
-            stop_key: Textual's name of the key of STOP.
-        """
         self._stops = ("ctrl+x", stop_key)
         self._text: list[str] = []
         self._left = PASTE_LIMIT
@@ -67,20 +55,14 @@ class Paste:
 
     @property
     def is_waiting(self) -> bool:
-        """Return True while silence decides if an escape is the key that ends the paste."""
+        """True while silence decides if an escape is the key that ends the paste."""
         return self._silence >= ALONE and self._burst_key_name() == "escape"
 
     def feed(self, text: str, now: float, is_amid_character: bool) -> PasteEnd | None:
         """Add text that was read, and return the end of the paste, or None if it goes on.
 
-        The end is its end mark. Without it, a new begin mark ends the paste, or ctrl+x or the key
-        of STOP alone after a silence: the paste is cut off then, and the rest begins with that mark
-        or key.
-
-        Args:
-            text: The text.
-            now: Monotonic time of the reading, in s.
-            is_amid_character: True if the reading ended within a character: no key ends the paste.
+        Without its end mark, a new begin mark ends the paste, or ctrl+x or the key of STOP alone
+        after a silence: it is cut off then. No key does if the reading ended within a character.
         """
         if now - self._last_time >= PAUSE:
             self._burst, self._silence = "", now - self._last_time
@@ -104,21 +86,13 @@ class Paste:
         return None
 
     def on_silence(self, now: float) -> PasteEnd | None:
-        """Return the end of the paste if an escape came alone, with silence around it, else None.
-
-        Args:
-            now: Monotonic time, in s.
-        """
+        """Return the end of the paste if an escape came alone, with silence around it."""
         if self.is_waiting and now - self._last_time >= ALONE:
             return PasteEnd([PasteCut()], self._burst_key)
         return None
 
     def has_just_stalled(self, now: float) -> bool:
-        """Return True when nothing has arrived for STALL seconds; only once a paste.
-
-        Args:
-            now: Monotonic time, in s.
-        """
+        """Return True when nothing has arrived for STALL seconds; only once a paste."""
         has_stalled = not self._has_stalled and now - self._last_time >= STALL
         self._has_stalled = self._has_stalled or has_stalled
         return has_stalled
@@ -130,7 +104,7 @@ class Paste:
 
     @property
     def _burst_key(self) -> str:
-        """Return the first key of what was read without a pause.
+        """The first key of what was read without a pause.
 
         A key that is held repeats its sequence, so the key ends where its first character comes
         again.

@@ -1,8 +1,8 @@
 """A cutter of a terminal's output into characters and escape sequences (ECMA-48).
 
 Control strings (OSC, DCS, APC, PM, SOS) are replies of the terminal: they are dropped here. A
-sequence that does not arrive in one read is waited for; what an escape alone means only silence
-can tell.
+sequence that does not arrive in one read is waited for; what an escape alone means only silence can
+tell.
 """
 
 from __future__ import annotations
@@ -31,10 +31,7 @@ _MAY_BE_CSI = re.compile(r"\[\[?|\[[<=>?]?[-\d;:]{0,40}[ -/]?")
 
 
 class Sequences:
-    """A state machine over characters that cuts them into single characters and escape sequences.
-
-    Its state is the method that takes the next character.
-    """
+    """A state machine whose state is the method that takes the next character."""
 
     def __init__(self) -> None:
         self._pieces: list[str] = []
@@ -47,21 +44,14 @@ class Sequences:
 
     @property
     def is_waiting(self) -> bool:
-        """Return True within a sequence, while more characters or silence decide what it is."""
+        """True within a sequence, while more characters or silence decide what it is."""
         return self._state != self._ground
 
     def feed(self, text: str, now: float) -> tuple[list[str], str]:
         """Cut a text into characters and whole escape sequences, and drop control strings.
 
-        What is incomplete is kept for the next call. Call `on_silence` before, with the same time.
-
-        Args:
-            text: The text that was read.
-            now: Monotonic time of the reading, in s.
-
-        Returns:
-            The whole pieces, and the rest of the text: if the last piece is the begin mark of a
-            paste, what follows belongs to the paste. Otherwise the rest is "".
+        What is incomplete is kept for the next call. The second text returned is what follows the
+        begin mark of a paste, else "". Call `on_silence` before, with the same time.
         """
         self._now, at = now, 0
         while at < len(text) and self._pieces[-1:] != [PASTE_BEGIN]:
@@ -72,11 +62,8 @@ class Sequences:
     def on_silence(self, now: float) -> list[str]:
         """Return the pieces that silence decides, such as an escape alone, which is a key.
 
-        An incomplete sequence that is no key is dropped, or handed on as single keys if its escape
-        was taken as a key before.
-
-        Args:
-            now: Monotonic time, in s.
+        An incomplete sequence is dropped, or handed on as single keys if its escape was taken as a
+        key before.
         """
         wait = PAUSE if self._state in (self._escape, self._flood) else SEQUENCE_WAIT
         if self.is_waiting and now - self._since >= wait:
@@ -119,7 +106,6 @@ class Sequences:
             self._emit(char)
 
     def _escape(self, char: str) -> None:
-        """Take the character after an escape."""
         if char == "[":
             self._wait(self._csi, ESCAPE + char)
         elif char == "O":
@@ -149,7 +135,6 @@ class Sequences:
             self._state = self._ground
 
     def _x10(self, char: str) -> None:
-        """Take one of the three characters of a mouse report in the form of X10."""
         text = self._text + char
         if char < " ":
             self._abort(char)
@@ -167,10 +152,7 @@ class Sequences:
             self._ground(char)
 
     def _abort(self, char: str) -> None:
-        """Drop a control sequence, and take the character that breaks it off by itself.
-
-        SUB is dropped, too.
-        """
+        """Drop a control sequence, and take the character that breaks it off, unless it is SUB."""
         self._state = self._ground
         if char != _SUBSTITUTE:
             self._ground(char)
@@ -212,10 +194,7 @@ class Sequences:
     # The rest of a sequence whose escape was taken as a key may still arrive.
 
     def _late_csi(self, char: str) -> None:
-        """Take a character after a `[` that may belong to an escape which was taken as a key.
-
-        A whole sequence becomes a piece; what cannot become one is handed on as single keys.
-        """
+        """Take a character after a `[` that may belong to an escape which was taken as a key."""
         text = self._text + char
         if _is_sequence(ESCAPE + text):
             self._emit(ESCAPE + text)
@@ -225,10 +204,7 @@ class Sequences:
             self._replay_as_keys(char)
 
     def _late_string(self, char: str) -> None:
-        """Take a character of what may be a reply of the terminal, whose escape was taken as a key.
-
-        A reply is dropped; anything else is handed on as single keys.
-        """
+        """Take a character of what may be a reply, whose escape was taken as a key."""
         text = self._text + char
         if WHOLE_STRING.fullmatch(text):
             self._state = self._ground

@@ -26,16 +26,11 @@ def log_file() -> Path:
 
 @contextlib.contextmanager
 def guarded_streams(path: Path, print_line: PrintLine | None = None) -> Iterator[None]:
-    """Redirect the file descriptors 1 and 2 to a file during the block.
+    """Redirect the file descriptors 1 and 2 to a file, which is emptied, during the block.
 
-    The old content of the file is deleted; its folder is made if it is missing. If the file cannot
-    be written, what is printed is lost: a clean screen matters more. `sys.__stdout__` and
-    `sys.__stderr__`, which Textual measures and draws on, are copies of the old descriptors.
-
-    Args:
-        path: The file.
-        print_line: Called, on a thread, with each line that is written to descriptor 1, which does
-            not go to the file then.
+    If the file cannot be written, what is printed is lost. `sys.__stdout__` and `sys.__stderr__`,
+    which Textual measures and draws on, are copies of the old descriptors. `print_line` is called
+    on a thread with each line of descriptor 1, which does not go to the file then.
     """
     try:
         make_folder(path)

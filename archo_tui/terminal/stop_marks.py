@@ -25,14 +25,11 @@ class StopKeyOwner(Protocol):
 
     @property
     def stops(self) -> Stops:
-        """Return the counter of STOPs that were read."""
+        """The counter of STOPs that were read."""
 
 
 class StopMark(NamedTuple):
-    """A mark on a message: how many STOPs had been read before its input.
-
-    The mark of a STOP counts that STOP itself.
-    """
+    """A mark on a message: how many STOPs had been read before its input, its own included."""
 
     stops: int
 
@@ -43,10 +40,7 @@ def mark_stops(message: Message, stops: int) -> None:
 
 
 def stops_before(message: Message) -> int | None:
-    """Return the count of STOPs in a message's mark, or None for a message without a mark.
-
-    Nobody typed the cause of such a message. Of several marks the lowest count is returned.
-    """
+    """Return the lowest count of STOPs in a message's marks; None if nobody typed its cause."""
     if not message._prevent:  # True of most messages.
         return None
     found: set[object] = {*message._prevent}
@@ -54,15 +48,10 @@ def stops_before(message: Message) -> int | None:
 
 
 class InputTime(NamedTuple):
-    """A mark on a message: when the input was read that the message results from.
+    """A mark on a message: when the input was read that the message results from."""
 
-    Attributes:
-        at: The time of the reading in s, on the clock of `Message.time`.
-        pause: The seconds since the input before.
-    """
-
-    at: float
-    pause: float
+    at: float  # s, on the clock of `Message.time`
+    pause: float  # s since the input before
 
 
 def now() -> float:
@@ -76,12 +65,7 @@ def mark_input(message: Message, read: InputTime) -> None:
 
 
 def marks_of(message: Message, pump: MessagePump) -> AbstractContextManager[None]:
-    """Return a context in which posted messages get the marks of another message.
-
-    Args:
-        message: The message with the marks.
-        pump: The app, screen or widget that posts messages in the context.
-    """
+    """Return a context in which messages that `pump` posts get the marks of another message."""
     return pump.prevent(*message._prevent)
 
 
@@ -97,16 +81,7 @@ def dispatch(
     stop: Callable[[Message], object],
     other: Callable[[Message], object],
 ) -> None:
-    """Count the STOPs among messages that were read together, and pass on STOPs before all others.
-
-    Each message is marked with the count of STOPs typed before it, a STOP's own included.
-
-    Args:
-        messages: The messages, in the order of typing.
-        app: Knows the key of STOP, and has the counter.
-        stop: Called with each STOP, before all other messages.
-        other: Called with each other message, in their order.
-    """
+    """Mark messages that were read together with the count of STOPs, and pass STOPs on first."""
     others = []
     for message in messages:
         if app.is_stop(message):

@@ -16,9 +16,6 @@ _original: Any = StylesCache.get_inner_outer
 
 
 def share_colour_cache() -> None:
-    """Patch Textual to cache a widget's two colours by its arguments only, not by the instance.
-
-    Another call replaces the cache by an empty one.
-    """
+    """Patch Textual to cache a widget's two colours by its arguments, not by the instance."""
     colours: Any = lru_cache(1024)(_original.__wrapped__)
     StylesCache.get_inner_outer = classmethod(colours)  # type: ignore[assignment]

@@ -58,10 +58,6 @@ def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
     They are `quiet` for labels, keys and old values, `off` for what cannot be done, `edge` for
     borders, `warn` and `bad` for what is abnormal, `stopped` for STOP, `held` for STOP while the
     robot is stopped, `shade` for the empty part of a bar.
-
-    Args:
-        variables: The colours of the theme by Textual's names, among them `foreground`,
-            `background`, `surface`, `panel`, `text-warning` and `text-error`.
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
@@ -81,9 +77,6 @@ def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
     """Return the colours of backgrounds and scroll bars as greys; leave all other colours out.
 
     The dark colours among 256 are blue or black.
-
-    Args:
-        variables: The colours of the theme by Textual's names.
     """
     names = ("background", "surface", "panel", "scrollbar-background", "scrollbar-corner")
     found = {}
@@ -94,10 +87,7 @@ def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def contrast(one: Color, other: Color) -> float:
-    """Return the contrast ratio of two colours, 1 to 21.
-
-    The formula is that of https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio.
-    """
+    """Return the contrast ratio of two colours, 1 to 21, by WCAG 2.1."""
     return _least_ratio(one, [_luminance(other)])
 
 
@@ -126,11 +116,7 @@ def remembered_theme() -> str:
 
 
 def remember_theme(name: str) -> None:
-    """Write the name of a theme, unchecked, to the user's configuration folder for the next start.
-
-    Raises:
-        OSError: The disk refuses it.
-    """
+    """Write the name of a theme, unchecked, for the next start; raise OSError."""
     make_folder(_file())
     replace(_file(), f"{name}\n")
 

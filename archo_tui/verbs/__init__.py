@@ -26,13 +26,8 @@ from archo_tui.verbs.topics import Topics
 def verbs(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> dict[str, Verb]:
     """Return all verbs of a robot by the word that is typed, those for goals first.
 
-    The first goal of the robot file has the verb `go`, each further goal its id. Each command of
-    the file has a verb, and if the command is a toggle, a second one that switches off.
-
-    Args:
-        robot: The robot file.
-        forms: The fields of the robot file's goals, by goal id; a goal whose type is not installed
-            is missing.
+    The first goal of the robot file has the verb `go`, each further goal its id. A command that is
+    a toggle has two. `forms` lacks goals whose type is not installed.
     """
     return {verb.id: verb for verb in _all(robot, forms)}
 

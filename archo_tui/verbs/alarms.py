@@ -23,10 +23,6 @@ class Alarms(Verb):
     help = "List the alarms"
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Refresh the station, and return True if there is an alarm.
-
-        While there is none, frontends wait for one until ROBOT_TIMEOUT seconds after the start.
-        """
         station.refresh()
         return bool(station.view.alarms)
 
@@ -36,10 +32,7 @@ class Alarms(Verb):
         return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return the alarms as in `status --json`; None if there are none and no data has come yet.
-
-        The data is the robot's: battery, motion, gauges.
-        """
+        """Return the alarms as in `status --json`; None for none before any data has come."""
         alarms = state(station)["alarms"]
         return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
@@ -48,13 +41,7 @@ class _AlarmVerb(Verb):
     """The base of the verbs that take the name of one alarm, or the beginning of its name."""
 
     def find_alarm(self, station: Station, name: str) -> Alarm:
-        """Return the alarm with a typed name, or the only one whose name begins with it.
-
-        Case, double quotes and repeated spaces make no difference.
-
-        Raises:
-            ArchoError: No alarm fits, or several do; the message lists the alarms.
-        """
+        """Return the alarm with a typed name, or the only one that begins so; raise ArchoError."""
         fitting = _matching_alarms(station, name)
         if len(fitting) == 1:
             return fitting[0]
@@ -65,10 +52,7 @@ class _AlarmVerb(Verb):
 
 
 def _matching_alarms(station: Station, name: str) -> list[Alarm]:
-    """Return the alarms with a typed name, else all whose names begin with it; [] if none does.
-
-    Case, double quotes and repeated spaces make no difference.
-    """
+    """Return the alarms with a typed name, in any case, else all whose names begin with it."""
     alarms, wanted = station.view.alarms, _normalized(name)
     exact = [alarm for alarm in alarms if alarm.name.lower() == name.lower()]
     exact = exact or [alarm for alarm in alarms if _normalized(alarm.name) == wanted]
@@ -76,16 +60,11 @@ def _matching_alarms(station: Station, name: str) -> list[Alarm]:
 
 
 def _normalized(name: str) -> str:
-    """Return a name in lower case, without double quotes, and with single spaces, to compare it."""
     return " ".join(name.replace('"', "").lower().split())
 
 
 class Acknowledge(_AlarmVerb):
-    """The verb `ack`: acknowledge the named alarm, all for `all`, or the first of the list.
-
-    The first is meant if no name is typed. The journal gets what was acknowledged. The verb is
-    disabled while every alarm is acknowledged.
-    """
+    """The verb `ack`: acknowledge the named alarm, all for `all`, or without a name the first."""
 
     id, title, tells = "ack", "Acknowledge", True
     help = "Acknowledge the first alarm, the named one, or all"
@@ -106,11 +85,7 @@ class Acknowledge(_AlarmVerb):
 
 
 class Shelve(_AlarmVerb):
-    """The verb `shelve`: silence an alarm for SHELF_TIME, or end that early if it is shelved.
-
-    The reason goes into the journal; without one, an alarm of HIGH priority is not shelved, and the
-    outcome is MISUSE.
-    """
+    """The verb `shelve`: silence an alarm for a while, or end that; HIGH ones need a reason."""
 
     id, title, tells = "shelve", "Shelve", True
     help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min, with a reason; or end that early"
@@ -128,18 +103,7 @@ class Shelve(_AlarmVerb):
         return Outcome(Code.DONE, f"{alarm.name}: {_FOR if not shelved else 'no longer shelved'}")
 
     def _split(self, station: Station, name: str, reason: str) -> tuple[Alarm, str]:
-        """Split typed words into an alarm and the reason for shelving it.
-
-        As many words belong to the alarm's name as still fit exactly one alarm.
-
-        Args:
-            station: The station that has the alarms.
-            name: The first word.
-            reason: The further words.
-
-        Raises:
-            ArchoError: Neither the first word, nor it with further ones, fits exactly one alarm.
-        """
+        """Split typed words into an alarm, of as many words as fit exactly one, and the reason."""
         words = reason.split()
         for count in range(len(words), 0, -1):
             fitting = _matching_alarms(station, " ".join((name, *words[:count])))

@@ -65,16 +65,11 @@ def state(station: Station) -> dict[str, Any]:
 
 
 def _stopped(snapshot: Snapshot) -> bool | None:
-    """Return True if a confirmed STOP holds, else the robot's own report of a stop.
-
-    Returns:
-        None if no STOP holds and the robot reports nothing about stops.
-    """
+    """Return True if a confirmed STOP holds, else the robot's own report; None without one."""
     return True if snapshot.stop_holds else snapshot.motion.stopped
 
 
 def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
-    """Return the pose, with yaw in degrees; None for a robot whose file names no pose."""
     pose = snapshot.pose
     if snapshot.file.pose is None:
         return None
@@ -89,11 +84,7 @@ def _pose(snapshot: Snapshot, now: float) -> dict[str, Any] | None:
 
 
 def _stop_state(snapshot: Snapshot) -> str:
-    """Return `open` while a STOP is unconfirmed, `uncertain` if a confirmed one may have ended.
-
-    Returns:
-        "" otherwise, also while a confirmed STOP holds.
-    """
+    """Return `open` for an unconfirmed STOP, `uncertain` if it may have ended, "" otherwise."""
     if snapshot.open_stop is not None:
         return "open"
     return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
@@ -102,9 +93,8 @@ def _stop_state(snapshot: Snapshot) -> str:
 def in_line(station: Station) -> str:
     """Return the state in one line, such as `ARCHO 87 % MOVING to 12, 9.0 m left`.
 
-    Named is the running goal, or the motion if no goal runs or the robot is stopped. A held queue,
-    and the HIGH alarms whose cause is not over, follow. The charge is `--` if it is unknown or old,
-    and left out for a robot without a battery.
+    A held queue, and the HIGH alarms whose cause is not over, follow. The charge is `--` if it is
+    unknown or old.
     """
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
@@ -127,19 +117,14 @@ def in_line(station: Station) -> str:
 
 
 def _motion_word(snapshot: Snapshot, now: float, width: int) -> str:
-    """Return the word for the motion without its glyph, at most `width` cells wide."""
     return spans_to_text(motion_word(snapshot, now, width))
 
 
 def goal(found: Goal, now: float) -> dict[str, Any]:
     """Return a goal as JSON has it: kind, values, phase, code, way left, age and so on.
 
-    `source` is `commanded` for a goal of this console, `measured` for another client's. `values`
-    is empty for another client's goal, since they are not known.
-
-    Args:
-        found: The goal.
-        now: Monotonic time, in s; the age counts from the goal's last feedback or answer.
+    `values` is empty for another client's goal. `now` is monotonic; the age counts from the last
+    feedback or answer.
     """
     return {
         "kind": found.kind.id,
@@ -157,10 +142,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 
 
 def event(found: Event) -> dict[str, Any]:
-    """Return an event as JSON has it: time, level, source, text and count.
-
-    If it has them, its command is added, and the verb, arguments and code of its audit record.
-    """
+    """Return an event as JSON has it, with its command and audit record if it has them."""
     told: dict[str, Any] = {
         "time": found.time,
         "level": found.level,
@@ -176,10 +158,7 @@ def event(found: Event) -> dict[str, Any]:
 
 
 def parameter(found: Parameter) -> dict[str, Any]:
-    """Return a parameter as JSON has it, with its value now and at the start.
-
-    Long texts and lists are cut; secret values are not masked. A missing limit is None.
-    """
+    """Return a parameter as JSON has it; long values are cut, secret ones are not masked."""
     values = json_safe({"value": found.value, "initial": found.initial})
     return {
         "node": found.node,

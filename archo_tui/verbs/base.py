@@ -24,8 +24,7 @@ class Argument(NamedTuple):
         many: True if it takes all further words, each as a value.
         rest: True if it takes all further words as one text.
         optional: True if the words may end before it.
-        low: The least value, or the parameter that has it; None for no limit.
-        high: The greatest value, or the parameter that has it; None for no limit.
+        low: The least value, or the parameter that has it; None for no limit. `high` likewise.
         unit: The unit for people, as `m/s`; "" for none.
     """
 
@@ -40,7 +39,6 @@ class Argument(NamedTuple):
 
     @property
     def is_flag(self) -> bool:
-        """True for an option without a value, whose name begins with `--`."""
         return self.name.startswith("--")
 
 
@@ -48,7 +46,6 @@ class Question(NamedTuple):
     """A question that a person answers before something is done.
 
     Attributes:
-        title: The title of its dialog.
         text: The question; the lines after the first one are details.
         safe: The answer that changes nothing, as `Stay stopped`.
         go: The answer that runs the verb, as `Release`; "" if the verb cannot run.
@@ -124,12 +121,7 @@ class Verb:
         return given
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: ` and the line that was probably meant, or "" if no guess is made.
-
-        Args:
-            station: The station, which is only read.
-            words: Words after the verb that `values` has refused.
-        """
+        """Return `: ` and the line that was probably meant by refused words, or ""."""
         return ""
 
     @property
@@ -139,10 +131,7 @@ class Verb:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The options that a shell may put after the verb.
-
-        They are `--wait` and `--leave` for a verb that sends goals, `--yes` for one that may ask.
-        """
+        """The options that a shell may put after the verb: `--wait`, `--leave`, `--yes`."""
         goals = ("--wait", "--leave") if self.has_goals else ()
         return (*goals, "--yes") if self.may_ask else goals
 
@@ -156,10 +145,7 @@ class Verb:
         return self.acts
 
     def tells_with(self, values: Values) -> bool:
-        """Return True if the text of the outcome must be printed, since no event shows it.
-
-        By default, the same as `tells`.
-        """
+        """Return True if the text of the outcome must be printed, since no event shows it."""
         return self.tells
 
     def refusal(self, station: Station) -> str:
@@ -189,7 +175,7 @@ class Verb:
     def is_answered(self, station: Station) -> bool:
         """Return False while the answer to an earlier request may still allow or forbid the verb.
 
-        Frontends wait for True, for ANSWERS seconds at most. By default, True.
+        Frontends wait for True, for ANSWERS seconds at most.
         """
         return True
 
@@ -206,12 +192,7 @@ class Verb:
         return values
 
     def question(self, station: Station, values: Values) -> Question | None:
-        """Return the question that must be answered before `run`; None, the default, for none.
-
-        Args:
-            station: The station.
-            values: The values that `prepare` has returned.
-        """
+        """Return the question that must be answered before `run`; None, the default, for none."""
         return None
 
     def data(self, station: Station, values: Values) -> Any:
@@ -220,10 +201,6 @@ class Verb:
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
         """Run the verb, and return an awaitable of its outcome; nothing is asked any more.
-
-        Args:
-            station: The station.
-            values: The values that `prepare` has returned.
 
         Raises:
             ArchoError: A name means nothing; nothing has been done then.

@@ -23,13 +23,8 @@ def choose_verb(
 ) -> tuple[Verb, list[str]]:
     """Return the verb for a typed word, and the words that are left for that verb.
 
-    `call SERVICE` on a service of the robot file gives the verb that calls this service, so that
-    it asks, refuses and checks as that verb does; of the words at most `--yes` is left then. With
-    `--help` alone behind the service, the verb is `call` itself.
-
-    Raises:
-        ValueError: The word is no verb, the typed fields fit no verb of the service or several, or
-            the service is a part of an action; the text says what to type.
+    `call SERVICE` on a service of the robot file gives the verb that calls this service, so that it
+    asks, refuses and checks as that verb does. Raises ValueError if no single verb is meant.
     """
     verb, rest = named(verbs, word), list(words)
     without_yes = [each for each in rest if each != YES]
@@ -47,10 +42,7 @@ def choose_verb(
 
 
 def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Called]]:
-    """Return the verbs that call a service of the robot file, by the full name of the service.
-
-    These are `stop`, `release` and the robot file's commands.
-    """
+    """Return `stop`, `release` and the robot file's commands by their service's full name."""
     found: dict[str, list[Called]] = {}
     for verb in verbs.values():
         if isinstance(verb, (StopNow, ReleaseStop, Give)) and verb.service:
@@ -59,18 +51,10 @@ def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str,
 
 
 def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
-    """Return the verb whose request has the fields that were typed.
+    """Return the verb whose request has the fields that were typed; ValueError unless one has.
 
-    A STOP without fields is returned whatever was typed. A STOP with fields comes before other
-    verbs with the same request.
-
-    Args:
-        found: The verbs that call the service.
-        service: The full name of the service, for errors.
-        fields: The words behind the service: `field=value`, or one YAML mapping.
-
-    Raises:
-        ValueError: The fields fit no verb, or several.
+    A STOP without fields is returned whatever was typed; one with fields comes before other verbs
+    with the same request.
     """
     stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
     if stop is not None and not stop.request:  # Whatever fields were typed.
@@ -95,10 +79,7 @@ def _either(found: Sequence[Verb]) -> str:
 
 
 def _refuse_part_of_action(verbs: Mapping[str, Verb], snapshot: Snapshot, service: str) -> None:
-    """Raise ValueError for a service by which an action takes or cancels goals.
-
-    The text says which verb to type instead. Every other service passes.
-    """
+    """Raise ValueError for a service by which an action takes or cancels goals."""
     action, _, part = service.partition(_ACTION_PART)
     if part == "cancel_goal":
         raise ValueError(f"{service} is a part of the action {action}: type cancel")

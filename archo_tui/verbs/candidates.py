@@ -16,16 +16,10 @@ _MOST_NUMBERS = 1000  # Numbers of a range, such as shelves, that are listed.
 
 
 def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
-    """Return the words that may stand at the end of a line, each once; [] if none is known.
+    """Return the words that may stand at the end of a line, each once.
 
-    Verbs keep their order; numbers are sorted by value, names by the alphabet.
-
-    Args:
-        verbs: The verbs of this console.
-        station: The station, which is only read.
-        words: The line without options: a verb, its values, and the beginning of the last word,
-            which may be "". Names on the graph are returned with their first `/` only if that
-            beginning has one.
+    The last word is its beginning, which may be ""; names on the graph have their first `/` only if
+    that has one. Numbers are sorted by value.
     """
     *before, unfinished = words
     if not before:
@@ -42,16 +36,11 @@ def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]
 
 
 def _sort_key(word: str) -> tuple[int, str]:
-    """Return a sort key: numbers below _MOST_NUMBERS by value, then names, then other numbers."""
     return (int(word), "") if word.isdecimal() else (_MOST_NUMBERS, word)
 
 
 def _goal_words(verb: Go, snapshot: Snapshot) -> Iterable[str]:
-    """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field.
-
-    The numbers are the first _MOST_NUMBERS; there are none if a limit is unknown, infinite or below
-    0.
-    """
+    """Return the numbers that a goal of one number allows; for other goals `FIELD=` per field."""
     if len(verb.arguments) != 1 or not verb.arguments[0].many:
         return [f"{argument.name.lower()}=" for argument in verb.arguments]
     low, high = snapshot.limit(verb.arguments[0].low), snapshot.limit(verb.arguments[0].high)
@@ -86,7 +75,6 @@ def _owners(station: Station, _: Sequence[str]) -> Iterable[str]:
 
 
 def _parameters_of(station: Station, word: str) -> list[Parameter]:
-    """Return the parameters of the node that a word names, with its namespace or without."""
     snapshot = station.robot.snapshot
     node = full_name(snapshot, word, {parameter.node for parameter in snapshot.parameters})
     return [parameter for parameter in snapshot.parameters if parameter.node == node]
@@ -97,12 +85,7 @@ def _parameters(station: Station, words: Sequence[str]) -> Iterable[str]:
 
 
 def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
-    """Return `true` and `false` for a boolean parameter, nothing for others.
-
-    Args:
-        station: The station.
-        words: The node and the name of the parameter.
-    """
+    """Return `true` and `false` for a boolean parameter, nothing for others."""
     kinds = [p.type for p in _parameters_of(station, words[0]) if p.name == words[1]]
     return ("true", "false") if kinds == ["bool"] else ()
 

@@ -17,14 +17,8 @@ LISTENING = 5.0  # Seconds: enough for two messages of a battery that is publish
 async def robot_file_text(station: Station) -> str:
     """Listen for LISTENING seconds, and return the text of a robot file for what is on the graph.
 
-    Nothing of the proposal is tried on the robot.
-
-    Args:
-        station: A station whose robot runs and has found the nodes that are to be described.
-
-    Raises:
-        SeveralRobots: The namespace holds more than one robot.
-        TimeoutError: The ROS thread does not answer.
+    Nothing of it is tried on the robot. Raises SeveralRobots, or TimeoutError if ROS does not
+    answer.
     """
     seen = await station.robot.take_sightings(LISTENING)
     view = station.view
@@ -38,18 +32,6 @@ async def robot_file_text(station: Station) -> str:
 def _file_text(
     seen: Sequence[Sighting], namespace: str, engine: str, now: float, attach: str
 ) -> str:
-    """Return the text of the robot file, after a comment with engine, day and its command line.
-
-    Args:
-        seen: What was seen on the graph.
-        namespace: The namespace of the console.
-        engine: The engine, for the comment.
-        now: Unix time in seconds, for the comment.
-        attach: The options of the command that attach a console, with a space before; "" for none.
-
-    Raises:
-        SeveralRobots: The namespace holds more than one robot.
-    """
     proposal = propose(seen, namespace)
     day = time.strftime("%Y-%m-%d", time.localtime(now))
     option = "" if proposal.namespace == "/" else f" --namespace {proposal.namespace}"

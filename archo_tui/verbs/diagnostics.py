@@ -14,10 +14,7 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class ShowDiagnostics(Verb):
-    """The verb `diagnostics`: list what the robot reports of its parts, the worst first.
-
-    If nothing was reported, the text says why.
-    """
+    """The verb `diagnostics`: list what the robot reports of its parts, the worst first."""
 
     id, title, tells = "diagnostics", "Diagnostics", True
     help = "List the diagnostics: what the robot reports of its parts, the worst first"
@@ -46,7 +43,7 @@ class ShowDiagnostics(Verb):
 
 
 class ForgetPart(Verb):
-    """The verb `forget`: drop a part that has been silent for GONE seconds from the diagnostics."""
+    """The verb `forget`: drop a part that has been silent for GONE seconds."""
 
     id, title, tells = "forget", "Forget a part", True
     acts = True
@@ -75,11 +72,7 @@ def forget(station: Station, part: Diagnostic) -> Outcome:
 
 
 def _find(station: Station, name: str) -> Diagnostic:
-    """Return the part that is called so, with or without its hardware id, and is alone in it.
-
-    Raises:
-        ArchoError: No part is, or several are; the message lists the parts.
-    """
+    """Return the only part with a name, with or without its hardware id; raise ArchoError."""
     parts = station.robot.snapshot.diagnostics
     fitting = [status for status in parts if status.part == name]
     fitting = fitting or [status for status in parts if status.name == name]

@@ -27,10 +27,6 @@ def low_battery_question(station: Station, does: str) -> Question | None:
     """Return the question that comes before a goal while the battery is low; None if none does.
 
     It is asked while the robot charges, too, and no more once the alarm was acknowledged.
-
-    Args:
-        station: The station.
-        does: The answer that sends the goal, as `Send`.
     """
     snapshot = station.robot.snapshot
     active = [alarm for alarm in station.view.alarms if not alarm.is_over]
@@ -62,13 +58,7 @@ class Go(Verb):
     acts = moves = has_goals = may_ask = True
 
     def __init__(self, kind: GoalKind, fields: Sequence[TypedField] | None, verb: str = "") -> None:
-        """Create the verb.
-
-        Args:
-            kind: The goal of the robot file.
-            fields: The fields that the operator fills in; None if the type is not installed.
-            verb: The word of the verb; "" means the goal's id.
-        """
+        """Create the verb; `fields` is None if the type is not installed."""
         self.kind, self._fields = kind, fields
         self.id = verb or kind.id
         self.title = self.help = kind.title
@@ -84,10 +74,7 @@ class Go(Verb):
 
     @property
     def how(self) -> str:
-        """The way to type the verb, as a sentence to be read aloud.
-
-        An example is `Type go and the shelf number.`.
-        """
+        """The way to type the verb, to be read aloud: `Type go and the shelf number.`."""
         names = [argument.name.lower() for argument in self.arguments]
         if not names:
             return f"Type {self.id}."
@@ -100,12 +87,8 @@ class Go(Verb):
     def values(self, words: Sequence[str]) -> Values:
         """Return the values of each goal by dotted path, as a list under GOALS.
 
-        The words are the fields of one goal. Where a goal is a single number, each word is a goal
-        of its own (`go 3 12 7`), unless a word has a `=`.
-
-        Raises:
-            ValueError: A word is no value of a field, a field is missing, or the action's type is
-                not installed.
+        Where a goal is a single number, each word is a goal of its own (`go 3 12 7`), unless a word
+        has a `=`.
         """
         if self._fields is None:
             raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
@@ -116,10 +99,7 @@ class Go(Verb):
         return {GOALS: [parse_all(self._fields, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the action is offered, and the nodes with its limits have reported them.
-
-        From ROBOT_TIMEOUT seconds after the start, limits are not waited for any more.
-        """
+        """Return True if the action is offered, and the nodes with its limits have reported."""
         snapshot = station.robot.snapshot
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
         # The node with the limits may be found later than its action.
@@ -131,14 +111,6 @@ class Go(Verb):
         return super().is_ready(station, values) and heard
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Check the numbers of each goal against their types and the robot's present limits.
-
-        Returns:
-            The same values.
-
-        Raises:
-            ValueError: A number is beyond a limit.
-        """
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
             check_ranges(self._fields or (), form, goal)
@@ -161,8 +133,8 @@ def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
 class SendGoal(Verb):
     """The verb `send_goal`: send one goal to any action on the graph, also in another namespace.
 
-    For an action of the robot file, the labels, fixed values and limits of the file hold, and
-    several goals can be given as to its own verb.
+    For an action of the robot file, its labels, fixed values and limits hold, and several goals can
+    be given as to its own verb.
     """
 
     id, title = "send_goal", "Send a goal"
@@ -213,10 +185,7 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if a goal runs, or anything of the robot file or any action was found.
-
-        Before that, a goal of another client may run and not be known yet.
-        """
+        """Return True once a goal runs, or enough was found to know of another client's."""
         found = station.robot.snapshot.offered or station.robot.snapshot.actions
         return station.running_goal is not None or bool(found)
 
@@ -262,10 +231,7 @@ class ContinueQueue(Verb):
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while a release has no answer, or while the waiting goals may be held soon.
-
-        They may be held if the goal before them is being cancelled, or has just ended.
-        """
+        """Return False while a release has no answer, or the waiting goals may be held soon."""
         if station.is_releasing:
             return False
         goal = station.robot.snapshot.goal

@@ -17,13 +17,8 @@ from archo_tui.verbs.base import DISCOVERY_TIME
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
     """Return the full name for a typed name that may lack its first `/` or the robot's namespace.
 
-    A name that begins with `/` is complete, as in ROS. Any other is completed with the robot's
-    namespace, unless only `/` before it gives one of the names found.
-
-    Args:
-        snapshot: The snapshot that has the robot's namespace.
-        name: The name as typed.
-        found: The full names on the graph.
+    A name that begins with `/` is complete. Any other is completed with the namespace, unless only
+    `/` before it gives one of the names found.
     """
     if name.startswith("/"):
         return name
@@ -32,47 +27,27 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
 
 
 def nearest_node_hint(name: str, nodes: Iterable[str]) -> str:
-    """Return ` (nearest: NODE)` for a misspelt name of a node, or "" if no node's name is alike.
-
-    The first `/` of each name is left out.
-    """
+    """Return ` (nearest: NODE)`, without its first `/`, for a misspelt name of a node, or ""."""
     return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
 
 
 def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
-    """Return True if a full name lies outside of the robot's namespace.
-
-    Nothing lies outside of the namespace `/`.
-    """
+    """Return True if a full name lies outside of the robot's namespace."""
     return not name.startswith(in_namespace(snapshot.namespace, ""))
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
     """Return True if a full name was found, or if it may be tried without having been found.
 
-    A name outside of the robot's namespace may be tried from DISCOVERY_TIME seconds after the
-    start: the snapshot never has such names, and each is looked up when it is used.
-
-    Args:
-        station: The station, for its age and the robot's namespace.
-        name: The full name of a service or an action.
-        found: The names of the same sort, services or actions, in the robot's namespace.
+    A name outside of the robot's namespace may be, from DISCOVERY_TIME seconds after the start: the
+    snapshot never has such names.
     """
     is_out = is_elsewhere(station.robot.snapshot, name)
     return name in found or (is_out and station.age >= DISCOVERY_TIME)
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
-    """Return the type that a name has on the graph.
-
-    Args:
-        what: `action` or `service`, for the error.
-        name: The full name.
-        found: The types on the graph by full name.
-
-    Raises:
-        ValueError: The name has no type, which may be a misspelling, or several.
-    """
+    """Return the type that a name has on the graph; ValueError if it has none or several."""
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
         raise ValueError(f"no {what} {name} is on the graph{near}")
@@ -87,19 +62,8 @@ async def fields_of(
 ) -> dict[str, Any]:
     """Return the values that typed words give to the fields of a request or a goal.
 
-    `FIELD=VALUE ...` gives parsed values by dotted path. A single word that begins with `{` is a
-    YAML mapping, which is returned without a check of its fields. Fields that are left out keep the
-    message's defaults.
-
-    Args:
-        station: The station, whose robot knows the types.
-        name: The name of the service or the action, for the error.
-        type_name: The type: `package/kind/Name`.
-        words: The words after the name.
-
-    Raises:
-        ValueError: The type is not installed or has no such field, a value does not fit, or a YAML
-            text is no mapping.
+    `FIELD=VALUE ...` gives parsed values by dotted path; a YAML mapping is returned unchecked.
+    Fields that are left out keep their defaults. Raises ValueError.
     """
     fields = await in_daemon(station.robot.form, type_name)  # Reads files.
     if fields is None:

@@ -33,21 +33,14 @@ _POLL_PERIOD = 0.05  # Seconds between two polls for a message.
 
 
 class FollowedMessage(NamedTuple):
-    """A message of a topic that is followed.
+    """A message of a topic that is followed."""
 
-    Attributes:
-        text: The message as YAML; "" for a program.
-        data: The message as JSON has it; None for a person.
-        left_out: The number of messages before it that were not shown.
-    """
-
-    text: str
-    data: Any
-    left_out: int
+    text: str  # As YAML; "" for a program.
+    data: Any  # As JSON has it; None for a person.
+    left_out: int  # Messages before it that were not shown.
 
     @property
     def left_out_text(self) -> str:
-        """The text `3 left out`; "" if no message was left out."""
         return f"{self.left_out} left out" if self.left_out else ""
 
 
@@ -67,16 +60,7 @@ class _TopicVerb(Verb):
 
     @asynccontextmanager
     async def inspect(self, station: Station, topic: str) -> AsyncIterator[Inspection]:
-        """Subscribe to a topic inside the `async with` block, whose value counts the messages.
-
-        Args:
-            station: The station.
-            topic: The name of the topic, as typed; its namespace may be left out.
-
-        Raises:
-            ArchoError: No node publishes the topic or subscribes to it, it has several types, its
-                type is not installed, or the ROS thread does not answer.
-        """
+        """Subscribe to a topic inside the block, whose value counts the messages; or ArchoError."""
         snapshot = station.robot.snapshot
         name = full_name(snapshot, topic, _topics(snapshot))
         info = await _topic_info(station, name)
@@ -99,9 +83,9 @@ class _TopicVerb(Verb):
 class Echo(_TopicVerb):
     """The verb `echo`: show the last message of a topic, or some of its fields.
 
-    With `--follow` it shows each new message, until it is cancelled. Otherwise it waits WAIT
-    seconds for a message; if none comes, the outcome is TIMEOUT, or NOT_OFFERED for a topic without
-    a publisher. A program gets the message as text and as data; if it is too large, as text only.
+    With `--follow` it shows each new message, until it is cancelled. If none comes within WAIT
+    seconds, the outcome is TIMEOUT, or NOT_OFFERED without a publisher. A message too large for a
+    program is text only.
     """
 
     id, title = "echo", "Echo"
@@ -129,21 +113,8 @@ class Echo(_TopicVerb):
     ) -> NoReturn:
         """Show each new message of a topic, at most one every PERIOD seconds, until cancelled.
 
-        Messages in between are left out and counted. If the publishers' QoS changes, the topic is
-        subscribed to anew.
-
-        Args:
-            station: The station.
-            values: The values of the verb.
-            show: Shows a message.
-            note: Called with the reason why no message has come for WAIT seconds: before the first
-                message, and later if the topic has no publisher any more; once for each silence.
-            for_program: True for messages as data, False for text.
-            has_room: Returns False while the reader is behind: messages are left out then.
-
-        Raises:
-            ArchoError: The topic cannot be subscribed to, as in `inspect`; there is no such field;
-                or a message cannot be shown.
+        Messages in between, or while the reader has no room, are left out and counted. `note` gets
+        the reason why none has come for WAIT seconds, once for each silence. Raises ArchoError.
         """
         clock, fields = station.clock, values.get("field", ())
         async with self.inspect(station, values["topic"]) as inspection:
@@ -173,7 +144,7 @@ class Echo(_TopicVerb):
 class Hz(_TopicVerb):
     """The verb `hz`: listen to a topic for LISTEN seconds, and tell rate, intervals and bytes/s.
 
-    If no message comes, the outcome is TIMEOUT, or NOT_OFFERED for a topic without a publisher.
+    If no message comes, the outcome is TIMEOUT, or NOT_OFFERED without a publisher.
     """
 
     id, title = "hz", "Rate"
@@ -193,18 +164,7 @@ class Hz(_TopicVerb):
 
 
 def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
-    """Return an outcome with the last message of a topic, or with fields of it.
-
-    Programs get it as data, too, unless it is too large for them. A large message takes long: not
-    for the UI thread.
-
-    Args:
-        inspection: The inspection, which has a message.
-        paths: The dotted paths of the fields; empty for the whole message.
-
-    Raises:
-        ArchoError: There is no such field, or the message is too large or not readable.
-    """
+    """Return an outcome with the last message, or fields of it; slow: not for the UI thread."""
     message = inspection.decode(inspection.newest[1])
     text = as_text(message, paths)
     with suppress(ArchoError):  # It is too large for a program, which gets the text only.
@@ -215,19 +175,7 @@ def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
 def _text_or_data(
     inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
 ) -> tuple[str, Any]:
-    """Return a message as text for a person and None, or as "" and data for a program.
-
-    A large message takes long: not for the UI thread.
-
-    Args:
-        inspection: The inspection that received the message.
-        data: The bytes of the message.
-        paths: The dotted paths of the fields to return; empty for the whole message.
-        for_program: True for data, False for text.
-
-    Raises:
-        ArchoError: There is no such field, or the message is too large or not readable.
-    """
+    """Return a message as text and None, or as "" and data; slow: not for the UI thread."""
     message = inspection.decode(data)
     if for_program:
         return "", as_data(message, paths)
@@ -239,11 +187,6 @@ def _topics(snapshot: Snapshot) -> list[str]:
 
 
 async def _topic_info(station: Station, topic: str) -> TopicInfo:
-    """Return the publishers and subscriptions of a topic, by its full name.
-
-    Raises:
-        ArchoError: The console's node does not answer.
-    """
     info = await station.robot.topic_info(topic)
     if isinstance(info, Outcome):
         raise ArchoError(info.text)
@@ -251,19 +194,7 @@ async def _topic_info(station: Station, topic: str) -> TopicInfo:
 
 
 async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outcome:
-    """Return the outcome for a topic on which no message came, with the reason.
-
-    The code is NOT_OFFERED if the topic has no publisher, else TIMEOUT; the text names the nodes
-    that publish it.
-
-    Args:
-        station: The station.
-        topic: The full name of the topic.
-        seconds: The time without a message, for the text.
-
-    Raises:
-        ArchoError: The console's node does not answer.
-    """
+    """Return NOT_OFFERED for a topic without a publisher, else TIMEOUT, with the reason."""
     info = await _topic_info(station, topic)
     nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
     names = ", ".join(sorted(nodes))

@@ -24,11 +24,7 @@ class ShowInterface(Verb):
     arguments = (Argument("type"),)
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True once the graph tells enough to find the type, or to name one that is alike.
-
-        That is so when a type without its package is on the graph, or for another when any type is;
-        and in any case from DISCOVERY_TIME seconds after the start.
-        """
+        """Return True once the graph tells enough to find the type, or to name a similar one."""
         known, typed = _types_on_graph(station.robot.snapshot), values["type"]
         is_found = bool(known) if "/" in typed else typed in map(base_name, known)
         return is_found or station.age >= DISCOVERY_TIME
@@ -44,15 +40,7 @@ def _types_on_graph(snapshot: Snapshot) -> list[str]:
 
 
 def _find(typed: str, known: list[str]) -> tuple[str, str]:
-    """Return the full name of a typed type, and its definition; files are read.
-
-    Args:
-        typed: `package/kind/Name`, `package/Name`, or a `Name` that the graph has once.
-        known: The types on the graph.
-
-    Raises:
-        ArchoError: There is no such type, several fit, or the type is not installed here.
-    """
+    """Return the full name and the definition of a typed type; ArchoError unless one fits."""
     meant = _candidates(typed, known)
     found = {name: text for name in meant if (text := definition_text(name)) is not None}
     if len(found) == 1:
@@ -72,10 +60,7 @@ def _find(typed: str, known: list[str]) -> tuple[str, str]:
 
 
 def _candidates(typed: str, known: list[str]) -> list[str]:
-    """Return the full names `package/kind/Name` that a typed type may stand for, existing or not.
-
-    A `Name` alone stands for the known types of that name.
-    """
+    """Return the full names `package/kind/Name` that a type may stand for, existing or not."""
     if "/" not in typed:
         return [name for name in known if base_name(name) == typed]
     if typed.count("/") == 1:
@@ -85,10 +70,7 @@ def _candidates(typed: str, known: list[str]) -> list[str]:
 
 
 def _nearest(typed: str, known: list[str]) -> str:
-    """Return ` (nearest: TYPE)` for a misspelt type, or "" if no known type is alike.
-
-    TYPE has as many parts as the typed one: `Name`, `package/Name` or `package/kind/Name`.
-    """
+    """Return ` (nearest: TYPE)`, with as many parts as were typed, for a misspelt type, or ""."""
     if "/" in typed:
         parts = [name.split("/") for name in known]
         short = [f"{package}/{name}" for package, _, name in filter(lambda p: len(p) == 3, parts)]

@@ -13,11 +13,7 @@ from archo_tui.verbs.base import Values, Verb
 
 
 class Keep(Verb):
-    """The verb `keep`: record the last minute and the next seconds of all messages.
-
-    The outcome comes when the recording is on the disk, or cannot be written; the data has its
-    name.
-    """
+    """The verb `keep`: record the last minute and the next seconds, and wait for the disk."""
 
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # A STOP is what it may record.

@@ -82,7 +82,6 @@ class Lifecycle(Verb):
         return {"node": name, "state": None if node is None else node.lifecycle}
 
     def _name(self, station: Station, values: Values) -> str:
-        """Return the full name of the node in the values, where the namespace may be left out."""
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], [node.name for node in snapshot.nodes])
 
@@ -92,10 +91,9 @@ def _managed(snapshot: Snapshot) -> dict[str, NodeState]:
 
 
 def _objections(snapshot: Snapshot, node: str) -> list[str]:
-    """Return the reasons why a transition of a node needs a question; [] if it needs none.
+    """Return the reasons why a transition of a node needs a question.
 
-    The reasons are that the node serves STOP, or the action of the running goal. Where the graph
-    has the service or action but not its node, any node may be the one.
+    Where the graph has a service or action but not its node, any node may be the one.
     """
     reasons, stop, goal = [], snapshot.file.stop, snapshot.running_goal
     if stop is not None and _may_serve(snapshot, node, SERVICE, snapshot.full(stop.service)):

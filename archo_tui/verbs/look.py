@@ -11,11 +11,7 @@ from archo_tui.words.domains import domains_text
 
 
 class Look(Verb):
-    """The verb `look`: list the nodes in the ROS 2 domains 0 to 20, and how to operate them.
-
-    A process of its own joins the domains for some seconds. The verb is disabled unless the console
-    was started with `--attach`.
-    """
+    """The verb `look`: list the nodes in other ROS 2 domains, by a process of its own."""
 
     id, title, tells = "look", "Look", True
     help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"

@@ -50,11 +50,7 @@ class Nodes(Verb):
 
 
 class _NodeVerb(Verb):
-    """The base of the verbs that start, stop or copy one node of this process.
-
-    If a STOP was read after the verb, nothing is done, and the outcome is CANCELLED. Each outcome
-    is written as an event.
-    """
+    """The base of the verbs that start, stop or copy one node of this process."""
 
     arguments = (Argument("node"),)
     acts = True
@@ -64,11 +60,7 @@ class _NodeVerb(Verb):
         return {"node": self.find_node(station, values["node"]).name}
 
     def find_node(self, station: Station, name: str) -> Hosted:
-        """Return the node of this process with a name, whose namespace may be left out.
-
-        Raises:
-            ArchoError: No node of this process has the name; the message names the nearest.
-        """
+        """Return the node of this process with a name; ArchoError if there is none."""
         hosted = {node.name: node for node in station.host.states()}
         full = full_name(station.robot.snapshot, name, hosted)
         if full in hosted:
@@ -181,16 +173,13 @@ class LogLevel(Verb):
         return [node.name for node in station.robot.snapshot.nodes]
 
     def _name(self, station: Station, values: Values) -> str:
-        """Return the full name of the node in the values, where the namespace may be left out."""
         return full_name(station.robot.snapshot, values["node"], self._nodes(station))
 
 
 def _served_names(hosted: Hosted) -> list[str]:
-    """Return the names of the services and actions of a node, without the namespace."""
     return [base_name(name) for name in hosted.serves]
 
 
 def _stop_service(station: Station) -> str:
-    """Return the name of the STOP service without its namespace; "" if the robot has none."""
     stop = station.robot.file.stop
     return "" if stop is None else base_name(stop.service)

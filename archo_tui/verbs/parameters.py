@@ -33,25 +33,18 @@ NOBODY = "no node has reported its parameters yet"
 
 
 def are_reported(station: Station) -> bool:
-    """Return True once nodes were found and each has reported its parameters.
-
-    True in any case from ROBOT_TIMEOUT seconds after the start.
-    """
+    """Return True once each node has reported its parameters, or the time for that is over."""
     snapshot = station.robot.snapshot
     found = bool(snapshot.nodes)
     return (found and not snapshot.unreported) or station.age >= ROBOT_TIMEOUT
 
 
 def _unreported_lines(snapshot: Snapshot) -> list[str]:
-    """Return a line like `mute has not reported its parameters` for each such node."""
     return [f"{node.lstrip('/')} {why}" for node, why in sorted(snapshot.unreported.items())]
 
 
 def is_reported(station: Station, node: str) -> bool:
-    """Return True if a node, by its full name, has reported its parameters.
-
-    True in any case from ROBOT_TIMEOUT seconds after the start.
-    """
+    """Return True once a node has reported its parameters, or the time for that is over."""
     reported = (parameter.node for parameter in station.robot.snapshot.parameters)
     return node in reported or station.age >= ROBOT_TIMEOUT
 
@@ -63,7 +56,6 @@ class _ParameterVerb(Verb):
         return is_reported(station, self.node_name(station, values))
 
     def node_name(self, station: Station, values: Values) -> str:
-        """Return the full name of the node in the values, where the namespace may be left out."""
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
 
@@ -108,11 +100,7 @@ class Set(_ParameterVerb):
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: set NODE NAME VALUE` for the words NAME VALUE if one node has the parameter.
-
-        Returns:
-            "" for any other words, or if no node or several have that parameter.
-        """
+        """Return `: set NODE NAME VALUE` for the words NAME VALUE if one node has the parameter."""
         known = station.robot.snapshot.parameters
         nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
         return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
@@ -191,11 +179,7 @@ _LONGEST = 500  # Characters of a value in a line; --json has all of them.
 
 
 def parameter_line(parameter: Parameter) -> str:
-    """Return a line like `motor_controller max_speed is 0.5, was 0.8 at the start, double`.
-
-    The allowed range or `read-only` follows. The value at the start is said only if it is another
-    one. The present value is cut after 500 characters.
-    """
+    """Return a line like `motor_controller max_speed is 0.5, was 0.8 at the start, double`."""
     value = text_of(parameter.value)
     if len(value) > _LONGEST:
         value = f"{value[:_LONGEST]} ... ({len(value)} characters)"
@@ -210,10 +194,7 @@ def parameter_line(parameter: Parameter) -> str:
 
 
 class _FileVerb(Verb):
-    """The base of `save` and `load`, which take a file and may ask before they change anything.
-
-    They are disabled until a node has reported its parameters.
-    """
+    """The base of `save` and `load`, disabled until a node has reported its parameters."""
 
     arguments = (_FILE,)
     may_ask = True
@@ -225,11 +206,6 @@ class _FileVerb(Verb):
         return are_reported(station)
 
     def path(self, values: Values) -> Path:
-        """Return the path of the typed file, with the home folder for `~`.
-
-        Raises:
-            ArchoError: The text names no file.
-        """
         return typed_path(values["file"])
 
 
@@ -278,10 +254,7 @@ class Load(_FileVerb):
         return {"file": path, "plan": plan}
 
     def question(self, station: Station, values: Values) -> Question | None:
-        """Return the question, whose text lists the changes that the file makes.
-
-        If there are none, or the file has problems, the text says so and `go` is "".
-        """
+        """Return the question, whose text lists the changes; without any, `go` is ""."""
         plan = values["plan"]
         count = len(plan.changes)
         go = f"Change {count} parameter{'' if count == 1 else 's'}"
@@ -304,12 +277,7 @@ class Load(_FileVerb):
 
 
 def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
-    """Return the lines that tell what loading a file would change, or why it cannot be loaded.
-
-    Args:
-        path: The file, which the first line names.
-        plan: The changes, problems and parts left out, as `plan_load` has found them.
-    """
+    """Return the lines that tell what loading a file would change, or why it cannot be loaded."""
     lines = [str(path), ""]
     if plan.problems:
         return [*lines, "Nothing was changed, because of:", *plan.problems]

@@ -20,11 +20,7 @@ class UnknownVerbError(ValueError):
 
 
 def named(verbs: Mapping[str, Verb], word: str) -> Verb:
-    """Return the verb with a word, which must be spelled exactly.
-
-    Raises:
-        UnknownVerbError: No verb has that word.
-    """
+    """Return the verb with a word, which must be spelled exactly; raise UnknownVerbError."""
     if word in verbs:
         return verbs[word]
     hint = nearest_hint(word.lower(), verbs) or " (help lists them)"
@@ -32,14 +28,7 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb, in which `--yes` may stand anywhere if the verb may ask.
-
-    Returns:
-        The values, and True if the words answer the verb's question (`--yes`).
-
-    Raises:
-        ValueError: The words do not fit; the message is one line, with a hint at what was meant.
-    """
+    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint."""
     yes = verb.may_ask and YES in words
     words = [word for word in words if not (yes and word == YES)]
     try:
@@ -49,10 +38,10 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
 
 
 def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
-    """Return the JSON Schema of a verb's values, as programs give them.
+    """Return the JSON Schema of a verb's values, as programs give them, or of one of many goals.
 
-    For a verb that takes many goals, it is that of one goal. Limits that are parameters of the
-    robot have their present numbers, and are left out while they are not reported.
+    Limits that are parameters of the robot have their present numbers, and are left out while they
+    are not reported.
     """
     limit = snapshot.limit
     arguments = [a._replace(low=limit(a.low), high=limit(a.high)) for a in verb.arguments]

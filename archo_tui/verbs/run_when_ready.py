@@ -21,22 +21,8 @@ async def run_when_ready(
     """Run a verb once the robot is found, earlier requests are answered, and the person agrees.
 
     The waits end at ROBOT_TIMEOUT seconds after the start, and after ANSWERS seconds: the verb is
-    tried then all the same. A question whose `go` is "" is not asked, and the verb runs.
-
-    Args:
-        station: The station.
-        verb: The verb.
-        values: The values of the verb, as parsed.
-        until: Waits for a condition, with a deadline.
-        ask: Asks a question; None if the person has answered it already, as with `--yes`.
-
-    Returns:
-        The outcome; WATCHING or REFUSED with the reason if the verb cannot run.
-
-    Raises:
-        ArchoError: A name means nothing, a file is not valid, or the answer is not yes.
-        ValueError: A value does not fit.
-        Void: A STOP was read meanwhile; not for verbs that change nothing or survive a STOP.
+    tried then all the same. `ask` is None if `--yes` has answered. Raises ArchoError, ValueError,
+    and Void if a STOP was read meanwhile, except for verbs that change nothing or survive a STOP.
     """
     acts, gate = verb.acts_with(values), station.robot.stops.gate()
     is_void = acts and not verb.survives_stop

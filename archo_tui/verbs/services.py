@@ -17,10 +17,7 @@ ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; as
 
 
 class Give(Verb):
-    """The verb for a command of the robot file; a toggle has two, one for each way.
-
-    It asks first as the robot file says: always, only while a goal runs, or never.
-    """
+    """The verb for a command of the robot file; a toggle has two, one for each way."""
 
     acts = True
 
@@ -54,11 +51,7 @@ class Give(Verb):
 
 
 class Call(Verb):
-    """The verb `call`: call any service on the graph; its outcome is the response.
-
-    It waits CALL_WAIT seconds for the response, or longer with `--timeout`. A `change_state`
-    service is refused, since `lifecycle` asks before it calls one.
-    """
+    """The verb `call`: call any service on the graph; its outcome is the response."""
 
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
@@ -76,7 +69,7 @@ class Call(Verb):
     def tells_with(self, values: Values) -> bool:
         """Return False, since an event shows the response on the screen and in `--plain`.
 
-        A shell reads no events; it goes by `tells`, which is True, and prints the response.
+        A shell goes by `tells`, which is True.
         """
         return False
 
@@ -96,14 +89,7 @@ class Call(Verb):
 
 
 def refuse_transition(service: str, type_name: str) -> None:
-    """Raise ValueError for a `change_state` service, which only the verb `lifecycle` may call.
-
-    A plain call would skip the question that `lifecycle` asks. Every other service passes.
-
-    Args:
-        service: The full name of the service.
-        type_name: The type of the service.
-    """
+    """Raise ValueError for a `change_state` service, since only `lifecycle` asks before."""
     if type_name == _CHANGE_STATE:
         node = service.rpartition("/")[0]
         raise ValueError(f"{service} is a part of the lifecycle of {node}: type lifecycle {node}")

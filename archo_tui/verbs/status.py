@@ -36,12 +36,7 @@ class Status(Verb):
     help = "Show the state of the robot"
 
     def __init__(self, ask: str, robot: RobotFile) -> None:
-        """Create the verb.
-
-        Args:
-            ask: The hint how to send a goal, which stands in the line `goal` while there is none.
-            robot: The robot file.
-        """
+        """Create the verb; `ask` is the hint how to send a goal, shown while there is none."""
         self.ask = ask
         names = ("release", *(command.id for command in robot.commands))
         self._typed = {name: f"type {name}" for name in names}
@@ -108,10 +103,7 @@ class Events(Verb):
 
 
 class ShowHistory(Verb):
-    """The verb `history`: the measured values of the last hour, and the goals that ended.
-
-    The values are those now, and 1, 10 and 60 minutes ago.
-    """
+    """The verb `history`: the measured values of the last hour, and the goals that ended."""
 
     id, title, tells = "history", "History", True
     help = "Show the measured values of the last hour, and the results of the last goals"
@@ -147,10 +139,7 @@ _PARTS = 60  # Parts of a span; the value of the oldest one is shown.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
-    """Yield an age in seconds and the value then: for now, and for the beginning of each of SPANS.
-
-    The value is None if it was not received, not reported, or no finite number.
-    """
+    """Yield an age in seconds and the finite value then, or None, for now and each of SPANS."""
     now, history = station.clock.monotonic(), station.history
     found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
     found += [(span, history.last_values(quantity, span, _PARTS, now)[0]) for span in SPANS]
@@ -171,10 +160,7 @@ def _past_line(station: Station, quantity: Quantity) -> str:
 
 
 def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
-    """Return the unit of a quantity: `%`, `m`, or what the robot file names; "" if it names none.
-
-    For the way left it is also "" if the goals of the file have several units.
-    """
+    """Return the unit of a quantity, or "" if the robot file names none or the goals several."""
     if quantity == "charge":
         return "%"
     if quantity == "speed":

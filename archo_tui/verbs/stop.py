@@ -10,11 +10,7 @@ from archo_tui.verbs.base import Question, Values, Verb
 
 
 class StopNow(Verb):
-    """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none.
-
-    The outcome comes when the robot has answered; its code is NOT_OFFERED for a robot without a
-    STOP.
-    """
+    """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none."""
 
     id, title = "stop", "STOP"
     help = "STOP: software stop, holds until released; does not replace the hardware stop"
@@ -58,8 +54,8 @@ class ReleaseStop(Verb):
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if the release is offered, and the robot's report of a stop has come.
 
-        The report is awaited only from a robot that reports stops. If every node that held the STOP
-        has ended, return True at once: a release then only forgets the STOP.
+        If every node that held the STOP has ended, return True at once: a release then only forgets
+        the STOP.
         """
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         is_awaited = stopped is None and described is not None and described.reports_stop

@@ -29,12 +29,7 @@ class YamlError(ValueError):
 
 
 def read(path: Path) -> str:
-    """Return the text of a file, decoded from UTF-8.
-
-    Raises:
-        YamlError: The file is not regular, larger than 1 MB, or not UTF-8.
-        OSError: The file cannot be opened.
-    """
+    """Return the text of a file, decoded from UTF-8; raise YamlError, or OSError."""
     try:
         data = regular_files.read(path)
     except OSError as error:
@@ -49,18 +44,7 @@ def read(path: Path) -> str:
 
 
 def documents(text: str, path: Path) -> list[yaml.Node]:
-    """Return the root node of each YAML document in a text; [] for an empty text.
-
-    The length of the text is not checked.
-
-    Args:
-        text: The YAML text.
-        path: The file that error messages name; it is not opened.
-
-    Raises:
-        YamlError: The text is not YAML, nested too deep, or has an alias or half of a surrogate
-            pair.
-    """
+    """Return the root node of each YAML document in a text; raise YamlError, naming `path`."""
     try:
         return _with_readable_error(text, _compose_all)
     except YamlFault as fault:
@@ -68,16 +52,7 @@ def documents(text: str, path: Path) -> list[yaml.Node]:
 
 
 def compose(text: str, path: Path) -> yaml.Node | None:
-    """Return the root node of a text with one YAML document, or None if the text is empty.
-
-    Args:
-        text: The YAML text.
-        path: The file that error messages name; it is not opened.
-
-    Raises:
-        YamlError: The text is not YAML, nested too deep, or has an alias, half of a surrogate pair
-            or a second document.
-    """
+    """Return the root node of a text with one document, None if empty; YamlError names `path`."""
     try:
         return node_of(text)
     except YamlFault as fault:
@@ -85,12 +60,7 @@ def compose(text: str, path: Path) -> yaml.Node | None:
 
 
 def load(text: str) -> Any:
-    """Return the value of a text that somebody typed, or None if the text is empty.
-
-    Raises:
-        YamlFault: The text has more than 1,000,000 characters, `node_of` does not read it, or
-            `core_schema.value` refuses a value.
-    """
+    """Return the value of a text that somebody typed, or None if it is empty; raise YamlFault."""
     if len(text) > MAX_BYTES:
         raise YamlFault(1, f"more than {MAX_BYTES} characters")
     node = node_of(text)
@@ -98,12 +68,7 @@ def load(text: str) -> Any:
 
 
 def scalar_texts(text: str) -> list[str]:
-    """Return the elements of a YAML list of scalars as texts without quotes, whatever their types.
-
-    Raises:
-        YamlFault: The text is not a list, one element is not a scalar, or `node_of` does not read
-            it.
-    """
+    """Return the elements of a YAML list of scalars as texts without quotes; raise YamlFault."""
     node = node_of(text)
     if not isinstance(node, yaml.SequenceNode):
         raise YamlFault(1, "not a list")
@@ -114,22 +79,12 @@ def scalar_texts(text: str) -> list[str]:
 
 
 def node_of(text: str) -> yaml.Node | None:
-    """Return the root node of a text with one YAML document, or None if the text is empty.
-
-    The length of the text is not checked.
-
-    Raises:
-        YamlFault: The text is not YAML, nested too deep, or has an alias, half of a surrogate pair
-            or a second document.
-    """
+    """Return the root node of a text with one document, None if empty; raise YamlFault."""
     return _with_readable_error(text, _compose_one)
 
 
 def _with_readable_error(text: str, compose_with: Callable[[str, Any], T]) -> T:
-    """Return `compose_with(text, FAST_LOADER)`; after an error, call it again with LOADER.
-
-    The error of the second call is raised as a YamlFault with its line. A YamlFault is passed on.
-    """
+    """Return `compose_with(text, FAST_LOADER)`; take the error of LOADER, as a YamlFault."""
     try:
         return compose_with(text, FAST_LOADER)
     except YamlFault:
@@ -153,7 +108,6 @@ def _with_readable_error(text: str, compose_with: Callable[[str, Any], T]) -> T:
 
 
 def _last_readable_line(text: str) -> int:
-    """Return the number of the last line that the parser reaches."""
     loader: Any = LOADER(text)
     with contextlib.suppress(ValueError, OverflowError, yaml.YAMLError):
         while loader.check_event():
@@ -173,10 +127,7 @@ def _compose_all(text: str, loader: Any) -> list[yaml.Node]:
 
 
 def _check_bounds(text: str, loader: Any) -> None:
-    """Raise YamlFault for an alias, a lone surrogate, or nesting deeper than MAX_DEPTH.
-
-    The events are read rather than the nodes: they cost no more than the text is long.
-    """
+    """Raise YamlFault for an alias, a lone surrogate, or deep nesting, by events alone."""
     depth = 0
     for event in yaml.parse(text, Loader=loader):
         line = event.start_mark.line + 1 if event.start_mark else 1

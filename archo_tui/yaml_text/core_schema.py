@@ -31,16 +31,11 @@ _DIGITS = 40
 
 
 class YamlFault(ValueError):
-    """An error in a YAML text, with its line.
-
-    Attributes:
-        line: The line number, counted from 1.
-        reason: What is wrong, without the line.
-    """
+    """An error in a YAML text, with its line."""
 
     def __init__(self, line: int, reason: str) -> None:
         super().__init__(f"line {line}: {reason}")
-        self.line, self.reason = line, reason
+        self.line, self.reason = line, reason  # line: from 1
 
 
 def _make_loader(base: Any) -> Any:
@@ -55,13 +50,7 @@ FAST_LOADER = _make_loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader))  # In 
 
 
 def value(node: yaml.Node) -> Any:
-    """Return the Python value of a node that `LOADER` or `FAST_LOADER` composed.
-
-    The keys of mappings are texts as written, also those that look like numbers.
-
-    Raises:
-        YamlFault: A key is given twice or is not a scalar, or a tag or scalar is not understood.
-    """
+    """Return the Python value of a node, with all keys as texts as written; raise YamlFault."""
     kind = node.tag.removeprefix(_TAG)
     if isinstance(node, yaml.MappingNode) and kind == "map":
         return {name: value(item) for name, item in pairs(node)}
@@ -75,11 +64,7 @@ def value(node: yaml.Node) -> Any:
 
 
 def pairs(node: yaml.MappingNode) -> list[tuple[str, yaml.Node]]:
-    """Return the keys of a mapping as written, in order, each with its value's node.
-
-    Raises:
-        YamlFault: A key is given twice, or is not a scalar.
-    """
+    """Return the keys of a mapping as written, each with its value's node; raise YamlFault."""
     found: dict[str, yaml.Node] = {}
     for key, item in node.value:
         if not isinstance(key, yaml.ScalarNode):

@@ -36,26 +36,17 @@ _Dumper.add_representer(bytes, _represent_bytes)
 
 
 def flow(value: Any) -> str:
-    """Return a value as YAML on one line: `{pose: {x: 1.0}, labels: [a, "12"]}`.
-
-    The order of keys is kept; the text ends without a newline.
-    """
+    """Return a value as YAML on one line: `{pose: {x: 1.0}, labels: [a, "12"]}`."""
     return _dump(value, True).partition("\n")[0]
 
 
 def block(value: Any) -> str:
-    """Return a value as YAML with a line for each entry, nested by indentation; ends in a newline.
-
-    The order of keys is kept.
-    """
+    """Return a value as YAML with a line for each entry; it ends in a newline."""
     return _dump(value, False)
 
 
 def mixed(value: Any) -> str:
-    """Return a value as YAML in blocks, with the innermost lists and mappings on a line each.
-
-    The order of keys is kept; the text ends in a newline.
-    """
+    """Return a value as YAML in blocks, with the innermost lists and mappings on a line each."""
     return _dump(value, None)
 
 

@@ -107,7 +107,7 @@ TWO = """
 def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A workspace with a package of nodes."""
     monkeypatch.setattr("sys.path", [*sys.path])
-    names = ("my_wheels", "my_wheels.wheels")
+    names = ("my_wheels", "my_wheels.wheels", "my_wheels.bridge")
     for name in names:  # Of another test's workspace.
         sys.modules.pop(name, None)
     robot = Path("ws/src/my_wheels")
@@ -218,6 +218,7 @@ def test_of_programs_that_exit_at_once_the_others_run_on(
         assert states(session)["/bridge"].life is Life.CRASHED
         assert states(session)["/bridge"].error == "exit code 1"
         wait_until(lambda: {"no serial port", "crashed: exit code 1"} <= set(texts(session)))
+    sys.modules.pop("my_wheels.bridge")  # As in a new process.
     file = launch_file(BRIDGE)
     assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
     lines = capsys.readouterr().err.splitlines()

@@ -72,9 +72,8 @@ REASONS: dict[str, dict[str | None, str]] = {
 class Absent(Action, Substitution):
     """The stand-in for a part of launch that is not supported, with any arguments.
 
-    Its objects can be used as an action, substitution, condition or included file. A call of one,
-    and any public attribute that it lacks, gives the object itself. Its use in the evaluation
-    raises SkipActionError, except as an action whose condition does not hold.
+    A call of one, and any public attribute that it lacks, gives the object itself. Its use in the
+    evaluation raises SkipActionError.
     """
 
     reason = ""
@@ -89,11 +88,9 @@ class Absent(Action, Substitution):
         raise self._error(is_value=True)
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Raise SkipActionError: the object was used as a condition."""
         raise self._error(is_value=True)
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Raise SkipActionError: the object was used as an included file."""
         raise self._error()
 
     def _error(self, is_value: bool = False) -> SkipActionError:
@@ -109,12 +106,7 @@ class Absent(Action, Substitution):
 
 
 def absent_class(module: str, name: str) -> type[Absent] | None:
-    """Return a new subclass of Absent for a name in a module of launch that is not supported.
-
-    Returns:
-        None for a name that begins with `_`, and for one of which REASONS has nothing. A module
-        that is not supported at all has a class for every other name.
-    """
+    """Return a new subclass of Absent for a name that is not supported; None for any other."""
     reasons = REASONS.get(module, {})
     reason = reasons.get(name, reasons.get(None))
     if reason is None or name.startswith("_"):

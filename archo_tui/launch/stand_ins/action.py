@@ -11,14 +11,7 @@ from archo_tui.launch.stand_ins.places import calling_place
 
 
 class LaunchDescriptionEntity:
-    """The base of everything that a launch description contains.
-
-    Attributes:
-        declares_argument: True for an argument of the launch file.
-        resets_arguments: True if arguments that are declared after it get no values.
-        is_conditional: True if only the evaluation decides whether it is performed.
-        place: The line of the launch file that made the entity.
-    """
+    """The base of everything that a launch description contains."""
 
     declares_argument = resets_arguments = is_conditional = False
 
@@ -34,10 +27,7 @@ class LaunchDescriptionEntity:
         return ()
 
     def given_names(self) -> set[str]:
-        """Return the names of the arguments that this entity gives to its sub-entities.
-
-        By default there are none.
-        """
+        """Return the names of the arguments that this entity gives to its sub-entities."""
         return set()
 
 
@@ -55,19 +45,12 @@ class Action(LaunchDescriptionEntity):
         return None
 
     def execute(self, context: LaunchContext) -> Iterable[Any] | None:
-        """Perform the action, whose condition holds, and return the entities to perform next.
-
-        Returns:
-            None if there are no further entities.
-        """
+        """Perform the action, and return the entities to perform next; None for none."""
         raise NotImplementedError
 
 
 class LaunchDescription(LaunchDescriptionEntity):
-    """The entities that `generate_launch_description()` returns.
-
-    A `deprecated_reason` becomes a warning when the description is performed.
-    """
+    """The entities that `generate_launch_description()` returns."""
 
     def __init__(
         self, initial_entities: Iterable[Any] | None = None, *, deprecated_reason: str | None = None
@@ -77,7 +60,6 @@ class LaunchDescription(LaunchDescriptionEntity):
         self._deprecated_reason = deprecated_reason
 
     def add_action(self, action: Any) -> None:
-        """Append an action or any other entity."""
         self.entities.append(action)
 
     add_entity = add_action

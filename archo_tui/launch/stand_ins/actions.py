@@ -51,8 +51,8 @@ __all__ = [
 class DeclareLaunchArgument(Action):
     """The action that declares an argument of the launch file, and sets its default if need be.
 
-    SubstitutionFailure is raised if it is performed with neither a value nor a default, or if the
-    value is not among the choices; for a default text that is not, at once.
+    SubstitutionFailure is raised without a value or a default, and for one that is not among the
+    choices.
     """
 
     declares_argument = True
@@ -84,7 +84,6 @@ class DeclareLaunchArgument(Action):
         self._check(context.launch_configurations[self.name])
 
     def missing_text(self) -> str:
-        """Return the error text for an argument without a value and without a default."""
         about = f" ({self.description})" if self.description else ""
         return f"argument {self.name}{about} has no value: give {self.name}:=VALUE"
 
@@ -97,10 +96,7 @@ class DeclareLaunchArgument(Action):
 
 
 class _SetVariable(Action):
-    """The base of the actions that set a launch configuration or an environment variable.
-
-    Name and value may be substitutions. A value that is set already is replaced.
-    """
+    """The base of the actions that set a launch configuration or an environment variable."""
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -117,10 +113,7 @@ class _SetVariable(Action):
 
 
 class _UnsetVariable(Action):
-    """The base of the actions that remove a launch configuration or an environment variable.
-
-    Nothing happens if it is not set.
-    """
+    """The base of the actions that remove a launch configuration or an environment variable."""
 
     _variables: Callable[[LaunchContext], MutableMapping[str, str]]  # Of a context.
 
@@ -169,10 +162,7 @@ class PushLaunchConfigurations(Action):
 
 
 class PopLaunchConfigurations(Action):
-    """The action that ends a scope of launch configurations, and restores those from before it.
-
-    Without a scope, IndexError is raised.
-    """
+    """The action that ends a scope of launch configurations, and restores those before it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_configurations()
@@ -186,10 +176,7 @@ class PushEnvironment(Action):
 
 
 class PopEnvironment(Action):
-    """The action that ends a scope of environment variables, and restores those from before it.
-
-    Without a scope, IndexError is raised.
-    """
+    """The action that ends a scope of environment variables, and restores those before it."""
 
     def execute(self, context: LaunchContext) -> None:
         context.pop_environment()
@@ -203,10 +190,7 @@ class ResetEnvironment(Action):
 
 
 class SetEnvironmentVariable(_SetVariable):
-    """The action that sets an environment variable, until the scope ends.
-
-    Substitutions and the programs that are started afterwards see it.
-    """
+    """The action that sets an environment variable, until the scope ends."""
 
     _variables = attrgetter("environment")
 
@@ -218,10 +202,7 @@ class UnsetEnvironmentVariable(_UnsetVariable):
 
 
 class AppendEnvironmentVariable(Action):
-    """The action that appends to an environment variable, or sets it if there is none.
-
-    With `prepend` the value comes first. The separator is that of PATH unless another is given.
-    """
+    """The action that appends to an environment variable, or with `prepend` puts before it."""
 
     def __init__(
         self,
@@ -250,8 +231,8 @@ class AppendEnvironmentVariable(Action):
 class GroupAction(Action):
     """The action that performs several actions, in a scope of their own unless `scoped` is false.
 
-    The given launch configurations are set before. If `forwarding` is false, the scope has only
-    them, and the environment of the start. Without a scope, `forwarding` is ignored.
+    If `forwarding` is false, the scope has only the given launch configurations, and the
+    environment of the start.
     """
 
     def __init__(
@@ -285,8 +266,6 @@ class IncludeLaunchDescription(Action):
     """The action that sets the given arguments, and performs everything in another launch file.
 
     The arguments and ThisLaunchFile keep the values of the included file afterwards, as in launch.
-    An argument without a value raises SubstitutionFailure; `launch_arguments` are pairs, and a
-    mapping raises TypeError.
     """
 
     def __init__(
@@ -348,11 +327,7 @@ class LogInfo(Action):
 
 
 class OpaqueFunction(Action):
-    """The action that calls a function of the launch file, and performs the actions it returns.
-
-    The function gets the context first. It may return None; anything else that is not iterable
-    raises SubstitutionFailure. What cannot be called raises TypeError at once.
-    """
+    """The action that calls a function with the context, and performs the actions it returns."""
 
     def __init__(
         self,

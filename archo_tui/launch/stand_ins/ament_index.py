@@ -17,35 +17,18 @@ class PackageNotFoundError(KeyError):
 
 
 class PackageIndex:
-    """The packages of the workspace, and of the prefixes on AMENT_PREFIX_PATH.
-
-    Attributes:
-        workspace: The packages of the workspace.
-        prefix: The install prefix that this process makes, with a share folder for each package
-            that was asked for.
-        missing: The packages that the launch file needs and that are not here, each with a line
-            that needs it.
-    """
+    """The packages of the workspace, and of the prefixes on AMENT_PREFIX_PATH."""
 
     def __init__(self, workspace: Workspace, prefix: Path) -> None:
-        """Create the index.
-
-        Args:
-            workspace: The packages of the workspace.
-            prefix: The folder to make share folders in.
-        """
         self.workspace, self.prefix = workspace, prefix
+        # Packages that are not here, and a line that needs each.
         self.missing: dict[str, Place] = {}
 
     def prefix_of(self, name: str) -> Path:
-        """Return the install prefix of a package; for a missing package a path that does not exist.
+        """Return the install prefix of a package; for a missing one a path that does not exist.
 
-        So a launch file that also needs packages of other workspaces is evaluated all the same. A
-        missing package is added to `missing`. For a package of the workspace, the share folder is
-        filled, as by `share_folder`.
-
-        Raises:
-            ArchoError: The package has a mistake in its setup.py.
+        So a launch file that also needs other packages is evaluated all the same; they are kept in
+        `missing`. The share folder of a workspace's package is filled. Raises ArchoError.
         """
         package = self.workspace.find(name)
         if package is not None:
@@ -58,11 +41,7 @@ class PackageIndex:
         return self._absent / name
 
     def missing_package(self, path: str) -> str:
-        """Return the name of the missing package whose prefix a path is below.
-
-        Returns:
-            "" for any other path.
-        """
+        """Return the name of the missing package whose prefix a path is below, or ""."""
         try:
             return Path(path).relative_to(self._absent).parts[0]
         except (ValueError, IndexError):
@@ -91,43 +70,26 @@ def use(packages: PackageIndex) -> None:
 
 
 def get_package_prefix(package_name: str) -> str:
-    """Return the install prefix of a package; for a missing one a path that does not exist.
-
-    See `PackageIndex.prefix_of`.
-    """
+    """Return the install prefix of a package, as `PackageIndex.prefix_of` does."""
     return str(index.prefix_of(package_name))
 
 
 def get_package_share_directory(package_name: str, print_warning: bool = True) -> str:  # noqa: ARG001
-    """Return the share folder of a package; for a missing one a path that does not exist.
-
-    See `PackageIndex.prefix_of`. `print_warning` is ignored.
-    """
+    """Return the share folder of a package; for a missing one a path that does not exist."""
     return str(get_package_share_path(package_name))
 
 
 def get_package_share_path(package_name: str, print_warning: bool = True) -> Path:  # noqa: ARG001
-    """Return the share folder of a package as a Path.
-
-    See `get_package_share_directory`.
-    """
+    """Return the share folder of a package as a Path."""
     return index.prefix_of(package_name) / "share" / package_name
 
 
 def get_packages_with_prefixes() -> dict[str, str]:
-    """Return the install prefix of each package of the workspace, by the package's name.
-
-    Packages on AMENT_PREFIX_PATH are left out. The share folder of each package is filled, which
-    runs its setup.py.
-    """
+    """Return the install prefix of each package of the workspace; each setup.py runs for it."""
     return {name: get_package_prefix(name) for name in index.workspace.packages}
 
 
 def has_resource(resource_type: str, resource_name: str) -> str | bool:
-    """Return the prefix of a package for the resource type `packages`, if the package is here.
-
-    Returns:
-        False for a package that is missing, which is noted, and for other types of resources.
-    """
+    """Return the prefix of a package that is here, for the resource type `packages`; else False."""
     found = get_package_prefix(resource_name) if resource_type == "packages" else ""
     return found if found and resource_name not in index.missing else False

@@ -9,32 +9,23 @@ from archo_tui.launch.stand_ins.action import LaunchDescriptionEntity
 
 
 class DeclaredArgument(NamedTuple):
-    """An argument that a launch file, or one that it includes, declares.
+    """An argument that a launch file, or one that it includes, declares."""
 
-    Attributes:
-        argument: The DeclareLaunchArgument.
-        is_conditional: True if a condition or a timer decides whether it is declared.
-        given: The names of the arguments that the includes around it give.
-    """
-
-    argument: Any
-    is_conditional: bool
-    given: frozenset[str]
+    argument: Any  # The DeclareLaunchArgument.
+    is_conditional: bool  # A condition or a timer decides whether it is declared.
+    given: frozenset[str]  # By the includes around it.
 
     @property
     def is_required(self) -> bool:
-        """True if a value must be given: there is no default, and no condition decides.
-
-        An include around the argument may give the value.
-        """
+        """True if a value must be given: there is no default, and no condition decides."""
         return self.argument.default_value is None and not self.is_conditional
 
 
 def declared_arguments(entities: Iterable[Any]) -> list[DeclaredArgument]:
-    """Return the arguments that entities declare, in their order; of several of a name, the first.
+    """Return the arguments that entities declare; of several of a name, the first.
 
-    What follows a ResetLaunchConfigurations in the same list is left out. Included files whose
-    paths are known are loaded, which runs the code in them; one that fails counts as empty.
+    Included files whose paths are known are loaded, which runs the code in them; one that fails
+    counts as empty.
     """
     found: dict[str, DeclaredArgument] = {}
     for declared in _walk(entities, False, frozenset()):

@@ -30,15 +30,13 @@ class Condition:
         self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Return True if the condition holds."""
         return self._predicate(context)
 
 
 class IfCondition(Condition):
     """The condition that an expression is `true` or `1`; it does not hold for `false` or `0`.
 
-    Upper or lower case and blanks around it make no difference. Any other text raises
-    SubstitutionFailure.
+    Any other text raises SubstitutionFailure.
     """
 
     def __init__(self, predicate_expression: SomeSubstitutionsType) -> None:
@@ -54,20 +52,14 @@ class IfCondition(Condition):
 
 
 class UnlessCondition(IfCondition):
-    """The opposite of IfCondition: it holds for `false` and `0`.
-
-    Any text but `true`, `1`, `false` and `0` raises SubstitutionFailure.
-    """
+    """The opposite of IfCondition: it holds for `false` and `0`."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return not super()._holds(context)
 
 
 class LaunchConfigurationEquals(Condition):
-    """The condition that a launch configuration has a value; for None, that it is not set.
-
-    The name is added to `LaunchContext.read`.
-    """
+    """The condition that a launch configuration has a value; for None, that it is not set."""
 
     def __init__(
         self, launch_configuration_name: str, expected_value: SomeSubstitutionsType | None

@@ -11,46 +11,28 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 class Delayed(NamedTuple):
-    """The actions of a timer; objects sort by their time, then by their number.
-
-    Attributes:
-        time: Seconds after the start of the launch.
-        number: A number that keeps timers of the same time in their order.
-        actions: The actions to perform then.
-        local_values: The `locals` of the context when the timer began.
-    """
+    """The actions of a timer; objects sort by their time, then by their number."""
 
     time: float  # Seconds after the start.
     number: int
     actions: Iterable[Any]
-    local_values: dict[str, Any]
+    local_values: dict[str, Any]  # The `locals` of the context when the timer began.
 
 
 class LaunchContext:
-    """The state that actions read and change: launch configurations, environment, locals, results.
-
-    Attributes:
-        argv: The arguments that the context was created with.
-        locals: The path and the folder of the launch file, as ThisLaunchFile reads them; empty
-            until it is performed.
-        programs: A JSON object for each program to start, as `LaunchedProgram` has it.
-        notes: A JSON object for each note, as `LaunchNote` has it.
-        delayed: The actions of timers that are not due yet, as a heap.
-        time: The time that the evaluation has reached, in seconds after the start.
-        read: The names of the launch configurations that were read; an argument that is given and
-            neither declared nor read gets a note.
-        failed_at: The line of the action that raised an error; None if none has.
-    """
+    """The state that actions read and change: launch configurations, environment, results."""
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = True) -> None:
         self.argv = list(argv or ())
+        # As ThisLaunchFile reads them; empty before the file is performed.
         self.locals = SimpleNamespace()
-        self.programs: list[dict[str, Any]] = []
-        self.notes: list[dict[str, Any]] = []
-        self.delayed: list[Delayed] = []
-        self.time = 0.0
+        self.programs: list[dict[str, Any]] = []  # As LaunchedProgram has them.
+        self.notes: list[dict[str, Any]] = []  # As LaunchNote has them.
+        self.delayed: list[Delayed] = []  # A heap.
+        self.time = 0.0  # Seconds after the start that the evaluation has reached.
+        # An argument that is given and neither declared nor read gets a note.
         self.read: set[str] = set()
-        self.failed_at: Place | None = None
+        self.failed_at: Place | None = None  # The line of the action that raised an error.
         self._configurations: dict[str, Any] = {}
         self._environment = dict(os.environ)
         self._pushed_configurations: list[dict[str, Any]] = []
@@ -67,7 +49,6 @@ class LaunchContext:
         return self._environment
 
     def perform_substitution(self, substitution: Any) -> str:
-        """Return the text that a substitution stands for."""
         text: str = substitution.perform(self)
         return text
 
@@ -88,10 +69,7 @@ class LaunchContext:
         self._environment = dict(os.environ)
 
     def changed_environment(self) -> dict[str, str | None]:
-        """Return the variables of the innermost scope that differ from this process's, by name.
-
-        Those that are unset have the value None.
-        """
+        """Return the variables of the innermost scope that differ; None for one that is unset."""
         now = self._environment
         changed: dict[str, str | None] = {
             name: value for name, value in now.items() if os.environ.get(name) != value
@@ -99,5 +77,4 @@ class LaunchContext:
         return changed | dict.fromkeys(os.environ.keys() - now.keys())
 
     def note(self, place: Place, text: str, level: str = "WARN") -> None:
-        """Add a message for the person who launches, about a line of the launch file."""
         self.notes.append({"file": place.file, "line": place.line, "level": level, "text": text})

@@ -93,10 +93,7 @@ _SPLIT = (
 
 @contextmanager
 def importable_stand_ins() -> Iterator[None]:
-    """Let imports inside this context find the stand-ins instead of installed packages.
-
-    Afterwards the modules that were imported before are in `sys.modules` again.
-    """
+    """Let imports inside this context find the stand-ins instead of installed packages."""
     modules = {name: _module(name, name) for name in dict.fromkeys([*_CONTENTS, *REASONS])}
     for package in _SPLIT:
         for name in vars(modules[package])["__all__"]:
@@ -127,15 +124,7 @@ def _snake_case(name: str) -> str:
 
 
 def _module(name: str, contents_of: str) -> ModuleType:
-    """Return a new module with a name, and with the stand-ins of a module of this or another name.
-
-    A name that is not supported is a subclass of Absent; one that launch lacks raises
-    AttributeError.
-
-    Args:
-        name: The name of the new module.
-        contents_of: The name of the module in launch whose contents it has.
-    """
+    """Return a new module with stand-ins; what is not supported is a subclass of Absent."""
     module = ModuleType(name)
 
     def __getattr__(attribute: str) -> Any:  # PEP 562: what is not here, by its name.

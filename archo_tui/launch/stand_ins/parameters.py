@@ -33,8 +33,7 @@ _AS_TEXT = "is a text meant? ParameterValue(..., value_type=str)"
 class ParameterValue:
     """The value of a parameter, and the type that its text is to become.
 
-    Without a type, the text of a substitution is read as YAML 1.1; a plain text stays one. A value
-    of another type raises TypeError at once.
+    Without a type, the text of a substitution is read as YAML 1.1; a plain text stays one.
     """
 
     def __init__(self, value: Any, *, value_type: Any = None) -> None:
@@ -43,11 +42,7 @@ class ParameterValue:
         self.value, self.value_type = value, value_type
 
     def evaluate(self, context: LaunchContext) -> Any:
-        """Return the value, with its substitutions performed.
-
-        Raises:
-            SubstitutionFailure: The text is not of the wanted type.
-        """
+        """Return the value with its substitutions performed; raise SubstitutionFailure."""
         try:
             return perform_typed(context, self.value, self.value_type)
         except ValueError as error:
@@ -62,11 +57,7 @@ class Parameter:
         self._value = ParameterValue(value, value_type=value_type)
 
     def evaluate(self, context: LaunchContext) -> tuple[str, Any]:
-        """Return the name and the value, with their substitutions performed.
-
-        Raises:
-            SubstitutionFailure: The text of the value is not of the wanted type.
-        """
+        """Return the name and the value, with their substitutions performed."""
         return perform_substitutions(context, self.name), self._value.evaluate(context)
 
 
@@ -92,7 +83,6 @@ class ParameterFile:
         return os.path.abspath(perform_substitutions(context, self._path))
 
     def is_substituted(self, context: LaunchContext) -> bool:
-        """Return True if `$(var name)` in the file is to be replaced."""
         return bool(perform_typed(context, self._allow_substs, bool))
 
 
@@ -100,10 +90,6 @@ def evaluate_parameters(context: LaunchContext, given: Mapping[Any, Any]) -> dic
     """Return the parameters of a mapping by their full names: `{"pid": {"p": 1}}` is `pid.p`.
 
     Substitutions are performed, and their texts read as YAML 1.1, as launch_ros does.
-
-    Raises:
-        TypeError: A value cannot be the value of a parameter.
-        SubstitutionFailure: A substitution has no value, or a ParameterValue not the wanted type.
     """
     return {name: _evaluate(context, name, value) for name, value in _flat(context, given, "")}
 
@@ -152,15 +138,7 @@ def _evaluate_list(context: LaunchContext, name: str, values: Sequence[Any]) -> 
 
 
 def _parse_yaml(name: str, text: str) -> Any:
-    """Parse the text of a parameter as YAML 1.1: `1.5` becomes a float, `true` a bool.
-
-    Args:
-        name: The name of the parameter, for the error.
-        text: The text; "" stays an empty text.
-
-    Raises:
-        TypeError: The text is not YAML, or stands for null, a mapping or a list of mixed types.
-    """
+    """Parse the text of a parameter as YAML 1.1; TypeError if no parameter can be that."""
     try:
         value = yaml.safe_load(text or "''")
     except yaml.YAMLError:

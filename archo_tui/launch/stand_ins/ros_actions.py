@@ -49,12 +49,7 @@ _NOT_FOLLOWED = ("cwd", "on_exit", "prefix", "respawn_max_retries", "shell")
 
 
 class Node(Action):
-    """The action that adds a program of a package, with one node as a rule, to those to start.
-
-    Options that are not followed here, such as `prefix`, get a note; an option that launch_ros does
-    not have raises TypeError, a wrong name or namespace SubstitutionFailure. A Node without a
-    package is left out, with a note.
-    """
+    """The action that adds a program to those to start, with notes on options not followed."""
 
     def __init__(
         self,
@@ -143,7 +138,7 @@ class Node(Action):
     ) -> Iterator[str]:
         """Yield the words after `--ros-args`, in the order in which launch_ros writes them.
 
-        Some parameters are written to a file for it. A parameter file that is missing gets a note.
+        Some parameters are written to a file for it.
         """
         yield from [perform_substitutions(context, part) for part in self._ros_arguments]
         if name is not None:
@@ -167,16 +162,7 @@ class Node(Action):
     def _parameter_args(
         self, context: LaunchContext, given: Any, full_name: str, number: int
     ) -> Iterator[str]:
-        """Yield the arguments for an entry of `parameters`.
-
-        The values of a mapping are written to a file in the prefix if the full name is given.
-
-        Args:
-            context: The state of the evaluation.
-            given: The entry.
-            full_name: The name of the node with its namespace; "" if one of them is not given.
-            number: The number of the entry, for the name of that file.
-        """
+        """Yield the arguments for an entry of `parameters`; a full name makes a file of them."""
         if isinstance(given, ParameterFile):
             yield from self._file_args(context, given.evaluate(context), given)
             return
@@ -198,15 +184,7 @@ class Node(Action):
     def _file_args(
         self, context: LaunchContext, path: str, given: ParameterFile | None = None
     ) -> Iterator[str]:
-        """Yield the arguments for a parameter file, or only add a note why it is left out.
-
-        A file is left out if it is missing, or has a `$(...)` that `given` wants to be replaced.
-
-        Args:
-            context: The state of the evaluation.
-            path: The path of the file.
-            given: The entry of `parameters`; None for a file of SetParametersFromFile.
-        """
+        """Yield the arguments for a parameter file, or only add a note why it is left out."""
         missing = ament_index.index.missing_package(path)
         place = self.place if given is None else given.place
         if missing:
@@ -236,10 +214,7 @@ class LifecycleNode(Node):
 
 
 class PushROSNamespace(Action):
-    """The action that sets the namespace of the nodes that follow in the scope.
-
-    A namespace without a leading `/` is added to that of the scope.
-    """
+    """The action that sets or extends the namespace of the nodes that follow in the scope."""
 
     def __init__(self, namespace: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
@@ -255,8 +230,8 @@ PushRosNamespace = PushROSNamespace
 class SetParameter(Action):
     """The action that sets a parameter of all nodes that follow in the scope.
 
-    As in launch_ros, a list becomes the text of a tuple, and the parameter outlives its scope if
-    there were such parameters before.
+    As in launch_ros, a list becomes the text of a tuple, and the setting outlives its scope if
+    there were such settings before.
     """
 
     def __init__(self, name: SomeSubstitutionsType, value: Any, **options: Any) -> None:
@@ -272,10 +247,7 @@ class SetParameter(Action):
 
 
 class SetParametersFromFile(Action):
-    """The action that gives a parameter file to all nodes that follow in the scope.
-
-    As in launch_ros, the file outlives its scope if there were such files or parameters before.
-    """
+    """The action that gives a parameter file to all nodes that follow; see SetParameter."""
 
     def __init__(self, filename: SomeSubstitutionsType, **options: Any) -> None:
         super().__init__(**options)
@@ -287,10 +259,7 @@ class SetParametersFromFile(Action):
 
 
 class SetRemap(Action):
-    """The action that remaps a name for all nodes that follow in the scope.
-
-    As in launch_ros, the remapping outlives its scope if there were such remappings before.
-    """
+    """The action that remaps a name for all nodes that follow; see SetParameter."""
 
     def __init__(
         self, src: SomeSubstitutionsType, dst: SomeSubstitutionsType, **options: Any
@@ -306,24 +275,16 @@ class SetRemap(Action):
 
 
 def _extend(context: LaunchContext, name: str, entries: Iterable[Any]) -> None:
-    """Add entries to a list in the launch configurations, which is made if there is none.
+    """Add entries to a list in the launch configurations.
 
-    As in launch, a scope shares the lists of the scope around it, if that has them already: both
-    get the entries.
+    As in launch, a scope shares the lists that the scope around it has already: both get the
+    entries.
     """
     context.launch_configurations.setdefault(name, []).extend(entries)
 
 
 def _namespace(context: LaunchContext, given: SomeSubstitutionsType | None) -> str | None:
-    """Return the full namespace of a node or scope, with a leading `/` and none at its end.
-
-    Args:
-        context: The state of the evaluation, with the namespace of the scope.
-        given: The node's own namespace; without a leading `/` it is added to that of the scope.
-
-    Returns:
-        None if neither the node nor its scope has a namespace.
-    """
+    """Return the full namespace of a node or scope, with a leading `/`; None if there is none."""
     around: str | None = context.launch_configurations.get("ros_namespace")
     own = None if given is None else perform(context, given)
     if own is None:
@@ -363,13 +324,7 @@ def _in_one_line(value: Any) -> str:
 
 
 def _output(context: LaunchContext, given: Any) -> str:
-    """Return where the output of a program goes: `log`, `screen` or `both`.
-
-    Args:
-        context: The context of the substitutions.
-        given: The option `output` of a Node: a text, or a mapping for stdout and stderr, which is
-            `both` if their values differ.
-    """
+    """Return where the output of a program goes: `log`, `screen` or `both`."""
     if isinstance(given, Mapping):
         words = {perform(context, word) for word in given.values()}
         return "both" if {"both"} & words or len(words) > 1 else "".join(words)

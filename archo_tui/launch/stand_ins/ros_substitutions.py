@@ -25,10 +25,7 @@ class FindPackagePrefix(Substitution):
         self.package = normalize_to_list_of_substitutions(package)
 
     def find(self, package_name: str) -> str:
-        """Return the folder that the substitution stands for: here the install prefix.
-
-        For a missing package it is a folder that does not exist, as `prefix_of` returns it.
-        """
+        """Return the folder that the substitution stands for."""
         return ament_index.get_package_prefix(package_name)
 
     def perform(self, context: LaunchContext) -> str:
@@ -50,10 +47,7 @@ class FindPackageShare(FindPackagePrefix):
 
 
 class Parameter(Substitution):
-    """The value, as text, of a parameter that SetParameter has set, else the default.
-
-    Without a default SubstitutionFailure is raised. Of several values the first counts.
-    """
+    """The first value, as text, of a parameter that SetParameter has set, else the default."""
 
     def __init__(self, name: SomeSubstitutionsType, *, default: Any = None) -> None:
         super().__init__()

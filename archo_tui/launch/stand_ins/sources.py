@@ -35,13 +35,7 @@ class PythonLaunchDescriptionSource:
         self._loaded: dict[str, LaunchDescription] = {}
 
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
-        """Return the path of the file, and what it describes; this object runs each path once only.
-
-        Raises:
-            SkipActionError: The package of the file is not here, or the file is not in Python.
-            InvalidLaunchFileError: There is no such file, or it describes nothing.
-            Exception: The error that the code of the file raises.
-        """
+        """Return the path of the file, and what it describes; each path runs once only."""
         path = os.path.abspath(perform_substitutions(context, self._path))
         missing = ament_index.index.missing_package(path)
         if missing:
@@ -62,17 +56,7 @@ class AnyLaunchDescriptionSource(PythonLaunchDescriptionSource):
 
 
 def load_launch_file(path: str) -> LaunchDescription:
-    """Run a launch file, and return what it describes; add its path to `loaded_files`.
-
-    Any error of its code is passed on.
-
-    Args:
-        path: The path of the file.
-
-    Raises:
-        InvalidLaunchFileError: The file has no `generate_launch_description()`, or that returns
-            something else.
-    """
+    """Run a launch file, and return what it describes; add its path to `loaded_files`."""
     loaded_files.add(path)
     module = ModuleType("python_launch_file")
     module.__file__ = path

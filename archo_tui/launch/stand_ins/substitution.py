@@ -13,25 +13,17 @@ SomeSubstitutionsType = Any  # A text, a substitution, or several of them that a
 
 
 class Substitution:
-    """The base of all substitutions: each stands for a text.
-
-    Attributes:
-        place: The line of the launch file that made the substitution.
-    """
+    """The base of all substitutions: each stands for a text."""
 
     def __init__(self) -> None:
         self.place = calling_place()
 
     def perform(self, context: LaunchContext) -> str:
-        """Return the text that the substitution stands for now.
-
-        Raises:
-            SubstitutionFailure: It has no value.
-        """
+        """Return the text that the substitution stands for now; SubstitutionFailure without one."""
         raise NotImplementedError
 
     def describe(self) -> str:
-        """Return the substitution as `--show-args` shows a default; here, the name of the class."""
+        """Return the substitution as `--show-args` shows a default."""
         return type(self).__name__
 
 
@@ -52,13 +44,7 @@ class TextSubstitution(Substitution):
 
 
 def normalize_to_list_of_substitutions(given: SomeSubstitutionsType) -> list[Substitution]:
-    """Return a text, a path, a substitution, or several of them, as a list of substitutions.
-
-    A text or a path becomes a TextSubstitution.
-
-    Raises:
-        TypeError: `given` is something else, such as a number.
-    """
+    """Return a text, a path, a substitution, or several of them, as a list of substitutions."""
     if isinstance(given, (str, os.PathLike, Substitution)):
         return [_part(given)]
     if isinstance(given, Iterable):
@@ -92,10 +78,7 @@ def perform(context: LaunchContext, given: SomeSubstitutionsType) -> str:
 
 
 def is_substitution(given: object) -> bool:
-    """Return True for a substitution, or a list of substitutions and texts that are joined.
-
-    A list of texts alone is none.
-    """
+    """Return True for a substitution, or a list with one; a list of texts alone is none."""
     if isinstance(given, Substitution):
         return True
     if isinstance(given, str) or not isinstance(given, Iterable):

@@ -46,11 +46,6 @@ __all__ = [
 
 
 def _as_texts(default: Any) -> list[Substitution] | None:
-    """Return a default as the parts of a text, numbers and booleans as Python writes them.
-
-    Returns:
-        None for None.
-    """
     if default is None:
         return None
     parts = default if isinstance(default, Iterable) else (default,)
@@ -63,10 +58,7 @@ def _as_texts(default: Any) -> list[Substitution] | None:
 
 
 class LaunchConfiguration(Substitution):
-    """The value of a launch configuration, such as an argument of the launch file, or the default.
-
-    Without a default SubstitutionFailure is raised. The name is added to `LaunchContext.read`.
-    """
+    """The value of a launch configuration, such as an argument, or else the default."""
 
     def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None) -> None:
         super().__init__()
@@ -90,10 +82,7 @@ class LaunchConfiguration(Substitution):
 
 
 class EnvironmentVariable(Substitution):
-    """The value of an environment variable in the scope, else the default.
-
-    Without a default SubstitutionFailure is raised.
-    """
+    """The value of an environment variable in the scope, or else the default."""
 
     def __init__(
         self, name: SomeSubstitutionsType, *, default_value: SomeSubstitutionsType | None = None
@@ -144,9 +133,8 @@ class PathSubstitution(PathJoinSubstitution):
 class PythonExpression(Substitution):
     """The result of a Python expression as text.
 
-    The expression can use the given modules by their names, and if `math` is one of them, as by
-    default, what `math` contains without that name. An error in the expression raises
-    SubstitutionFailure, a module that is not there ImportError.
+    The expression can use the given modules by their names, and what `math` contains without that
+    name.
     """
 
     def __init__(
@@ -176,10 +164,7 @@ class PythonExpression(Substitution):
 
 
 class _Boolean(Substitution):
-    """The base of the substitutions that compute with booleans, most to `true` or `false`.
-
-    They read YAML's words for booleans, `1` and `0`; any other text raises SubstitutionFailure.
-    """
+    """The base of the substitutions that compute with YAML's booleans, `1` and `0`."""
 
     def perform(self, context: LaunchContext) -> str:
         return str(self._holds(context)).lower()
@@ -195,10 +180,7 @@ class _Boolean(Substitution):
 
 
 class NotSubstitution(_Boolean):
-    """The text `true` if a boolean is false, else `false`.
-
-    A text that is no boolean raises SubstitutionFailure.
-    """
+    """The text `true` if a boolean is false, else `false`."""
 
     def __init__(self, value: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -209,10 +191,7 @@ class NotSubstitution(_Boolean):
 
 
 class AnySubstitution(_Boolean):
-    """The text `true` if at least one of several booleans is true, else `false`.
-
-    All of them are evaluated: a text that is no boolean raises SubstitutionFailure.
-    """
+    """The text `true` if at least one of several booleans is true, else `false`."""
 
     def __init__(self, *args: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -223,10 +202,7 @@ class AnySubstitution(_Boolean):
 
 
 class AllSubstitution(AnySubstitution):
-    """The text `true` if all of several booleans are true, else `false`.
-
-    All of them are evaluated: a text that is no boolean raises SubstitutionFailure.
-    """
+    """The text `true` if all of several booleans are true, else `false`."""
 
     def _holds(self, context: LaunchContext) -> bool:
         return all([self._as_bool(context, part) for part in self.args])
@@ -250,7 +226,7 @@ class EqualsSubstitution(_Boolean):
     """The text `true` if two values are equal, else `false`.
 
     They are compared as booleans, which `1` and `0` are, too, or as numbers, if both are such; else
-    as texts. Numbers may differ by a rounding error. None counts as an empty text.
+    as texts.
     """
 
     def __init__(self, left: Any, right: Any) -> None:
@@ -303,10 +279,7 @@ class IfElseSubstitution(_Boolean):
 
 
 class FileContent(Substitution):
-    """The text of a file; SubstitutionFailure is raised if the file cannot be opened.
-
-    A file that is not UTF-8 raises UnicodeDecodeError.
-    """
+    """The text of a file; SubstitutionFailure is raised if the file cannot be opened."""
 
     def __init__(self, path: SomeSubstitutionsType) -> None:
         super().__init__()
@@ -322,10 +295,7 @@ class FileContent(Substitution):
 
 
 class AnonName(Substitution):
-    """A unique name that begins with a given name; in a scope, always the same for the same name.
-
-    The scope keeps it as a launch configuration.
-    """
+    """A unique name that begins with a given name; in a scope, the same for the same name."""
 
     def __init__(self, name: SomeSubstitutionsType) -> None:
         super().__init__()

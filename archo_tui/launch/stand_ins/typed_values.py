@@ -18,18 +18,10 @@ _SCALARS = (bool, int, float, str)
 
 
 def check_typed(given: Any, value_type: Any) -> None:
-    """Raise an error for what can never become a value of a type, as launch does.
+    """Raise TypeError for what can never become a value of a type, as launch does.
 
     The texts of substitutions are not known yet, so they are not checked. An int is no float, but a
     bool is an int.
-
-    Args:
-        given: A scalar, a substitution, or a list of these.
-        value_type: One of bool, int, float, str, a `List` of one of them; None for any of these.
-
-    Raises:
-        TypeError: The value has another type.
-        ValueError: There is no such type.
     """
     scalar, is_list = _parts_of(value_type)
     if isinstance(given, _SCALARS):
@@ -46,18 +38,7 @@ def check_typed(given: Any, value_type: Any) -> None:
 
 
 def perform_typed(context: LaunchContext, given: Any, value_type: Any) -> Any:
-    """Return the value that a substitution, or a list of them, stands for.
-
-    A scalar is returned as it is. In a list with floats, ints become floats.
-
-    Args:
-        context: The context of the substitutions.
-        given: A value that `check_typed` has accepted.
-        value_type: The type, as for `check_typed`.
-
-    Raises:
-        ValueError: The text is not of that type, or the values of a list are of several types.
-    """
+    """Return the value that a substitution, or a list of them, stands for; raise ValueError."""
     if isinstance(given, _SCALARS):
         return given
     if is_substitution(given):
@@ -81,15 +62,7 @@ def perform_part(context: LaunchContext, part: Any) -> str:
 
 
 def typed_text(text: str, value_type: Any) -> Any:
-    """Return a text as a value of a type, read as YAML 1.1; a bool may also be `1` or `0`.
-
-    Args:
-        text: The text.
-        value_type: The type, as for `check_typed`; None for the one that YAML 1.1 reads in it.
-
-    Raises:
-        ValueError: The text is not of that type.
-    """
+    """Return a text as a value of a type, read as YAML 1.1; a bool may also be `1` or `0`."""
     scalar, is_list = _parts_of(value_type)
     if value_type is str:
         return text
@@ -108,14 +81,7 @@ def typed_text(text: str, value_type: Any) -> Any:
 
 
 def is_uniform(values: list[Any], value_type: Any = None) -> bool:
-    """Return True if all values are of one type: bool, int, float or str; also for no value.
-
-    A bool counts as an int.
-
-    Args:
-        values: The values.
-        value_type: The type that they must have; None for that of the first value.
-    """
+    """Return True if all values are of one type, by default the first's; a bool is an int."""
     wanted = value_type or (type(values[0]) if values else str)
     return wanted in _SCALARS and all(isinstance(value, wanted) for value in values)
 
@@ -139,11 +105,7 @@ def _is_list(value: Any, of: Any) -> bool:
 
 
 def _parts_of(value_type: Any) -> tuple[Any, bool]:
-    """Split a type such as `List[int]`: return `int`, and True for a list.
-
-    Raises:
-        ValueError: The type is none that `check_typed` takes.
-    """
+    """Split a type such as `List[int]`: return `int`, and True for a list."""
     is_list = get_origin(value_type) is list
     scalar = get_args(value_type)[0] if is_list else value_type
     if scalar is not None and scalar not in _SCALARS:

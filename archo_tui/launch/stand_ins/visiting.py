@@ -13,19 +13,7 @@ from archo_tui.launch.stand_ins.places import Place
 
 
 def visit(entity: Any, context: LaunchContext, within: Place) -> None:
-    """Perform an entity, then the entities that it returns, and so on.
-
-    What is not supported or not here is left out, with a note in the context.
-
-    Args:
-        entity: The entity.
-        context: The state of the evaluation.
-        within: The line of the entity that contains it, for the error.
-
-    Raises:
-        SubstitutionFailure: The launch file is wrong.
-        Exception: Any other error of the launch file; `context.failed_at` tells its place.
-    """
+    """Perform an entity, then those that it returns; leave out what is not supported."""
     if not isinstance(entity, LaunchDescriptionEntity):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
         raise SubstitutionFailure(text, within)
@@ -44,10 +32,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
 
 
 def visit_delayed(context: LaunchContext) -> None:
-    """Perform the actions of timers in the order of their times, without waiting.
-
-    `context.time` is the time of each then. Timers that these actions start are performed, too.
-    """
+    """Perform the actions of timers in the order of their times, without waiting."""
     while context.delayed:
         delayed = heapq.heappop(context.delayed)
         context.time = delayed.time
