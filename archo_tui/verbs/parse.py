@@ -9,7 +9,7 @@ from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.types import INTEGERS, element_of
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Argument, Values, Verb
+from archo_tui.verbs.base import Argument, Values, Verb, split_options
 
 YES = "--yes"  # Answers a verb's question.
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
@@ -32,7 +32,7 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb, in which `--yes` may stand anywhere if the verb may ask.
+    """Parse the words after a verb, in which `--yes` may stand before any `--` if the verb may ask.
 
     Returns:
         The values, and True if the words answer the verb's question (`--yes`).
@@ -40,8 +40,11 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
     Raises:
         ValueError: The words do not fit; the message is one line, with a hint at what was meant.
     """
-    yes = verb.may_ask and YES in words
-    words = [word for word in words if not (yes and word == YES)]
+    options, literal = split_options(words)
+    yes = verb.may_ask and YES in options
+    if yes:
+        kept = [word for word in options if word != YES]
+        words = [*kept, "--", *literal] if literal else kept
     try:
         return verb.values(words), yes
     except ValueError as error:
