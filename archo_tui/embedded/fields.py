@@ -1,7 +1,8 @@
 """The checks of values assigned to a message's fields, and the copying of values.
 
 The checks are those of rosidl's Python classes (AssertionError, bool is an int, a single int is not
-a float), always on; but integers in an array of floats become floats, as without checks. Copies behave like a trip over the wire: nothing is shared, float32 is rounded.
+a float), always on; but integers in an array of floats become floats, as without checks.
+Copies behave like a trip over the wire: nothing is shared, float32 is rounded.
 """
 
 from __future__ import annotations

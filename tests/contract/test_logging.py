@@ -38,7 +38,7 @@ def test_none_is_logged_and_a_line_feed_stays(ros: Ros) -> None:
     node = ros.node("talker")
     wait_until(lambda: node.count_subscribers("/rosout") == 1)
     for line in (None, "Incoming request\na: 2 b: 3"):
-        node.get_logger().info(line)  # type: ignore[arg-type]
+        node.get_logger().info(line)
     wait_until(lambda: len([line for line in [*lines] if line.name == "talker"]) == 2)
     none, request = [line.msg for line in lines if line.name == "talker"]
     assert none in ("None", "(null)")  # As C writes it.

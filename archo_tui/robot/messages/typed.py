@@ -72,8 +72,8 @@ def parse_number(text: str) -> float:
 def parse(kind: str, text: str, *, of_parameter: bool = False) -> Any:
     """Return the value that a text stands for, by the type of its field; an array is a YAML list.
 
-    A parameter's infinity needs YAML's dot, as in a file, and its integers have 64 bits; those of a message are checked
-    against their own type by `checked`.
+    A parameter's infinity needs YAML's dot, as in a file, and its integers have 64 bits; those
+    of a message are checked against their own type by `checked`.
 
     Raises:
         ValueError: In one line, what is wrong; YamlFault for a list that is not YAML.
