@@ -71,6 +71,11 @@ def is_deceptive(text: str) -> bool:
 
 
 def harmless(text: str) -> str:
-    """Return a text as one line that `safe` has made safe, cut to 500 characters and ` ...`."""
-    text = safe(text[: _LONGEST + 1])
+    """Return a text as a safe line of at most 500 characters and ` ...`; line feeds are blanks."""
+    return harmless_lines(text).replace("\n", " ")
+
+
+def harmless_lines(text: str) -> str:
+    """Return a text as `harmless` does, but with its line feeds, other than those at its end."""
+    text = safe_lines(text[: _LONGEST + 1].replace("\r\n", "\n").rstrip("\n"))
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -16,6 +16,7 @@ from types import ModuleType
 from . import absent
 from .import_hook import InterfaceFinder
 
+RELEASE = "kilted"  # The release of ROS 2 whose rclpy this is a part of.
 HERE = Path(__file__).parent
 
 

@@ -1,7 +1,8 @@
 """The checks of values assigned to a message's fields, and the copying of values.
 
-The checks are those of rosidl's Python classes (AssertionError, bool is an int, an int is not a
-float), always on. Copies behave like a trip over the wire: nothing is shared, float32 is rounded.
+The checks are those of rosidl's Python classes (AssertionError, bool is an int, a single int is not
+a float), always on; but integers in an array of floats become floats, as without checks.
+Copies behave like a trip over the wire: nothing is shared, float32 is rounded.
 """
 
 from __future__ import annotations
@@ -75,6 +76,7 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
     """
     code, size = TYPE_CODES.get(kind.base), kind.fixed_size
     most = kind.upper_bound if size is None else size
+    takes_integers = kind.base in FLOATS
 
     def refused(why: str) -> AssertionError:
         return AssertionError(f"The '{name}' {why}")
@@ -109,8 +111,9 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
             return False
         try:
             for item in value:
-                element(item)
-        except AssertionError:
+                # array.array makes floats of integers, as in rosidl without checks.
+                element(float(item) if takes_integers and isinstance(item, int) else item)
+        except (AssertionError, OverflowError):
             return False
         return True
 

@@ -65,7 +65,10 @@ class Message(metaclass=_MessageType):
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
             if name in values:  # Converted, unlike in an assignment: [1, 2] is two floats.
-                values[name] = array(code, values[name])
+                try:
+                    values[name] = array(code, values[name])
+                except OverflowError as error:
+                    raise OverflowError(f"The '{name}' field: {error}") from None
         for name, slot, check, default in self.__inits__:
             setattr(self, slot, check(values.pop(name) if name in values else default()))
         if values:

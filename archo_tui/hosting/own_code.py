@@ -6,10 +6,12 @@ import sysconfig
 from pathlib import Path
 from traceback import StackSummary
 
+import archo_tui
 from archo_tui.errors import quoted_line
 
 # Python itself may be in the home folder, beside the user's files.
 _PYTHON = Path(sysconfig.get_path("stdlib")).resolve()
+_CONSOLE = Path(archo_tui.__file__).resolve().parent  # In a clone, beside the user's files.
 
 
 class OwnCode:
@@ -35,13 +37,15 @@ class OwnCode:
     def is_own(self, filename: str) -> bool:
         """Return True for the file itself, and files in or below its folder, unless installed.
 
-        Python's own library and `site-packages` count as installed.
+        Python's own library, the console and `site-packages` count as installed.
         """
         if not filename:  # Built-in code has none.
             return False
         if filename not in self._known:
             path = Path(filename).resolve()
-            is_installed = "site-packages" in path.parts or _PYTHON in path.parents
+            is_installed = "site-packages" in path.parts or not {_PYTHON, _CONSOLE}.isdisjoint(
+                path.parents
+            )
             is_beside = self.path.parent in path.parents and not is_installed
             self._known[filename] = path == self.path or is_beside
         return self._known[filename]

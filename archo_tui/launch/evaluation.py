@@ -9,6 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from archo_tui import embedded, engine
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process, user_errors
 from archo_tui.launch.stand_ins import ament_index
@@ -28,6 +29,7 @@ _own_folders: list[Path] = []  # Of the packages, whose modules a launch file ma
 
 def main() -> None:
     """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
+    os.environ.setdefault("ROS_DISTRO", engine.distribution() or embedded.RELEASE)
     child_process.serve(evaluate, lambda frame, seconds: {"error": _hang(frame, seconds)})
 
 

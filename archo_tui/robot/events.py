@@ -19,7 +19,7 @@ from archo_tui.robot.other_clients import UnexplainedChanges
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requester import YOU, Requester
 from archo_tui.robot.state import OWN_LEVELS, Event
-from archo_tui.safe_text import harmless
+from archo_tui.safe_text import harmless, harmless_lines
 
 LIMIT = 1000  # Events that are kept.
 _OWN = 200  # Of these, the console's own, which a flood of others does not push out.
@@ -63,7 +63,9 @@ class EventLog:
         """
         self._count += 1
         self._all = None
-        text, source = harmless(event.text), harmless(event.source)
+        is_log_line = event.level not in OWN_LEVELS
+        text = harmless_lines(event.text) if is_log_line else harmless(event.text)
+        source = harmless(event.source)
         kept, key = self._place(event.level, source, text)
         if event.level in ROUTINE and key not in kept and not self._has_room(source, event.time):
             text = LEFT_OUT

@@ -57,6 +57,14 @@ class Question(NamedTuple):
     go: str
 
 
+def split_options(words: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the words before the first `--` and those behind it, which are no options."""
+    if "--" not in words:
+        return words, ()
+    end = list(words).index("--")
+    return words[:end], words[end + 1 :]
+
+
 class Verb:
     """The base of all verbs; frontends run them, and decide nothing themselves.
 
@@ -96,15 +104,16 @@ class Verb:
 
         A value is the typed text; for `many` a list of texts; for a flag, which may stand anywhere
         among the words, True. Arguments that were not typed are left out, but `many` is [] then.
-        Verbs for goals return parsed values instead.
+        Behind the word `--` nothing is a flag. Verbs for goals return parsed values instead.
 
         Raises:
             ValueError: The words are too few or too many; the message is one line.
         """
+        typed, literal = split_options(words)
         given: dict[str, Any] = {
-            a.name: True for a in self.arguments if a.is_flag and a.name in words
+            a.name: True for a in self.arguments if a.is_flag and a.name in typed
         }
-        words = [word for word in words if word not in given]
+        words = [*(word for word in typed if word not in given), *literal]
         wanted = [argument for argument in self.arguments if not argument.is_flag]
         for number, argument in enumerate(wanted):
             if argument.many:

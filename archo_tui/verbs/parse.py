@@ -9,7 +9,7 @@ from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.types import INTEGERS, element_of
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Argument, Values, Verb
+from archo_tui.verbs.base import Argument, Values, Verb, split_options
 
 YES = "--yes"  # Answers a verb's question.
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
@@ -28,9 +28,15 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint."""
-    yes = verb.may_ask and YES in words
-    words = [word for word in words if not (yes and word == YES)]
+    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint.
+
+    `--yes` may stand anywhere before `--`, if the verb may ask.
+    """
+    options, literal = split_options(words)
+    yes = verb.may_ask and YES in options
+    if yes:
+        kept = [word for word in options if word != YES]
+        words = [*kept, "--", *literal] if literal else kept
     try:
         return verb.values(words), yes
     except ValueError as error:

@@ -14,7 +14,7 @@ from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.words.event import is_of_own_file, outcome_glyph
+from archo_tui.words.event import is_of_own_file, one_line_text, outcome_glyph
 from archo_tui.words.event_rows import EventRow, event_rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
@@ -76,7 +76,9 @@ def events_as_text(events: Iterable[Event]) -> str:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
         command = f"   $ {event.command}" if event.command else ""
         count = f"   {repeat_text(event)}" if event.count > 1 else ""
-        lines.append(f"{at}  {event.level:<5}  {event.source}  {event.text}{count}{command}\n")
+        lines.append(
+            f"{at}  {event.level:<5}  {event.source}  {one_line_text(event)}{count}{command}\n"
+        )
     return "".join(lines)
 
 

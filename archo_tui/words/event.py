@@ -12,12 +12,17 @@ _OPEN = (Code.HELD, Code.TIMEOUT, Code.NOT_CONFIRMED)  # It may still be done.
 
 
 def event_text(event: Event) -> str:
-    """Return an event in a line, such as `WARN dashboard: Low battery: 18.0% (x 12)`.
+    """Return an event as text, such as `WARN dashboard: Low battery: 18.0% (x 12)`.
 
-    The count is that of all equal events so far.
+    A log line with line feeds has several lines. The count is that of all equal events so far.
     """
     count = f" (x {event.count})" if event.count > 1 else ""
     return f"{event.level} {event.source}: {event.text}{count}"
+
+
+def one_line_text(event: Event) -> str:
+    """Return the text of an event with a blank for each line feed of a log line."""
+    return event.text.replace("\n", " ")
 
 
 def outcome_glyph(event: Event) -> str:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
-from archo_tui.words.event import is_of_own_file, outcome_glyph
+from archo_tui.words.event import is_of_own_file, one_line_text, outcome_glyph
 
 _REQUESTED = ("YOU", "SHELL", "AI")  # The levels of what this console did, for whomever.
 _LINKS = ("is", "to", "at", "the")  # They go with the words that they link to.
@@ -134,7 +134,7 @@ def _is_late(event: Event) -> bool:
 def _short_text(event: Event) -> str:
     """Return an event's text, without repeats for a goal or for what went as requested."""
     is_done = event.level in OWN_LEVELS and event.code == Code.DONE and not _is_late(event)
-    return without_repeats(event.text) if is_done or event.level == "GOAL" else event.text
+    return without_repeats(event.text) if is_done or event.level == "GOAL" else one_line_text(event)
 
 
 def _stop_text(stop: Event, release: Event) -> str:

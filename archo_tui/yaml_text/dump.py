@@ -12,6 +12,8 @@ from typing import Any
 
 import yaml
 
+# PyYAML escapes emoji in quotes, though not outside of them. All backslashes are within quotes.
+_ESCAPE = re.compile(r"\\\\|\\U([0-9A-F]{8})")
 _NAME = re.compile(r"[A-Za-z_][\w/]*(\.[\w/]+)*", re.ASCII)
 
 
@@ -59,4 +61,9 @@ def _dump(value: Any, flow_style: bool | None) -> str:
         allow_unicode=True,
         width=10**9,
     )
-    return text
+    return _ESCAPE.sub(_unescaped, text)
+
+
+def _unescaped(found: re.Match[str]) -> str:
+    char = chr(int(found[1], 16)) if found[1] else ""
+    return char if char.isprintable() and char else found[0]

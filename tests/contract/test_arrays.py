@@ -62,6 +62,28 @@ def test_what_is_no_sequence_of_such_values_is_refused(value: object) -> None:
         assert list(message.data) == [7]
 
 
+def test_integers_in_an_array_of_floats_are_published_as_floats(ros: Ros) -> None:
+    node = ros.node()
+    received: list[Float64MultiArray] = []
+    node.create_subscription(Float64MultiArray, "numbers", received.append, 10)
+    publisher = node.create_publisher(Float64MultiArray, "numbers", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]  # rosidl's default
+    message.data = [0, 1, 2]
+    publisher.publish(message)
+    wait_until(lambda: received)
+    assert [repr(number) for number in received[0].data] == ["0.0", "1.0", "2.0"]
+
+
+def test_an_integer_that_no_float_holds_is_refused_by_an_error() -> None:
+    message = Float64MultiArray(check_fields=False)  # type: ignore[call-arg]
+    with pytest.raises((AssertionError, OverflowError), match=r"float|double"):
+        message.data = [1, 10**310]
+    with pytest.raises(OverflowError, match="float"):
+        Float64MultiArray(data=[1, 10**310])
+
+
 def test_an_array_of_another_type_code_is_refused() -> None:
     for code in "hqd":
         with pytest.raises(AssertionError, match="must have the type code of 'i'"):

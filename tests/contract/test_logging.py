@@ -32,6 +32,19 @@ def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:
     assert first.stamp.sec > 0
 
 
+def test_none_is_logged_and_a_line_feed_stays(ros: Ros) -> None:
+    lines: list[Log] = []
+    ros.spun("listener").create_subscription(Log, "/rosout", lines.append, 50)
+    node = ros.node("talker")
+    wait_until(lambda: node.count_subscribers("/rosout") == 1)
+    for line in (None, "Incoming request\na: 2 b: 3"):
+        node.get_logger().info(line)
+    wait_until(lambda: len([line for line in [*lines] if line.name == "talker"]) == 2)
+    none, request = [line.msg for line in lines if line.name == "talker"]
+    assert none in ("None", "(null)")  # As C writes it.
+    assert request == "Incoming request\na: 2 b: 3"
+
+
 def test_filters_thin_lines_out(ros: Ros) -> None:
     logger = ros.node("filters").get_logger()
     assert [logger.info("once", once=True) for _ in range(3)] == [True, False, False]

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
+from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import UnsupportedEventTypeError
 from rclpy.action import ActionClient, ActionServer
 from rclpy.clock import Clock
@@ -20,6 +21,7 @@ from std_srvs.srv import SetBool
 from archo_tui.embedded.absent import MODULES, NAMES
 from tests.support import chosen
 from tests.support.ros import Ros
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(chosen.ENGINE != "embedded", reason="it is there on ROS 2")
 PAGE = Path(__file__).parent.parent.parent / "docs" / "embedded_engine.md"
@@ -127,3 +129,11 @@ def test_events_of_time_are_refused_as_by_a_middleware_that_has_none(name: str, 
     with pytest.raises(UnsupportedEventTypeError, match=rf"PublisherEventCallbacks\({name}="):
         node.create_publisher(Int32, "numbers", 10, event_callbacks=callbacks)
     assert node.count_subscribers("numbers") == node.count_publishers("numbers") == 0
+
+
+def test_a_lone_surrogate_in_a_log_line_does_not_end_the_node(ros: Ros) -> None:
+    lines: list[Any] = []
+    ros.spun("listener").create_subscription(Log, "/rosout", lines.append, 50, raw=True)
+    node = ros.node("talker")
+    assert node.get_logger().info("odd \udc80 name")
+    wait_until(lambda: any("odd \ufffd name".encode() in line for line in [*lines]))

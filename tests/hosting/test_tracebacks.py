@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import archo_tui
 from archo_tui.hosting.own_code import OwnCode
 from archo_tui.hosting.tracebacks import traceback_without
 
@@ -60,3 +61,10 @@ def test_python_itself_is_not_the_users_though_it_be_in_their_folder() -> None:
     code = OwnCode("mine.py", home / "mine.py")
     assert code.is_own(str(home / "helper.py"))
     assert not code.is_own(json.__file__)
+
+
+def test_the_console_is_not_the_users_though_it_be_in_their_folder() -> None:
+    clone = Path(archo_tui.__file__).resolve().parent.parent
+    code = OwnCode("mine.py", clone / "mine.py")
+    assert not code.is_own(f"{clone}/archo_tui/embedded/cdr.py")
+    assert code.is_own(f"{clone}/helpers.py")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui import engine
 from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
 from archo_tui.launch.workspace import Workspace
@@ -136,6 +137,31 @@ def test_an_include_without_a_value_for_its_argument_names_the_include(
         launcher.of_actions(f"{include}),")
     assert "inner.launch.py:6: argument robot has no value" in str(raised.value)
     assert launcher.of_actions(f"{include}, launch_arguments=[('robot', 'a')]),").notes == ()
+
+
+def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
+    launcher: Launcher,
+) -> None:
+    include = "IncludeLaunchDescription('x.launch.py', launch_arguments=[('model', None)]"
+    assert launcher.of_actions(f"{include}, condition=IfCondition('false')),").programs == ()
+
+
+def test_the_release_of_the_engine_is_in_the_environment(
+    launcher: Launcher, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
+    text = """
+        from launch import LaunchDescription
+        from launch.actions import LogInfo
+        from launch.substitutions import EnvironmentVariable
+
+        def generate_launch_description():
+            return LaunchDescription([LogInfo(msg=EnvironmentVariable('ROS_DISTRO'))])
+        """
+    file = str(launcher.write(text))
+    plan = evaluate(file, Workspace.below(WORKSPACE), launcher.prefix, {})
+    assert [note.text for note in plan.notes] == [engine.distribution() or "kilted"]
+    assert "ROS_DISTRO" not in plan.environment
 
 
 def test_a_mistake_in_setup_is_told_where_the_share_folder_is_needed(

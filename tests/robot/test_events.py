@@ -116,6 +116,13 @@ def test_what_a_terminal_could_act_on_is_taken_out() -> None:
     assert len(harmless("x" * 1_000_000)) < 600
 
 
+def test_a_line_feed_stays_in_a_log_line_and_is_a_blank_elsewhere() -> None:
+    log = EventLog()
+    log.add(event("Incoming request\na: 2 b: 3\n"))
+    assert log.all()[0].text == "Incoming request\na: 2 b: 3"
+    assert harmless("Incoming request\r\na: 2 b: 3") == "Incoming request a: 2 b: 3"
+
+
 @pytest.mark.parametrize("char", "\x1b\x07\x9b\u202e\u2028\u2029\u061c\u200b\U000e0041\ud800\ufeff")
 def test_each_of_these_is_shown_as_a_mark_or_in_its_cells(char: str) -> None:
     assert safe(f"a{char}b") == "a\N{REPLACEMENT CHARACTER}b"

@@ -38,6 +38,13 @@ def values(verb: str, *words: str) -> tuple[Any, bool]:
     return parse(VERBS[verb], stub_station(StubRobot(NORMAL)), words)
 
 
+def test_behind_two_dashes_nothing_is_an_option() -> None:
+    node = {"node": "camera", "name": "label"}
+    assert values("set", "camera", "label", "--", "--flag") == ({**node, "value": "--flag"}, False)
+    assert values("set", "camera", "label", "--", "--") == ({**node, "value": "--"}, False)
+    assert values("load", "--yes", "--", "--yes") == ({"file": "--yes"}, True)
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [

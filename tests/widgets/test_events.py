@@ -15,7 +15,7 @@ from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Event
 from archo_tui.session import _robots_nodes
-from archo_tui.widgets.events_panel import event_lines
+from archo_tui.widgets.events_panel import event_lines, events_as_text
 from archo_tui.words.event_rows import event_rows
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
@@ -27,6 +27,13 @@ async def test_events_show_more_levels_on_demand() -> None:
         await op.press("6", "l")
         await op.until("Dashboard sees: ")
         await op.until("INFO and above")
+
+
+def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:
+    event = Event(0.0, "INFO", "server", "Incoming request\na: 2 b: 3")
+    (row,) = event_rows([event], ())
+    assert row.text == "Incoming request a: 2 b: 3"
+    assert events_as_text([event]).count("\n") == 1
 
 
 async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:

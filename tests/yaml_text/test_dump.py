@@ -115,3 +115,10 @@ def test_the_copied_command_sets_the_parameter_to_the_same_value(kind: str) -> N
 
 def test_what_is_plainly_a_word_is_not_quoted() -> None:
     assert flow({"frame": "map", "y": 1, "on": "on"}) == '{frame: map, y: 1, "on": "on"}'
+
+
+def test_emoji_are_written_as_they_are_with_or_without_quotes() -> None:
+    for text in ("battery \U0001f50b low", "a\nb \U0001f50b", "\\U0001F50B", "\\\\\U0001f50b"):
+        written = flow([text])
+        assert yaml.safe_load(written) == [text]
+        assert ("\U0001f50b" in written) == ("\U0001f50b" in text)

@@ -281,10 +281,8 @@ class IncludeLaunchDescription(Action):
         self._source: Any = source if is_source else AnyLaunchDescriptionSource(source)
         if isinstance(launch_arguments, Mapping):
             raise TypeError("launch_arguments is a mapping: write {...}.items()")
-        self._arguments = [
-            (normalize_to_list_of_substitutions(name), normalize_to_list_of_substitutions(value))
-            for name, value in launch_arguments or ()
-        ]
+        # Looked at when it is executed, as in launch: a condition may leave a wrong one out.
+        self._arguments = list(launch_arguments or ())
 
     def execute(self, context: LaunchContext) -> list[Any]:
         path, description = self._source.load(context)
@@ -301,7 +299,7 @@ class IncludeLaunchDescription(Action):
         return [*(SetLaunchConfiguration(k, v) for k, v in self._arguments), description]
 
     def _names(self, context: LaunchContext) -> set[str]:
-        return {perform_substitutions(context, name) for name, _ in self._arguments}
+        return {perform(context, name) for name, _ in self._arguments}
 
     def sub_entities(self) -> Iterable[Any]:
         with contextlib.suppress(Exception):  # Not known yet, or wrong: the evaluation will tell.

@@ -72,8 +72,8 @@ def parse_number(text: str) -> float:
 def parse(kind: str, text: str, *, of_parameter: bool = False) -> Any:
     """Return the value that a text stands for, by the type of its field; an array is a YAML list.
 
-    A parameter's numbers are finite, and its integers have 64 bits; those of a message are checked
-    against their own type by `checked`.
+    A parameter's infinity needs YAML's dot, as in a file, and its integers have 64 bits; those
+    of a message are checked against their own type by `checked`.
 
     Raises:
         ValueError: In one line, what is wrong; YamlFault for a list that is not YAML.
@@ -95,7 +95,7 @@ def parse(kind: str, text: str, *, of_parameter: bool = False) -> Any:
     if kind in INTEGERS:
         limits = INTEGERS["int64"] if of_parameter else (-_FARTHEST, _FARTHEST)
         return parse_integer(stripped, limits)
-    if _INFINITE.fullmatch(stripped) and not of_parameter:
+    if _INFINITE.fullmatch(stripped) and (not of_parameter or "." in stripped):
         return float(stripped.replace(".", ""))
     return parse_number(stripped)
 

@@ -58,7 +58,7 @@ class RcutilsLogger:
 
     def log(
         self,
-        message: str,
+        message: str | None,
         severity: LoggingSeverity | int,
         name: str | None = None,
         **filters: Any,
@@ -66,7 +66,8 @@ class RcutilsLogger:
         """Log a line, and return True; return False if the level or a filter keeps it back.
 
         Args:
-            message: The line.
+            message: The line; None is logged, too. A lone surrogate, which /rosout could not carry,
+                becomes U+FFFD.
             severity: Its severity.
             name: The logger in whose name it is logged; None means this one.
             **filters: `once=True`, `skip_first=True`, `throttle_duration_sec` (s) with, if wanted,
@@ -98,8 +99,9 @@ class RcutilsLogger:
         place.check(severity, name, asked)
         if asked and not place.passes():
             return False
-        if not isinstance(message, str):
+        if message is not None and not isinstance(message, str):
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
+        message = _encodable(str(message))
         stamp = _SYSTEM.now().to_msg()
         if _logging.is_written():
             at = f"{stamp.sec}.{stamp.nanosec:09}"
@@ -119,19 +121,19 @@ class RcutilsLogger:
             )
         return True
 
-    def debug(self, message: str, **options: Any) -> bool:
+    def debug(self, message: str | None, **options: Any) -> bool:
         """Log at DEBUG; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.DEBUG, **options)
 
-    def info(self, message: str, **options: Any) -> bool:
+    def info(self, message: str | None, **options: Any) -> bool:
         """Log at INFO; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.INFO, **options)
 
-    def warning(self, message: str, **options: Any) -> bool:
+    def warning(self, message: str | None, **options: Any) -> bool:
         """Log at WARN; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.WARN, **options)
 
-    def warn(self, message: str, **options: Any) -> bool:
+    def warn(self, message: str | None, **options: Any) -> bool:
         """Log at WARN, and give a DeprecationWarning for this old name of `warning`.
 
         All calls count as one place, as in rclpy.
@@ -139,13 +141,21 @@ class RcutilsLogger:
         warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
         return self.warning(message, **options)
 
-    def error(self, message: str, **options: Any) -> bool:
+    def error(self, message: str | None, **options: Any) -> bool:
         """Log at ERROR; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.ERROR, **options)
 
-    def fatal(self, message: str, **options: Any) -> bool:
+    def fatal(self, message: str | None, **options: Any) -> bool:
         """Log at FATAL; arguments, value and errors are those of `log`."""
         return self.log(message, LoggingSeverity.FATAL, **options)
+
+
+def _encodable(text: str) -> str:
+    try:
+        text.encode()
+    except UnicodeEncodeError:  # A lone surrogate, which in UTF-16 alone takes one character.
+        return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+    return text
 
 
 # The options of each filter, in the order in which the filters are asked.
