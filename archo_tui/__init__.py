@@ -90,11 +90,7 @@ def stop(to: str = "") -> None:
 
 
 def __getattr__(name: str) -> Any:
-    """Return an error or a type of `connect()`, which is imported when it is first named.
-
-    Raises:
-        AttributeError: The name is none of these.
-    """
+    """Return an error or a type of `connect()`, which is imported when it is first named."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from archo_tui.remote import api, api_errors, api_status, goal_handle

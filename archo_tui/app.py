@@ -53,36 +53,22 @@ class _Sent(NamedTuple):
 
 
 class ArchoApp(KeyedApp):
-    """The operator's console: the main screen, its dialogs, and the commands that keys run.
-
-    Attributes:
-        typed: What was last typed into each form, by form and path.
-        used: The robot file, extended by goals and services that were used though it lacks them.
-        has_sent: True unless it is known that this user has never sent a goal.
-        view: What is shown now.
-    """
+    """The operator's console: the main screen, its dialogs, and the commands that keys run."""
 
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
 
     def __init__(
         self,
         station: Station,
-        keys: Mapping[str, str] | None = None,
-        theme: str = "",
-        failed: str = "",
+        keys: Mapping[str, str] | None = None,  # By the command's id; None means the default ones.
+        theme: str = "",  # "" means the one that suits the terminal.
+        failed: str = "",  # The traceback that ended the screen before this one; it is shown.
     ) -> None:
-        """Create the app.
-
-        Args:
-            station: The operator's station.
-            keys: The key of each command by its id; None means the default ones.
-            theme: The name of a theme; "" means the one that suits the terminal.
-            failed: The traceback that ended the screen before this one; it is shown.
-        """
         super().__init__(station, keys or {}, theme)
         snapshot = station.robot.snapshot
         self.title = snapshot.file.name
-        self.typed: dict[str, dict[str, str]] = {}
+        self.typed: dict[str, dict[str, str]] = {}  # By form and path.
+        # Extended by goals and services that were used though it lacks them.
         self.used = snapshot.file
         self._failed_before = failed
         self._leaves = False
@@ -90,7 +76,7 @@ class ArchoApp(KeyedApp):
         self._notices = Notices()
         self._notice: Notice | None = None  # The one that is shown.
         self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
-        self.view = self._view()
+        self.view = self._view()  # Shown now.
         self.main.goal.send = self._send_goals
 
     def get_default_screen(self) -> Screen[None]:
@@ -173,19 +159,12 @@ class ArchoApp(KeyedApp):
         *,
         title: str = "",
         severity: SeverityLevel = "information",
-        timeout: float | None = None,
+        timeout: float | None = None,  # Seconds; None means Textual's NOTIFICATION_TIMEOUT.
         markup: bool = True,
     ) -> None:
         """Show a message in the second row, in place of Textual's box at the bottom.
 
-        Of several, the gravest is shown; the others wait for their turn.
-
-        Args:
-            message: The text.
-            title: A title, put before the text.
-            severity: The severity, which decides the colour.
-            timeout: Seconds; None means Textual's NOTIFICATION_TIMEOUT.
-            markup: True if the text has Textual's markup, which is removed.
+        Of several, the gravest is shown; the others wait for their turn. Markup is removed.
         """
         text = Content.from_markup(message).plain if markup else message
         self._notices.add(
@@ -213,17 +192,11 @@ class ArchoApp(KeyedApp):
                 main.show_notice(notice)
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id, or show why it cannot run.
+        """Run a command by its id, or show why it cannot run; STOP also closes the questions.
 
         It runs on the live console or, while a replay is shown, there; STOP always on the live one.
-        STOP also closes the questions. A command with `waits_for_answer` runs neither for a held
-        key nor before its answer, which a message says; a held key runs the others again before
-        their answer only after `resend_after`. A disabled one with `always_tried` or
-        `runs_disabled` runs unless the console only watches. Nothing happens for an unknown id.
-
-        Args:
-            name: The command's id.
-            counted: True if a STOP has been counted already, as its key was read.
+        `counted` is True if the STOP was counted as its key was read. Nothing happens for an
+        unknown id.
         """
         command = self._find_command(name)
         if command is None:  # Clicked as a replay began or ended.
@@ -262,10 +235,7 @@ class ArchoApp(KeyedApp):
                 self.closed_by_stop("STOP closed the dialog")
 
     def _waits(self, name: str) -> bool:
-        """Return True if a command waits for its answer and no STOP voided it; show that it waits.
-
-        Nothing is shown for a held key.
-        """
+        """Return True, with a message, if a command waits for an answer that no STOP voided."""
         given = self._sent.get(name)
         waits = given is not None and not self.stops.is_void(given.stops)
         if waits and not self.repeated:
@@ -291,10 +261,7 @@ class ArchoApp(KeyedApp):
         return command.disabled_reason(self)
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
-        """Return a coroutine that runs a verb, or show the verb's question and return None.
-
-        The answer that agrees runs the verb. A failure is shown.
-        """
+        """Return a coroutine that runs a verb, or show the verb's question and return None."""
 
         async def now() -> None:
             outcome = await verb.run(self.station, values)
@@ -317,10 +284,7 @@ class ArchoApp(KeyedApp):
             self.show_dialog(dialog)
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over this console, which goes on running.
-
-        Keys act on the replay from now on, but for the key of STOP.
-        """
+        """Show a recording over this console; keys act on it from now on, but for that of STOP."""
         from archo_tui.commands.replay_console import ReplayConsole
 
         commands = registry(player.file, verbs(player.file, {}))
@@ -331,10 +295,7 @@ class ArchoApp(KeyedApp):
         self.call_after_refresh(self.tick)
 
     def end_replay(self) -> None:
-        """Close the replay and the dialogs over it, and show this console again.
-
-        Without a replay nothing happens.
-        """
+        """Close the replay, if there is one, and the dialogs over it; show this console again."""
         if self.replay is None:
             return
         above = self.screen_stack[self.screen_stack.index(self.replay.main) :]
@@ -345,10 +306,7 @@ class ArchoApp(KeyedApp):
 
     @contextmanager
     def opening(self) -> Iterator[None]:
-        """Let keys wait within the block, in which a dialog is being opened: they are typed for it.
-
-        Keys that work everywhere do not wait.
-        """
+        """Let keys wait within the block, in which a dialog is being opened for them."""
         self._opening += 1
         try:
             yield
@@ -359,9 +317,6 @@ class ArchoApp(KeyedApp):
         """Return True if a STOP was read after the current input, so that its dialog must not open.
 
         If so, a message and an event say so, and the keys that follow at once are dropped.
-
-        Args:
-            title: The title of the dialog.
         """
         shut = self.stops.gate().is_shut
         if shut:
@@ -375,12 +330,6 @@ class ArchoApp(KeyedApp):
 
         A message is shown in its place while another question is open, or if a STOP was read since
         the key.
-
-        Args:
-            title: The title of the dialog.
-            question: The question.
-            safe: The answer that changes nothing.
-            answers: What makes the work of each other answer, by its words; it runs as a command.
         """
         from archo_tui.screens.confirm import Confirm
 
@@ -429,10 +378,7 @@ class ArchoApp(KeyedApp):
         self.call_after_refresh(self.deliver_screenshot)
 
     def copy_selection(self) -> bool:
-        """Copy the selected text to the clipboard, and return False if none is selected.
-
-        The focused field is asked first, then the screen.
-        """
+        """Copy the text selected in the focused field or on the screen; return False if none is."""
         focused = self.focused
         text = focused.selected_text if isinstance(focused, Input) else None
         text = text or self.screen.get_selected_text()
@@ -441,19 +387,13 @@ class ArchoApp(KeyedApp):
         return bool(text)
 
     def leave(self) -> None:
-        """Begin to end the app, when every command that was given has its answer, in 30 s at most.
-
-        A second call changes nothing.
-        """
+        """Begin to end the app when every command has its answer, in 30 s at most."""
         if not self._leaves:
             self._leaves = True
             start_worker(self, self._exit_when_answered, "leave")
 
     async def _exit_when_answered(self) -> None:
-        """End the app once every command has its answer, or LONGEST seconds have passed.
-
-        A message says that it waits, an event that it waited in vain.
-        """
+        """End the app once every command has its answer, or LONGEST seconds have passed."""
         if self.unanswered:
             self.show_message("Ending, as soon as the robot has answered.")
         try:
@@ -484,18 +424,12 @@ class ArchoApp(KeyedApp):
             self.confirm(question.title, question.text, question.safe, answers)
 
     async def _show_refusal(self, answer: Awaitable[Outcome]) -> None:
-        """Wait for the answer to a goal, and show a refusal in the goal's form.
-
-        If the goal was not refused, the text there is removed.
-        """
+        """Wait for the answer to a goal, and show or remove a refusal in the goal's form."""
         outcome = await answer
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 
     def _remember_typed(self, typed: list[str]) -> None:
-        """Offer to the arrow keys what was typed into the goal's form, also after a restart.
-
-        It is written to the disk. Of equal entries the last counts, and the oldest are dropped.
-        """
+        """Offer to the arrow keys what was typed into the goal's form, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         others = [old for old in panel.typed if old != typed]
         panel.set_typed([*others, typed][-form_history.MAX_ENTRIES :])
@@ -528,12 +462,9 @@ class ArchoApp(KeyedApp):
         start_worker(self, work, "beside")
 
     def restart(self, why: str) -> None:
-        """End the process and start it again with the same options, with an event that says so.
+        """End the process and start it again with the same options, with an event that says why.
 
         While a STOP is not released, the restart waits for a key instead. Any thread, once mounted.
-
-        Args:
-            why: The reason, in a few words for the event.
         """
         self._main_loop.call_soon_threadsafe(self._restart, why)
 

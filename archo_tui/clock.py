@@ -32,17 +32,7 @@ class Clock:
         await asyncio.sleep(seconds)
 
     async def wait_for(self, awaitable: Awaitable[T], seconds: float | None) -> T:
-        """Return the value of `awaitable`, which is cancelled if the wait ends before it.
-
-        Its own exceptions are raised as they are.
-
-        Args:
-            awaitable: The coroutine, task or future to wait for.
-            seconds: The longest wait; None: for ever.
-
-        Raises:
-            TimeoutError: The wait is over.
-        """
+        """Return the value of `awaitable`, or cancel it and raise TimeoutError; None: no limit."""
         work = asyncio.ensure_future(awaitable)
         over = asyncio.ensure_future(self._never() if seconds is None else self.sleep(seconds))
         try:

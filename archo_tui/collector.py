@@ -13,10 +13,8 @@ class ShortPauses:
     """A context in which each full collection stays short, however many objects are kept.
 
     In a flood the black box holds half a million objects, and looking through them takes 0.2 s.
-    What a long full collection has kept is left out of the following ones (`gc.freeze`); it is
-    still freed by reference count. When half of it has been freed, the flood is over: the rest is
-    looked through again, so that a cycle that was kept then, a closed dialog for example, is freed
-    too.
+    What a long full collection has kept is left out of the following ones (`gc.freeze`); when half
+    of it has been freed, the flood is over, and the rest is looked through again.
     """
 
     def __init__(self) -> None:

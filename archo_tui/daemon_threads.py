@@ -37,8 +37,7 @@ _THREADS = _DaemonThreads()
 async def in_daemon(function: Callable[..., T], *arguments: Any) -> T:
     """Return the value of `function(*arguments)`, called in a daemon thread of its own.
 
-    Exceptions are raised here. The call has the context variables of the caller. If the caller is
-    cancelled, the thread goes on; the end of the process does not wait for it.
+    If the caller is cancelled, the thread goes on; the end of the process does not wait for it.
     """
     context = contextvars.copy_context()
     loop = asyncio.get_running_loop()

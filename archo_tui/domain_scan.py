@@ -26,12 +26,9 @@ class ScanError(Exception):
 
 
 async def find_nodes() -> Mapping[int, Sequence[str]]:
-    """Return the full names of the nodes in each of DOMAINS that has any, by the domain's number.
+    """Return the nodes in each of DOMAINS that has any; ScanError if that fails.
 
     It starts a process, which takes some seconds. Hidden nodes are left out.
-
-    Raises:
-        ScanError: The process cannot be started, failed, or did not answer in 30 s.
     """
     try:
         return await _ask_process()
@@ -42,10 +39,7 @@ async def find_nodes() -> Mapping[int, Sequence[str]]:
 async def _ask_process() -> Mapping[int, Sequence[str]]:
     """Start the process, wait for its answer, end it, and return the nodes by domain.
 
-    Raises:
-        OSError: The process cannot be started.
-        TimeoutError: It did not answer in time.
-        ValueError: Its answer is missing or too long, or no JSON.
+    Raises OSError, TimeoutError, or ValueError for an answer that is missing, too long or no JSON.
     """
     # The same modules, also those of a zip file.
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -75,13 +69,7 @@ async def _ask_process() -> Mapping[int, Sequence[str]]:
 
 
 def main() -> None:
-    """Print the nodes of each domain that has any, as a JSON object on one line.
-
-    It takes 3 s, besides the time to join the domains. Hidden nodes are left out.
-
-    Raises:
-        ArchoError: ROS 2 cannot be used.
-    """
+    """Print the nodes of each domain that has any, as a JSON object on one line."""
     from archo_tui import engine
 
     engine.activate("ros2")

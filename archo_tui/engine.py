@@ -40,16 +40,9 @@ _NEEDED = {
 def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None = None) -> None:
     """Make `import rclpy` mean the named engine, before anything imports it.
 
-    ROS 2 is imported by this call.
-
-    Args:
-        name: EMBEDDED or ROS2; there is no fallback from one to the other.
-        hosting: True if every interface of the robot's own nodes must be there; for ROS 2 only.
-        own: Interface packages of the user, folders by name; for the embedded engine only.
-
-    Raises:
-        ArchoError: There is no such engine, something is missing, or the process uses the other
-            engine; the message says what to type.
+    ROS 2 is imported by this call. `hosting` demands every interface of the robot's own nodes (ROS
+    2 only); `own` are the user's packages (embedded only). ArchoError says what to type if
+    something is missing, or the process uses the other engine.
     """
     if name not in ENGINES:
         raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
@@ -63,10 +56,7 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
 
 
 def ensure() -> None:
-    """Activate the embedded engine unless rclpy is imported already.
-
-    pydoc needs it, which only imports modules.
-    """
+    """Activate the embedded engine unless rclpy is imported already: pydoc only imports modules."""
     if "rclpy" not in sys.modules:
         activate(EMBEDDED)
 
@@ -100,7 +90,7 @@ def _check_rmw() -> None:
     """Raise ArchoError if the environment names a middleware that ROS 2 cannot load.
 
     rcl ends the whole process for it while rclpy is imported, so another process tries first, for
-    10 s at most. Without RMW_IMPLEMENTATION, and if the trial itself fails, nothing is raised.
+    10 s at most.
     """
     name = os.environ.get("RMW_IMPLEMENTATION", "")
     if not name or "rclpy" in sys.modules:
@@ -151,20 +141,14 @@ def _first_line(error: Exception) -> str:
 def interface_packages() -> dict[str, Path]:
     """Return the folders of the interface packages besides the engine's own, by name.
 
-    In a checkout that is `interfaces/`. An installed wheel has none besides: it carries them in the
-    engine's `share/` folder.
+    A checkout has `interfaces/`; an installed wheel carries them in the engine's `share/` folder.
     """
     folder = _CHECKOUT / "interfaces"
     return {"archo_interfaces": folder} if (folder / "package.xml").is_file() else {}
 
 
 def describe(name: str, context: Context) -> str:
-    """Return the engine as the header shows it, such as `ROS 2 jazzy rmw_fastrtps_cpp domain 0`.
-
-    Args:
-        name: EMBEDDED, which is returned as it is, or ROS2.
-        context: The context, for its domain.
-    """
+    """Return the engine as the header shows it: `ROS 2 jazzy rmw_fastrtps_cpp domain 0`."""
     if name == EMBEDDED:
         return EMBEDDED
     from rclpy.utilities import get_rmw_implementation_identifier
@@ -177,12 +161,7 @@ _LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 
 
 def no_node_hint(name: str, context: Context) -> str:
-    """Return where no node was found, and what to try: `on domain 0 (...): start ...`.
-
-    Args:
-        name: EMBEDDED or ROS2.
-        context: The context, for its domain.
-    """
+    """Return where no node was found, and what to try: `on domain 0 (...): start ...`."""
     if name == EMBEDDED:
         return "in this process: give one by --node FILE, or leave --only out"
     from rclpy.utilities import get_rmw_implementation_identifier
@@ -197,20 +176,14 @@ def no_node_hint(name: str, context: Context) -> str:
 
 
 def _discovery_range() -> str:
-    """Return how far the environment lets ROS 2 look for other nodes: `SUBNET`, `LOCALHOST`, `OFF`.
-
-    The older variable, ROS_LOCALHOST_ONLY, has precedence. Without either it is `SUBNET`.
-    """
+    """Return how far the environment lets ROS 2 look for nodes: `SUBNET`, `LOCALHOST`, `OFF`."""
     if os.environ.get(_LOCALHOST_ONLY) == "1":
         return "LOCALHOST"
     return os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() or "SUBNET"
 
 
 def distribution() -> str:
-    """Return the name of the ROS 2 release, such as `jazzy`, or "" if it is not known.
-
-    It comes from the sourced environment, or from the name of the installed wheel.
-    """
+    """Return the name of the ROS 2 release, such as `jazzy`, or "" if it is not known."""
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced

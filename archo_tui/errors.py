@@ -6,14 +6,10 @@ class ArchoError(Exception):
 
 
 class UserFileError(ArchoError):
-    """An error in a file of the user's own.
-
-    Attributes:
-        report: The traceback for the person who wrote the file; "" if it would say no more.
-    """
+    """An error in a file of the user's own."""
 
     def __init__(self, text: str, report: str = "") -> None:
-        """Create the error with one line that says what is wrong where, and the traceback."""
+        """Create the error; the `report` is for the file's author, "" if it would say no more."""
         super().__init__(text)
         self.report = report
 

@@ -14,27 +14,17 @@ _VARIABLE = "ARCHO_TUI_HANDOVER"  # Names the file with the record.
 
 
 class Handover(NamedTuple):
-    """The record for the next process. All of it is plain JSON.
+    """The record for the next process. All of it is plain JSON."""
 
-    Attributes:
-        why: The reason of the restart.
-        stop: True if a STOP was read that the robot has not been released from.
-        stop_key: Textual's name of the key of STOP.
-        goals: The goals of the queue: id, title, action, type, and values by path.
-        edits: The parameter changes that can be undone: node, values before, values after.
-        lost: Lines about what is not taken along.
-        listening: The descriptor of the socket for other programs, and its path; None for none.
-        terminal: The settings of the terminal from before the first start, as `termios` has them.
-    """
-
-    why: str = ""
-    stop: bool = False
-    stop_key: str = ""
+    why: str = ""  # Of the restart.
+    stop: bool = False  # A STOP was read that the robot has not been released from.
+    stop_key: str = ""  # Textual's name.
+    # Of the queue: id, title, action, type, and values by path.
     goals: Sequence[Sequence[Any]] = ()
-    edits: Sequence[Sequence[Any]] = ()
-    lost: Sequence[str] = ()
-    listening: Sequence[Any] | None = None
-    terminal: Sequence[Any] | None = None
+    edits: Sequence[Sequence[Any]] = ()  # To be undone: node, values before, values after.
+    lost: Sequence[str] = ()  # Lines about what is not taken along.
+    listening: Sequence[Any] | None = None  # The socket's descriptor and path.
+    terminal: Sequence[Any] | None = None  # Its `termios` settings from before the first start.
 
     def restore_terminal(self) -> None:
         """Give the terminal the settings that it had before the first start, if they are known."""

@@ -11,12 +11,9 @@ OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens", "archo_tui.recording
 
 
 def import_the_rest(packages: Iterable[str]) -> None:
-    """Import some packages with all their modules, but not those of their subpackages.
+    """Import packages with all their modules, but not those of their subpackages.
 
     Later on no key waits for the disk, or gets a part of a newer version of the program.
-
-    Args:
-        packages: The full names of the packages.
     """
     for package in packages:
         path = import_module(package).__path__

@@ -47,16 +47,6 @@ class KeyedApp(TerminalApp):
     """The base of the app, which passes keys and clicks to commands or to the focused widget.
 
     STOP acts at once. The others act one after the other, each when the one before is done.
-
-    Attributes:
-        verbs: The verbs of the robot by their words.
-        registry: The commands of the live console.
-        main: The screen beneath all dialogs.
-        keys: The key of each command by its id, as Textual names it; "" for none.
-        replay: The replay that lies over the live console; None for none.
-        shown_keys: The keys as they are shown, by the command's id.
-        repeated: True while the key that is being handled is held down.
-        input: When the key or click was read that is being handled; None for neither.
     """
 
     BINDINGS = [
@@ -66,21 +56,15 @@ class KeyedApp(TerminalApp):
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
-        """Create the app, with its commands bound to their keys.
-
-        Args:
-            station: The operator's station.
-            keys: The key of a command by its id; a command that is not in it has its default key.
-            theme: The name of a theme; "" means the one that suits the terminal.
-        """
         super().__init__(station, theme)
         snapshot = station.robot.snapshot
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
-        self.registry = self.commands(snapshot)
-        self.main = self.main_screen(snapshot)
+        self.registry = self.commands(snapshot)  # Of the live console.
+        self.main = self.main_screen(snapshot)  # Beneath all dialogs.
+        # By the command's id, as Textual names it.
         self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
         self.replay: ReplayConsole | None = None  # Over the live console; keys are the replay's.
-        self.shown_keys = readable_keys(self.keys)
+        self.shown_keys = readable_keys(self.keys)  # As people read them.
         self.stop_key = self.keys["stop"]
         self._bind_commands(self.registry, self.keys)
         self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
@@ -98,7 +82,7 @@ class KeyedApp(TerminalApp):
         self._shut_by = ""  # What closed it.
         self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
         self._swallows = False  # True if enter is held, and a message has explained that.
-        self.repeated = False
+        self.repeated = False  # True while the key that is being handled is held down.
         # Of the last key or click, however late it is handled.
         self._read = InputTime(-math.inf, math.inf)
         self.input: InputTime | None = None  # Of the one that is being handled.
@@ -124,13 +108,9 @@ class KeyedApp(TerminalApp):
     def _bind_commands(self, commands: Iterable[Command], keys: Mapping[str, str]) -> None:
         """Bind the keys of commands with priority, so that a key acts before the next is handed on.
 
-        Over a slow line several arrive at once. check_action gives letters back to a field. A key
-        loses what else it was bound to, but not the other commands that share it. App.bind has no
-        priority, and a keymap of Textual's drops commands that share a key.
-
-        Args:
-            commands: The commands.
-            keys: The key of each by its id; one with "" is not bound.
+        check_action gives letters back to a field. A key loses what else it was bound to, but not
+        the other commands that share it. App.bind has no priority, and a keymap of Textual's drops
+        commands that share a key.
         """
         for command in commands:
             key, action = keys[command.id], f"command('{command.id}')"
@@ -143,12 +123,7 @@ class KeyedApp(TerminalApp):
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command by its id; a subclass has to define it.
-
-        Args:
-            name: The command's id.
-            counted: True if a STOP has been counted already, as its key was read.
-        """
+        """Run a command by its id; `counted` if a STOP was counted as its key was read."""
         raise NotImplementedError
 
     async def on_event(self, event: events.Event) -> None:
@@ -187,12 +162,7 @@ class KeyedApp(TerminalApp):
             await self._hand_on(event, repeated)
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
-        """Handle a key or a click, unless it was meant for a dialog or a notice that has gone.
-
-        Args:
-            event: The key, paste or click.
-            repeated: True if the key is held down.
-        """
+        """Handle a key or a click, unless it was meant for a dialog or a notice that has gone."""
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._works_everywhere(event):
             is_void = stops is not None and stops < self._answers_void
@@ -206,10 +176,7 @@ class KeyedApp(TerminalApp):
         """Drop the keys typed for a dialog that a STOP closed, or kept from opening.
 
         Those are the keys read before that STOP, and those that follow at once; not those that work
-        everywhere.
-
-        Args:
-            why: What happened, for the message that is shown if a key is dropped.
+        everywhere. `why` is shown if a key is dropped.
         """
         self._answers_void = self.stops.count
         self.drop_following_keys(why)
@@ -218,28 +185,18 @@ class KeyedApp(TerminalApp):
         """Drop the keys that follow at once, typed for a dialog that closed by itself.
 
         Keys follow at once if less than HELD passes between them. Escape and those that work
-        everywhere still act.
-
-        Args:
-            why: What happened, for the message that is shown if a key is dropped.
+        everywhere still act. `why` is shown if a key is dropped.
         """
         self._shut_by, self._shut_said = why, False
         self._shut_since = self.station.clock.monotonic()
 
     def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog, to which all following keys go.
-
-        Keys that follow at once on a dialog that has closed are not dropped any more.
-        """
+        """Show a dialog, to which all following keys go; none is dropped any more."""
         self._shut_since = None
         self.push_screen(dialog)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
-        """Return True if a key was meant for a dialog that has just closed; the first time, say so.
-
-        Keys that follow each other within HELD are one text, which was typed for the dialog. Escape
-        is never meant for it.
-        """
+        """Return True, with a message the first time, if a key was for a dialog just closed."""
         if self._shut_since is None:
             return False
         if isinstance(event, events.Key) and event.key == "escape":  # Escape only closes.
@@ -256,11 +213,7 @@ class KeyedApp(TerminalApp):
         return True
 
     def stop_now(self, event: events.Key) -> None:
-        """Run the command of STOP at once, also while another key is being handled.
-
-        Args:
-            event: The key of STOP, which has been counted already.
-        """
+        """Run STOP, whose key is counted already, while another key may be being handled."""
         before, self.repeated = self.repeated, self._record_input(event)
         with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
@@ -275,8 +228,7 @@ class KeyedApp(TerminalApp):
     def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
         """Run STOP if a press of the mouse is on a visible STOP button, also beside a dialog.
 
-        Returns:
-            True for the press and the release of the button, which nothing else may handle.
+        True for the press and the release of the button, which nothing else may handle.
         """
         if isinstance(event, events.MouseUp) and self._pressed_stop:
             self._pressed_stop = False
@@ -300,7 +252,7 @@ class KeyedApp(TerminalApp):
         """Return True for a press, and its release, where a notice has gone less than HELD before.
 
         It was meant for that notice, as the second press of a double click is. What lies below may
-        command the robot, and what took its place has not been read.
+        command the robot.
         """
         if isinstance(event, events.MouseUp) and self._pressed_gone:
             self._pressed_gone = False
@@ -313,9 +265,8 @@ class KeyedApp(TerminalApp):
     def _record_input(self, event: events.Event) -> bool:
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
-        Returns:
-            True for a key that is held down: it is the same as the last one, within HELD, and no
-            STOP came between the two, if it is another key than that of STOP.
+        True for a key that is held down: the same as the last one, within HELD, without a STOP
+        between.
         """
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
@@ -345,8 +296,7 @@ class KeyedApp(TerminalApp):
     def _widget_acting_later(self, event: events.Event) -> Widget | None:
         """Return the widget that will handle an event from its own queue, after this call.
 
-        That is a clicked widget; for a paste, or a key that is text, the focused one, or None if
-        that is a field, which handles both at once; None for other keys. Whether the key is text is
+        None if nothing does: a field handles pastes and text at once. Whether a key is text is
         noted.
         """
         focused = self.focused
@@ -384,8 +334,7 @@ class KeyedApp(TerminalApp):
         """Return True if a key that is held down may act again where it has led.
 
         Most keys act on no other screen than before, unless they are text there, close it, or work
-        everywhere. Enter neither answers nor sends, which a message says once: it runs from field
-        to field, and acts on another row of the screen where the one before acted.
+        everywhere. Enter neither answers nor sends, which a message says once.
         """
         here, before = self._place, self._acted
         if event.key != "enter":
@@ -413,8 +362,7 @@ class KeyedApp(TerminalApp):
         """Return True if an event can be handled now: what came before is done, its target there.
 
         While a dialog waits for an answer, or is being opened, only keys that work everywhere are
-        taken; escape, too, while it waits. A press of the mouse has to wait until the screen is
-        drawn, so that it is for what is seen.
+        taken. A press of the mouse waits until the screen is drawn, so that it is for what is seen.
         """
         if self._is_changing or (self._acting is not None and self._acting.is_running):
             return False
@@ -428,7 +376,7 @@ class KeyedApp(TerminalApp):
         """Return True if a key acts now, before other keys that wait for an answer.
 
         Only escape and the keys that work everywhere do so, if the first of those that wait has
-        waited for HELD and still cannot act: keys of one burst keep their order.
+        waited for HELD: keys of one burst keep their order.
         """
         first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
         if event.time - first.time < HELD or not (escapes or self._works_everywhere(event)):
@@ -436,10 +384,7 @@ class KeyedApp(TerminalApp):
         return self._takes(event) and not self._takes(first)
 
     async def _release(self) -> None:
-        """Hand on the next of the waiting keys and clicks; the others follow when it is done.
-
-        If its target is not there yet, try again later.
-        """
+        """Hand on the next waiting key or click, or try again later."""
         if self._early and self._takes(self._early[0][0]):
             await self._hand_on(*self._early.pop(0))
         if not self._early:
@@ -461,8 +406,7 @@ class KeyedApp(TerminalApp):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Return True if the action of a key acts now, False if the key is left to others.
 
-        Those are a field, a dialog, or another panel than the command's. The key of an unknown
-        command is left to them, too. Textual asks this for each binding.
+        Those are a field, a dialog, or another panel than the command's.
         """
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
@@ -490,10 +434,7 @@ class KeyedApp(TerminalApp):
         return not isinstance(field, Field) or len(key) > 1 or field.is_typed(key)
 
     def _find_command(self, name: str) -> Command | None:
-        """Return the command with an id, of the replay while one is shown; None if there is none.
-
-        STOP's is always that of the live console.
-        """
+        """Return the command with an id, of the replay while one is shown, but for STOP."""
         registry = self.registry if name == "stop" else self.front.registry
         return next((command for command in registry if command.id == name), None)
 
@@ -507,10 +448,7 @@ class KeyedApp(TerminalApp):
             main.set_focus(beside, scroll_visible=False)
 
     def action_leave_field(self) -> None:
-        """Leave the field, the board, the search or the full screen: the first that applies.
-
-        The focus goes from a field to where it was before, from the board to the goal's field.
-        """
+        """Leave the field, the board, the search or the full screen: the first that applies."""
         main = self.front.main
         search = main.search
         if isinstance(self.focused, Input):

@@ -14,14 +14,7 @@ _NAME = "archo-tui"
 
 
 def make_folder(file: Path) -> None:
-    """Make the folder of a file, readable by its owner only, and those above it, unless they exist.
-
-    Args:
-        file: The path of the file.
-
-    Raises:
-        OSError: The disk refuses it.
-    """
+    """Make the folder of a file, readable by its owner only, and those above it if need be."""
     file.parent.parent.mkdir(parents=True, exist_ok=True)
     file.parent.mkdir(mode=0o700, exist_ok=True)
 
@@ -48,11 +41,7 @@ def journal_file() -> Path:
 
 
 def typed_path(text: str) -> Path:
-    """Return the path that a person has typed, with their home folder for `~`; it need not exist.
-
-    Raises:
-        ArchoError: The text names no file, or a home folder that is not known.
-    """
+    """Return the path that a person has typed, with `~`; ArchoError if it names no file."""
     if not text.strip() or "\0" in text:
         raise ArchoError("type the name of a file")
     try:
@@ -62,10 +51,7 @@ def typed_path(text: str) -> Path:
 
 
 def _folder(find: Callable[..., Path]) -> Path:
-    """Return the console's folder of a kind.
-
-    For a user without a home it is a path below which no file exists or can be made.
-    """
+    """Return the console's folder; without a home, a path below which no file can be made."""
     try:
         return find(_NAME, appauthor=False)
     except RuntimeError:

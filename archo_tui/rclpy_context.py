@@ -19,31 +19,17 @@ class RclpyContext:
 
     While it hosts nodes of the user's files, `rclpy.shutdown` and `rclpy.try_shutdown` are
     replaced: outside of programs they raise RuntimeError.
-
-    Attributes:
-        context: The context.
     """
 
     def __init__(
         self,
         ros_args: Sequence[str],
-        domain_id: int | None,
+        domain_id: int | None,  # None means that of the environment.
         *,
-        hosts_files: bool,
-        hosts_programs: bool,
+        hosts_files: bool,  # They are often made without a context, so the default one is taken.
+        hosts_programs: bool,  # They run in threads here, whose shutdown ends them alone.
     ) -> None:
-        """Initialize rclpy, and patch it for the nodes and programs that are hosted.
-
-        Args:
-            ros_args: The ROS arguments of all nodes.
-            domain_id: The ROS domain; None means that of the environment.
-            hosts_files: True if nodes of the user's files are hosted. They are often made without a
-                context, so in the default one, which is taken then; else the context is a new one.
-            hosts_programs: True if programs run in threads here, whose shutdown ends them alone.
-
-        Raises:
-            ArchoError: The arguments are wrong.
-        """
+        """Initialize rclpy, and patch it for what is hosted; ArchoError for wrong arguments."""
         self._is_default = hosts_files
         self.context = get_default_context() if hosts_files else Context()
         try:
@@ -88,14 +74,7 @@ def _never() -> bool:
 def _only_in_programs(
     in_program: Callable[[], bool], shutdown: Callable[..., None]
 ) -> Callable[..., None]:
-    """Return a `shutdown` that raises RuntimeError unless a program calls it.
-
-    Elsewhere it would end the console.
-
-    Args:
-        in_program: Returns True if the calling code is a program's.
-        shutdown: rclpy's own function.
-    """
+    """Return a `shutdown` that raises RuntimeError unless a program calls it: it would end all."""
 
     def shutdown_of_program(**options: Any) -> None:
         if not in_program():

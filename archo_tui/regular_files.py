@@ -14,17 +14,10 @@ MAX_BYTES = 1_000_000  # Of a file that is read.
 
 
 def open_regular(path: Path, flags: int) -> int:
-    """Return the descriptor of a file, opened as by `os.open` without waiting.
+    """Return the descriptor of a file, opened as by `os.open` without waiting; close it.
 
-    The caller closes it. A new file is readable by its owner only.
-
-    Args:
-        path: The file.
-        flags: The flags of `os.open`.
-
-    Raises:
-        OSError: It cannot be opened, or is no regular file.
-        ValueError: The path holds a NUL character.
+    A new file is readable by its owner only. OSError also for what is no regular file; ValueError
+    for a NUL character in the path.
     """
     # O_NONBLOCK has no effect on regular files, and keeps a pipe from blocking.
     flags |= getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
@@ -41,11 +34,9 @@ def open_regular(path: Path, flags: int) -> int:
 
 
 def read(path: Path) -> bytes:
-    """Return the content of a file.
+    """Return the content of a file; OSError also if it is larger than MAX_BYTES, or not regular.
 
-    Raises:
-        OSError: It cannot be read, is no regular file, or larger than MAX_BYTES.
-        ValueError: The path holds a NUL character.
+    ValueError for a NUL character in the path.
     """
     with open(open_regular(path, os.O_RDONLY), "rb") as file:
         data = file.read(MAX_BYTES + 1)
@@ -57,14 +48,7 @@ def read(path: Path) -> bytes:
 def replace(path: Path, text: str) -> None:
     """Replace a file, or make it, so that a reader finds the old text or the new one.
 
-    If that fails, the old text stays.
-
-    Args:
-        path: The file, whose folder exists.
-        text: The new text, which is written as UTF-8.
-
-    Raises:
-        OSError: The disk refuses it.
+    OSError if that fails; the old text stays.
     """
     new = path.with_name(f"{path.name}.{os.getpid()}")
     try:

@@ -16,10 +16,7 @@ from archo_tui.widgets.time_line import TimeLine
 
 
 class ReplayApp(ArchoApp):
-    """The console's panels on a recorded robot, with a time line above the footer.
-
-    Commands that would act on a robot are left out.
-    """
+    """The console's panels on a recorded robot, with a time line; no command acts on a robot."""
 
     def __init__(
         self, station: RecordedStation, keys: Mapping[str, str] | None = None, theme: str = ""

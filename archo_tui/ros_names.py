@@ -22,25 +22,16 @@ class InterfaceType(NamedTuple):
 
 
 def parse_type(text: str) -> InterfaceType | None:
-    """Return the parts of a type; None for any other text.
-
-    A text with a part of more than 100 characters is no type.
-    """
+    """Return the parts of a type, each of at most 100 characters; None for any other text."""
     found = _TYPE.fullmatch(text)
     return None if found is None else InterfaceType(*found.groups())
 
 
 def package_of(type_name: str) -> str:
-    """Return the part before the first `/`: the package `std_msgs` of `std_msgs/msg/String`.
-
-    A name without `/` is returned whole.
-    """
+    """Return the part before the first `/`: the package `std_msgs` of `std_msgs/msg/String`."""
     return type_name.partition("/")[0]
 
 
 def base_name(name: str) -> str:
-    """Return the part behind the last `/`: `String` of `std_msgs/msg/String`, `b` of `/a/b`.
-
-    A name without `/` is returned whole.
-    """
+    """Return the part behind the last `/`: `String` of `std_msgs/msg/String`, `b` of `/a/b`."""
     return name.rpartition("/")[2]

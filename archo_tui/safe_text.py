@@ -35,9 +35,9 @@ _HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
 
 
 def safe(text: str) -> str:
-    """Return a line of text with HIDDEN for each character that a terminal could act on.
+    """Return a line with HIDDEN for each character, line ends too, that a terminal could act on.
 
-    Line ends are such characters. Of many combining marks in a row the first four are kept.
+    Of many combining marks in a row the first four are kept.
     """
     if text.isascii() and text.isprintable():  # Most texts end here: this is fast.
         return text
@@ -61,10 +61,10 @@ def _hidden_in_place(found: re.Match[str]) -> str:
 
 
 def is_deceptive(text: str) -> bool:
-    """Return True if a text may look like another text to a person.
+    """Return True if a text may look like another text to a person, or is very long.
 
-    It has unseen characters or such as `safe` replaces, blanks other than single spaces between
-    words, or more than 500 characters.
+    It has unseen characters or such as `safe` replaces, or blanks other than single spaces between
+    words.
     """
     is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
     return not is_plain or _UNSEEN.search(text) is not None

@@ -61,17 +61,6 @@ class Session:
     """Everything but the screen: engine, hosted nodes, robot, station, recorders and socket.
 
     It is a context manager, which calls `start` and `close`.
-
-    Attributes:
-        robot: The client.
-        host: The host of the nodes in this process.
-        box: The black box.
-        station: The operator's station.
-        journal: The journal, which is open until `close`.
-        file: The robot file.
-        options: The options.
-        unrecorded: After `close`: why the last recording was not written, or "".
-        restart: What the frontend leaves to the next process.
     """
 
     robot: Robot
@@ -80,19 +69,14 @@ class Session:
     _console_recorder: ConsoleRecorder
     _shares: PackageShares | None = None
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
-    restart = Handover()
+    restart = Handover()  # What the frontend leaves to the next process.
     _server: Server | None = None
     _listening: tuple[int, str] | None = None  # The socket that was kept for the next process.
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
         """Activate the engine, read the user's files, and construct the nodes; `start` starts them.
 
-        Args:
-            options: The options.
-            clock: The clock; None means the machine's.
-
-        Raises:
-            ArchoError: Something that the user can mend is wrong; nothing runs then.
+        ArchoError if something that the user can mend is wrong; nothing runs then.
         """
         check_options(options)
         self._early_events: list[LaunchNote] | None = []  # Until `start`.
@@ -141,10 +125,7 @@ class Session:
             self._resume(options.handover)
 
     def _make_server(self) -> Server | None:
-        """Return the server of the socket for other programs, or None on Windows, which has none.
-
-        It is not started yet.
-        """
+        """Return the server of the socket, not started yet; None on Windows, which has none."""
         if sys.platform == "win32":
             return None
         from archo_tui.remote.server import Server
@@ -160,10 +141,7 @@ class Session:
         return Server(make_handler, self._hello(), self.robot.stops, say)
 
     def _hello(self) -> dict[str, Any]:
-        """Return what the socket first tells other programs: which console this is.
-
-        docs/protocol.md explains it.
-        """
+        """Return what the socket first tells other programs: see docs/protocol.md."""
         is_embedded = self.options.engine == engine.EMBEDDED
         return {
             "protocol": PROTOCOL,
@@ -180,9 +158,6 @@ class Session:
         """Activate the engine, and return the user's own interface packages, folders by name.
 
         Mistakes in these packages are kept for `start`, which reports them.
-
-        Raises:
-            ArchoError: The engine cannot be used, or a folder has no package without a mistake.
         """
         options = self.options
         own: dict[str, Path] = {}
@@ -197,11 +172,7 @@ class Session:
         return own
 
     def _read_launch_file(self) -> LaunchFile | None:
-        """Return the user's launch file, evaluated, or None if none was given.
-
-        Raises:
-            ArchoError: The file is wrong, or nothing of it runs here.
-        """
+        """Return the user's launch file, evaluated, or None if none was given."""
         if self.options.launch is None:
             return None
         from archo_tui.hosting.launch_file import LaunchFile
@@ -209,10 +180,9 @@ class Session:
         return LaunchFile(*self.options.launch)
 
     def _make_nodes(self) -> None:
-        """Make the black box, the client's node, and the nodes and programs of this process.
+        """Make black box, client, and this process's nodes and programs.
 
-        Raises:
-            ArchoError: A node or its parameters are not valid; what was made is ended.
+        If one fails, what was made is ended.
         """
         from rclpy.exceptions import (
             InvalidParameterTypeException,
@@ -335,10 +305,7 @@ class Session:
         )
 
     def _package_shares(self) -> PackageShares | None:
-        """Let nodes find the files of their workspaces' packages; return None without a workspace.
-
-        What is returned is to be closed at the end.
-        """
+        """Let nodes find the files of their workspaces' packages; close the result at the end."""
         if not self._workspaces:
             return None
         from archo_tui.hosting.package_shares import PackageShares
@@ -351,11 +318,7 @@ class Session:
         return attachments(self.file, journal_file(), begin, end)
 
     def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
-        """Return the user's own files, each with what a change does: reload it, or restart.
-
-        Args:
-            interfaces: The user's own interface packages, folders by name.
-        """
+        """Return the user's own files, each with what a change does: reload it, or restart."""
         note, host = self.robot.note, self.host
         watched: list[Watched] = [
             WatchedFile(file, partial(host.reload, file)) for file in self._node_files
@@ -408,8 +371,8 @@ class Session:
     def _look_for_earlier_stop(self) -> None:
         """Tell the station of a STOP in the journal that no release followed, on a thread.
 
-        Only STOPs of the last 12 h count, and only with `--attach`, where the robot lives on
-        without this process, and if its robot file has a release and no report of a stop.
+        Only STOPs of the last 12 h count, and only with `--attach`, if the robot file has a release
+        and no report of a stop.
         """
         stop, motion = self.file.stop, self.file.motion
         reports_stop = motion is not None and motion.reports_stop
@@ -427,12 +390,7 @@ class Session:
         """Add to the host the nodes and programs of the user, then the robot's own nodes.
 
         A robot's node is left out if the user's has the same name; all are with `--attach` or
-        `--only`. The options' `node_makers`, if any, take the place of the robot's own nodes. What
-        the user's files print meanwhile becomes events.
-
-        Raises:
-            ArchoError: A user's file cannot be imported or defines no node, or a robot's node
-                cannot be made.
+        `--only`. What the user's files print meanwhile becomes events.
         """
         # What nodes print before the start is an event as well.
         output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
@@ -467,11 +425,9 @@ class Session:
         self.robot.note(level, source, text)
 
     def _begin_programs(self) -> None:
-        """Run the user's programs, each of which ends alone.
+        """Run the user's programs, each of which ends alone; one of the launch file may fail.
 
-        Raises:
-            ArchoError: A file that the user named is not Python, or every program of the launch
-                file has crashed (NothingRunsError).
+        NothingRunsError if all of those have crashed.
         """
         for program in self._programs:
             try:
@@ -503,11 +459,7 @@ class Session:
         return print_line
 
     def _make_program(self, *arguments: Any) -> HostedProgram:
-        """Return a new program of the engine's kind: a thread, or on ROS 2 a child process.
-
-        Raises:
-            ArchoError: The engine is ROS 2, and the system Windows.
-        """
+        """Return a new program of the engine's kind: a thread, or on ROS 2 a child process."""
         if self.options.engine == engine.EMBEDDED:
             from archo_tui.hosting.program_thread import ProgramThread
 
@@ -520,10 +472,7 @@ class Session:
         raise ArchoError("--run with --engine ros2 does not work on Windows")
 
     def _user_programs(self) -> list[Program]:
-        """Return the user's programs, those of the launch file last.
-
-        All get the ROS arguments of the console's nodes.
-        """
+        """Return the user's programs, those of the launch file last."""
         from archo_tui.hosting.hosted_program import Program
         from archo_tui.hosting.program_file import ProgramFile
 
@@ -551,10 +500,7 @@ class Session:
         return ["--ros-args", *files, *self._ros_args()[1:]]
 
     def _refusal_line(self, message: str) -> str:
-        """Return a node's refusal of a parameter, with the file and line where the value was given.
-
-        If no parameter file gave it, the message is returned unchanged.
-        """
+        """Return a node's refusal of a parameter, with the file and line that gave the value."""
         text, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
         for override in reversed([*self._own_overrides, *self._user_overrides]):
             # Otherwise it is one of --ros-args.
@@ -618,11 +564,8 @@ class Session:
     def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.
 
-        Recordings that still go on are written, for which the end takes 2.5 s at most; `unrecorded`
-        then tells why one was not.
-
-        Args:
-            restarts: True to keep the socket for other programs, for `hand_over`.
+        Recordings that still go on are written in 2.5 s at most. `restarts` keeps the socket for
+        `hand_over`.
         """
         ends = time.monotonic() + END
         self.box.finish()

@@ -52,10 +52,7 @@ _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.
 
 
 def check_options(options: Options) -> None:
-    """Raise ArchoError if options are wrong, or do not go together.
-
-    The path of `record` is looked at on the disk.
-    """
+    """Raise ArchoError if options, or the path of `record` on the disk, are wrong."""
     if not options.namespace.startswith("/"):
         raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
     if not _NAMESPACE.fullmatch(options.namespace):

@@ -24,14 +24,7 @@ _LOOK = 0.02  # Seconds between two checks of a goal that is being cancelled.
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Send no more goals, and cancel the running goal and wait for its end, or leave it running.
 
-    It takes 1 s at most; an event says if that was too short. Events tell what was done with the
-    goal; one of another client is left alone.
-
-    Args:
-        robot: The robot.
-        clock: The clock of the wait.
-        on_disconnect: CANCEL or LEAVE.
-        why: The reason of the end, for the event.
+    It takes 1 s at most; events tell what was done. A goal of another client is left alone.
     """
     try:
         await clock.wait_for(_let_go(robot, clock, on_disconnect, why), WAIT)
@@ -61,38 +54,24 @@ def _ours(robot: Robot) -> Goal | None:
 
 
 class Shutdown:
-    """An orderly end of the console, which handles the running goal first.
-
-    A signal ends it with the exit code 128 + its number.
-    """
+    """An orderly end of the console, which handles the running goal first."""
 
     def __init__(
         self,
         robot: Robot,
         clock: Clock,
         on_disconnect: str,
-        end: Callable[[int], None],
+        end: Callable[[int], None],  # On the event loop, with the exit code.
+        # Waits for those of commands; cut off after WAIT.
         answers: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
-        """Create the shutdown, which begins on a call of `begin`.
-
-        Args:
-            robot: The robot.
-            clock: The clock of all waits.
-            on_disconnect: CANCEL or LEAVE, for a goal that is running then.
-            end: Called on the event loop with the exit code when everything is done.
-            answers: Waits for the answers of commands that were given; it is cut off after WAIT.
-        """
         self._robot, self._clock = robot, clock
         self._answers = answers
         self._on_disconnect, self._end = on_disconnect, end
         self._task: asyncio.Task[None] | None = None
 
     def begin_on_signals(self) -> None:
-        """Call `begin` on a signal from now on, and at once if one has come since `heed_signals`.
-
-        Call it on the event loop.
-        """
+        """Call `begin` on a signal from now on, and at once if one came; on the event loop."""
         loop = asyncio.get_running_loop()
 
         def begin(number: int) -> None:
@@ -107,30 +86,20 @@ class Shutdown:
         return self._task is not None
 
     def begin(self, code: int) -> None:
-        """Begin to handle the running goal and then end; a second call changes nothing.
+        """Handle the running goal and then end, once; call it on the event loop.
 
-        Call it on the event loop.
-
-        Args:
-            code: The exit code; above 128 it is 128 and the number of a signal.
+        The exit code above 128 is 128 and the number of a signal.
         """
         if self._task is None:
             self._task = asyncio.create_task(self._end_in_order(code))
 
     def call_off(self) -> None:
-        """Go on with the console, for which `begin` may be called again; goals may be sent again.
-
-        Call it in `end`, in place of the end.
-        """
+        """Go on with the console: call it in `end`, in place of the end."""
         self._robot.allow_sending_goals()
         self._task = None
 
     async def _end_in_order(self, code: int) -> None:
-        """Cancel or leave the running goal, wait for the answers of commands for 1 s, and end.
-
-        Args:
-            code: The exit code; above 128 it is 128 and the number of a signal.
-        """
+        """Cancel or leave the running goal, wait for the answers of commands for 1 s, and end."""
         why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
         await let_go(self._robot, self._clock, self._on_disconnect, why)
         if self._answers is not None:
@@ -144,9 +113,6 @@ class _FirstSignal:
 
     asyncio's own handlers come and go with its loop. A signal in between would kill the process and
     leave the terminal in raw mode.
-
-    Attributes:
-        first: The number of the first signal; 0 before it.
     """
 
     def __init__(self) -> None:
@@ -168,19 +134,13 @@ _first_signal = _FirstSignal()
 
 
 def heed_signals() -> None:
-    """Remember END_SIGNALS from now on, which kill the process no more.
-
-    A Shutdown then ends the console in order.
-    """
+    """Remember END_SIGNALS from now on, so that a Shutdown ends the console in order."""
     for number in END_SIGNALS:
         signal.signal(number, _first_signal.on_signal)
 
 
 def ignore_signals() -> None:
-    """Ignore from now on the signals that `heed_signals` has taken.
-
-    The console ends already, and its exit code is known.
-    """
+    """Ignore the signals of `heed_signals` from now on: the console ends already."""
     for number in END_SIGNALS:
         if signal.getsignal(number) == _first_signal.on_signal:
             signal.signal(number, signal.SIG_IGN)

@@ -21,10 +21,7 @@ CAN_SUSPEND = hasattr(signal, "SIGTSTP")
 
 
 def user_name() -> str:
-    """Return the name of this process's user; without one, as in a container, its number.
-
-    `unknown` stands for neither.
-    """
+    """Return the name of this process's user, or its number, as in a container, or `unknown`."""
     with contextlib.suppress(KeyError, OSError, ImportError):  # ImportError on systems without pwd.
         return getpass.getuser()
     if sys.platform != "win32" and hasattr(os, "getuid"):
@@ -36,9 +33,6 @@ def lock(descriptor: int) -> bool:
     """Lock a file until it is closed, without waiting; return False if another process holds it.
 
     On systems without such locks nothing is locked, and the result is True.
-
-    Raises:
-        OSError: The file cannot be locked.
     """
     if sys.platform != "win32":
         with contextlib.suppress(ImportError):
@@ -52,23 +46,16 @@ def lock(descriptor: int) -> bool:
 
 
 def create_exclusively(path: Path) -> int:
-    """Create a file for writing, never following a link, and return its descriptor.
+    """Create a file for writing, never following a link, and return its descriptor; close it.
 
-    The caller closes it.
-
-    Raises:
-        OSError: The path exists, or the disk refuses it.
+    OSError also if the path exists.
     """
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
     return os.open(path, flags, 0o666)
 
 
 def keep_owner_and_mode(descriptor: int, before: os.stat_result) -> None:
-    """Give an open file the owner and the mode that another file had, on systems that have them.
-
-    Raises:
-        OSError: The system refuses it.
-    """
+    """Give an open file the owner and the mode of another, on systems that have them."""
     if sys.platform != "win32" and hasattr(os, "fchown"):
         os.fchown(descriptor, before.st_uid, before.st_gid)
         os.fchmod(descriptor, stat.S_IMODE(before.st_mode))

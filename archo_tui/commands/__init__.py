@@ -27,9 +27,7 @@ from archo_tui.verbs.services import Give
 def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:
     """Return every command of the console for a robot, in the order of the footer.
 
-    Args:
-        described: The robot file.
-        spoken: The robot's verbs by word; None makes verbs that serve for keys and help only.
+    `spoken` has the robot's verbs by word; None makes verbs that serve for keys and help only.
     """
     verbs = vocabulary(described, {}) if spoken is None else spoken
     goals = [verb for verb in verbs.values() if isinstance(verb, Go)]

@@ -41,23 +41,14 @@ _PANELS = {  # The panels with commands of their own.
 
 
 class Console(Protocol):
-    """The app, as far as commands use it. Event loop only.
-
-    Attributes:
-        station: The operator's station.
-        verbs: The robot's verbs by word.
-        view: The state that is shown now.
-        theme: The name of the theme; setting it changes the colours.
-        typed: The texts last typed into each form, by the form's name and the path of the field.
-        used: The robot file, with the other goals and services that were used besides.
-    """
+    """The app, as far as commands use it. Event loop only."""
 
     station: Station
     verbs: Mapping[str, Verb]
-    view: ScreenState
-    theme: str
-    typed: dict[str, dict[str, str]]
-    used: RobotFile
+    view: ScreenState  # Shown now.
+    theme: str  # Setting it changes the colours.
+    typed: dict[str, dict[str, str]]  # The last texts, by form and by the path of the field.
+    used: RobotFile  # With the other goals and services that were used besides.
 
     @property
     def main(self) -> MainScreen:
@@ -69,10 +60,7 @@ class Console(Protocol):
 
     @property
     def input(self) -> InputTime | None:
-        """The time when the present key or click was read, and the pause before it, in s.
-
-        None while neither a key nor a click is handled.
-        """
+        """The time of the present key or click, and the pause before it, in s; None for neither."""
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -95,53 +83,29 @@ class Console(Protocol):
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog, to which the following keys go.
 
-        A dialog that a STOP closes is not shown if a STOP was read since the key that opens it; a
-        message and an event say so.
+        A dialog that a STOP closes is not shown, which is said, if a STOP was read since the key.
         """
 
     def begin_replay(self, player: Player) -> None:
-        """Show a recording over the live console, which keeps running.
-
-        Keys act on the recording from then on, except STOP.
-
-        Args:
-            player: The player of the recording, closed at the end of the replay.
-        """
+        """Show a recording over the live console; keys act on it from then on, except STOP."""
 
     def end_replay(self) -> None:
-        """Close the replay with its dialogs, and show the live console again.
-
-        Nothing happens without a replay.
-        """
+        """Close the replay, if there is one, with its dialogs, and show the live console again."""
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog that is about to be opened.
-
-        Keys that work everywhere do not wait.
-        """
+        """Return a context in which keys wait for a dialog, except those that work everywhere."""
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
         """Return a coroutine that runs a verb, or show the verb's question and return None.
 
-        The verb is not checked for a refusal first. The answer that acts runs it. A failure is
-        shown.
-
-        Args:
-            verb: The verb.
-            values: The values of its arguments, by name.
+        The verb is not checked for a refusal first. A failure is shown.
         """
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question at once; the following keys answer it.
+        """Show a question at once; the following keys answer it, and a coroutine is run.
 
-        While another question is open, or if a STOP was read since the key, nothing is asked, which
-        a message says.
-
-        Args:
-            title: The title of the dialog.
-            question: The question.
-            safe: The answer that changes nothing.
-            answers: What each other answer does, by its words; a coroutine that it returns is run.
+        While another one is open, or if a STOP was read since the key, a message says that nothing
+        is asked.
         """
 
     def report_failure(self, outcome: Outcome) -> None:
@@ -150,8 +114,7 @@ class Console(Protocol):
     def drop_following_keys(self, why: str) -> None:
         """Drop the keys that follow at once: they were typed for a dialog that closed by itself.
 
-        Args:
-            why: The message to show if any are dropped.
+        If any are dropped, `why` is shown.
         """
 
     def show_message(self, text: str, title: str = "") -> None:
@@ -177,7 +140,7 @@ class Console(Protocol):
     def action_command(self, name: str) -> None:
         """Run a command by its id, or show why it cannot run.
 
-        A command that still waits for its answer does not run again; an unknown id does nothing.
+        One that still waits for its answer does not run again; an unknown id does nothing.
         """
 
     def action_suspend_process(self) -> None:
@@ -193,17 +156,10 @@ class Console(Protocol):
 def file_writer(
     console: Console, text: str | Callable[[], Awaitable[str]], what: str
 ) -> Callable[[Path], Awaitable[str]]:
-    """Return a function that writes a text to a path, for a file dialog.
+    """Return a function that writes a text to a path, for a file dialog, and names it `what`.
 
-    The function returns "" if the file was written, which an event and a notification tell.
-    Otherwise it returns the text to show while the dialog stays open: an error, or a warning that
-    the file exists. Called again with that path, it replaces the file.
-
-    Args:
-        console: The console.
-        text: The text to save, or a function that returns it; the text of an ArchoError that the
-            function raises is shown.
-        what: The action, as the event names it: `save events`.
+    It returns "" if the file was written, else an error, or a warning that the file exists: called
+    again with that path, it replaces the file. An ArchoError of `text` is shown.
     """
     warned: set[Path] = set()  # Existing files that the operator was warned about.
 
@@ -224,42 +180,22 @@ def file_writer(
 
 
 class Command:
-    """An action of the operator with a key, a word in the footer, or a line in the palette.
+    """An action of the operator with a key, a word in the footer, or a line in the palette."""
 
-    Attributes:
-        id: The unique name of the command, as in keymaps.
-        key: Textual's name of the default key; "" for none.
-        help: One sentence for `?`, the palette and docs/keys.md.
-        footer: The word in the footer; "" keeps the command out of the footer.
-        footer_key: The key shown in the footer if it stands for several commands, as `1-8`.
-        where: The place where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
-        panel: The panel's number, for IN_PANEL.
-        runs_disabled: True if `run` is called even while the command is disabled, after the reason
-            was shown; not on a console that only watches.
-        always_tried: True if `run` is called although the last snapshot disables the command,
-            without the reason; not on a console that only watches.
-        waits_for_answer: True if the command does not run again before its answer, or for a held
-            key.
-        resend_after: Seconds after which a held key runs the command again.
-        verbs: The words of the verbs that the command runs, or that print what it shows.
-        gives_way: True if a robot file or a keymap may take the key of this command.
-        from_file: The place in the robot file (`FILE:LINE`) that defines the command, or "".
-    """
-
-    id: str
-    key: str = ""
-    help: str
+    id: str  # Unique, as in keymaps.
+    key: str = ""  # Textual's name of the default key.
+    help: str  # One sentence for `?`, the palette and docs/keys.md.
     footer: str = ""
-    footer_key: str = ""
-    where: str = NOT_TYPING
-    panel: int = 0
-    runs_disabled: bool = False
-    always_tried: bool = False
-    waits_for_answer: bool = False
-    resend_after: float = 0.0
-    verbs: tuple[str, ...] = ()
-    gives_way: bool = False
-    from_file: str = ""
+    footer_key: str = ""  # Shown if it stands for several commands, as `1-8`.
+    where: str = NOT_TYPING  # EVERYWHERE, NOT_TYPING or IN_PANEL.
+    panel: int = 0  # For IN_PANEL.
+    runs_disabled: bool = False  # Run after the reason was shown; not if watching.
+    always_tried: bool = False  # Run although the last snapshot disables it; not if watching.
+    waits_for_answer: bool = False  # Not run before its answer, or for a held key.
+    resend_after: float = 0.0  # Seconds, of a held key.
+    verbs: tuple[str, ...] = ()  # Those that it runs, or that print what it shows.
+    gives_way: bool = False  # A robot file or a keymap may take its key.
+    from_file: str = ""  # `FILE:LINE` of the robot file that defines it.
 
     @property
     def where_text(self) -> str:
@@ -277,10 +213,7 @@ class Command:
         return ""
 
     def run(self, console: Console) -> Work | None:
-        """Act at once, or return a coroutine if the robot or a disk must be waited for.
-
-        A subclass must define it. The app awaits the coroutine as work of this command.
-        """
+        """Act at once, or return a coroutine if the robot or a disk must be waited for."""
         raise NotImplementedError
 
 
@@ -305,10 +238,7 @@ def asking_first(
 
 
 class VerbCommand(Command):
-    """The base of commands that run a verb, by default without values.
-
-    Id and help are those of the verb; the command is disabled while the verb refuses.
-    """
+    """The base of commands that run a verb, by default without values."""
 
     def __init__(self, verb: Verb) -> None:
         self.verb = verb

@@ -70,10 +70,7 @@ def _forget(console: Console, part: Diagnostic) -> None:
 
 
 class LookAtDomains(VerbCommand):
-    """The command that looks for nodes in other ROS domains.
-
-    A notification says that the search begins, and another one, some seconds later, what it found.
-    """
+    """The command that looks for nodes in other ROS domains, and notifies of what it found."""
 
     def run(self, console: Console) -> Work:
         return self._look(console)
@@ -87,8 +84,7 @@ class LookAtDomains(VerbCommand):
 class OperateOtherRobot(Command):
     """The command that restarts the console for the robot of another namespace, chosen in a list.
 
-    The command is disabled unless the console was started with `--attach` and another namespace has
-    nodes, and while a goal runs or waits or a STOP is not released.
+    Only with `--attach`, and not while a goal runs or waits or a STOP is not released.
     """
 
     id = "other_robot"
@@ -180,10 +176,7 @@ class ShowHelpEverywhere(Command):
 
 
 def _card_entries(console: Console, panel: Panel | None) -> list[Entry]:
-    """Return the keys of a panel, and those that work everywhere; only the latter without a panel.
-
-    Commands that have no key are left out.
-    """
+    """Return the keys of a panel, if there is one, and those that work everywhere."""
     from archo_tui.screens.help import Entry
 
     with_key = [command for command in console.registry if console.view.key(command.id)]
@@ -285,7 +278,7 @@ class Quit(Command):
         console.leave()
 
     def _leave_another(self, console: Console) -> None:
-        """Ask before quitting; called while another client's goal runs.
+        """Ask before quitting while another client's goal runs.
 
         Nodes of this process may be driving that goal, and would end.
         """

@@ -12,10 +12,7 @@ def blocked_commands(console: Console) -> frozenset[str]:
 
 
 def keys_of_footer(console: Console) -> list[FooterKey]:
-    """Return the commands with a word for the footer and a key, in the order of the registry.
-
-    Commands that are disabled now are among them.
-    """
+    """Return the commands with a footer word and a key, in the registry's order; also disabled."""
     view = console.view
     return [
         FooterKey(

@@ -51,14 +51,7 @@ class _GenericCommand(VerbCommand):
         return [Choice(name, partial(self._open_form, console, name), types)]
 
     async def _open_form(self, console: Console, name: str) -> None:
-        """Open the form for a goal or a request; enter there passes its values to `self.send`.
-
-        A message is shown instead if the name has no type or several, or the type is not installed.
-
-        Args:
-            console: The console.
-            name: The full name of the action or service.
-        """
+        """Open the form for a goal or a request, which is sent by `self.send`, or show why not."""
         from archo_tui.screens.message_form import MessageForm
 
         try:
@@ -78,14 +71,7 @@ class _GenericCommand(VerbCommand):
     async def send(
         self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Outcome:
-        """Send a goal or a service request, and return the outcome; a subclass must define it.
-
-        Args:
-            console: The console.
-            name: The full name of the action or service.
-            type_name: Its type.
-            values: The values of the form.
-        """
+        """Send a goal or a service request, and return the outcome; a subclass must define it."""
         raise NotImplementedError
 
 
@@ -154,13 +140,7 @@ class AnyService(_GenericCommand):
 
     @staticmethod
     def _run_verb(console: Console, verb: Verb) -> Work | None:
-        """Run a verb of the robot file, after its question if it has one.
-
-        STOP is run as its key does it. If a verb cannot run, a notification says why.
-
-        Returns:
-            A coroutine if the robot must be waited for; else None.
-        """
+        """Run a verb of the robot file, after its question, or notify why not; STOP as its key."""
         if verb.urgent:
             console.action_command(verb.id)
             return None
@@ -189,15 +169,9 @@ class AnyService(_GenericCommand):
 
 
 def _unused_id(console: Console, name: str) -> str:
-    """Return an id for an action or service that nothing else in `console.used` has.
+    """Return a free id in `console.used` for an action or service: its last part, or `dock_2`.
 
-    The id is the last part of the name, in lower case, numbered (`dock_2`) if that is a reserved
-    word or the id of something else. An entry for the same name does not count, since it will be
-    replaced.
-
-    Args:
-        console: The console.
-        name: The full name of the action or service.
+    An entry for the same name does not count, since it will be replaced.
     """
     kept = console.used
     used = {goal.id for goal in kept.goals if goal.action != name}
@@ -208,12 +182,7 @@ def _unused_id(console: Console, name: str) -> str:
 
 
 def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """Yield the dotted path of each value, those of nested mappings included.
-
-    Args:
-        values: The values by name.
-        before: The beginning of each path, with its dot.
-    """
+    """Yield the dotted path of each value, those of nested mappings included."""
     for name, value in values.items():
         if isinstance(value, Mapping):
             yield from _paths(value, f"{before}{name}.")
@@ -224,8 +193,7 @@ def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
 class WriteRobotFile(Command):
     """The command that saves the robot file with the goals and services used so far.
 
-    A dialog asks for the path. If no robot file was given, what the robot does not have is left
-    out.
+    If no robot file was given, what the robot does not have is left out.
     """
 
     id = "keep_robot"
@@ -244,7 +212,7 @@ class WriteRobotFile(Command):
 class DescribeRobot(Command):
     """The command that writes a robot file for what is on the graph.
 
-    A dialog asks for the path; then the console listens to the topics for some seconds.
+    It listens to the topics for some seconds.
     """
 
     id = "describe_robot"

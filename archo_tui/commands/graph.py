@@ -39,10 +39,7 @@ class ShowResource(Command):
 
 
 def _step_in_graph(console: Console, by: int) -> WatchedTopic | None:
-    """Move the cursor of Graph to the next topic (1) or the one before (-1), and return that topic.
-
-    Without a topic in that direction, the cursor stays, and the result is None.
-    """
+    """Move Graph's cursor to the topic below (1) or above (-1), and return it; None if none."""
     row = console.main.graph.step(by, TOPIC)
     return None if row is None else _watched(console, row.resource.name, row.resource.types)
 
@@ -55,12 +52,7 @@ def show_topic(
 ) -> None:
     """Open the dialog of a topic, with its live fields, plots, definition and QoS.
 
-    Args:
-        console: The console.
-        name: The full name of the topic.
-        types: The types of the topic, whose definitions can be shown.
-        step: Called as the operator goes to the topic below (1) or above (-1). Returns that topic,
-            or None, as by default, if there is none.
+    `step` returns the topic below (1) or above (-1), or None.
     """
     from archo_tui.screens.topic import TopicDialog
 

@@ -14,17 +14,9 @@ class ShowHistory(Command):
 
 
 class ChangeSpan(Command):
-    """A command that shows the next longer or shorter time span of the history.
-
-    It is disabled while the history is hidden, and at the longest or shortest span.
-    """
+    """A command that shows the next longer (1) or shorter (-1) time span of the history."""
 
     def __init__(self, by: int) -> None:
-        """Create the command.
-
-        Args:
-            by: 1 for the longer span, -1 for the shorter one.
-        """
         self._by = by
         self._word, self._most = ("longer", "longest") if by > 0 else ("shorter", "shortest")
         self.id = self._word

@@ -34,22 +34,10 @@ _INDISTINGUISHABLE = {
 
 
 def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
-    """Read a keymap, and return the keys of all commands.
+    """Return the keys of all commands by id as a keymap file changes them, and a line on others.
 
     One keymap serves several robots, so unknown commands are no error. A command that gives way
-    loses its default key to another one that has it; then its key is "".
-
-    Args:
-        path: The file; a missing one is empty.
-        commands: The commands of this robot.
-
-    Returns:
-        The key of every command by its id, "" for none; and a line about commands that this robot
-        does not have, or "".
-
-    Raises:
-        ArchoError: The file cannot be read, or a key is not valid or taken; the message names the
-            line.
+    loses its default key to another one that has it: its key is "". ArchoError names the line.
     """
     commands = list(commands)
     keys = default_keys(commands)
@@ -77,17 +65,10 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
 
 
 def default_keys(commands: Sequence[Command]) -> dict[str, str]:
-    """Return the keys of commands, those of the robot file included, before a keymap changes them.
+    """Return the keys of commands by id, the robot file's included, before a keymap changes them.
 
-    A key of a command that gives way may be a second command's, too: `load_keymap` takes it from
-    the former.
-
-    Returns:
-        The key of every command by its id, "" for none.
-
-    Raises:
-        ArchoError: A key of the robot file is not valid, or that of a command that does not give
-            way; the message names the line.
+    A key of a command that gives way may be a second one's, too. ArchoError names the line of a
+    robot file's key that is not valid or taken.
     """
     keys = {command.id: command.key for command in commands if not command.from_file}
     core = {c.key: c.id for c in commands if c.key and not c.from_file and not c.gives_way}
@@ -108,14 +89,7 @@ def default_keys(commands: Sequence[Command]) -> dict[str, str]:
 def key_owner(
     command: Command, key: str, keys: Mapping[str, str], commands: Iterable[Command]
 ) -> str:
-    """Return the id of another command that has a key where this one works, or "".
-
-    Args:
-        command: The command that wants the key.
-        key: The key, by Textual's name; "" has no owner.
-        keys: The key of each command by its id.
-        commands: All commands.
-    """
+    """Return the id of another command that has a key where this one works, or ""."""
     others = (c.id for c in commands if c is not command and _overlap(command, c))
     return next((name for name in others if key and keys[name] == key), "")
 
@@ -171,10 +145,7 @@ def _types_a_character(name: str) -> bool:
 
 
 def _overlap(first: Command, second: Command) -> bool:
-    """Return True if the keys of both commands work in some same place, so must differ.
-
-    Only commands of two different panels do not overlap.
-    """
+    """Return True if both keys work in some same place; only different panels do not overlap."""
     both = first.where == second.where == IN_PANEL
     return not both or first.panel == second.panel
 

@@ -29,11 +29,7 @@ class _NodeCommand(Command):
         return console.verbs[self.verbs[0]].refusal(console.station)
 
     def run_verb(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
-        """Run a verb on a hosted node, after its question if it has one.
-
-        Returns:
-            A coroutine if the node must be waited for; None while the question is shown.
-        """
+        """Run a verb on a hosted node, after its question if it has one."""
         return console.run_verb(console.verbs[verb], {"node": hosted.name})
 
     def _selected(self, console: Console) -> Hosted:

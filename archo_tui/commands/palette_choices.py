@@ -80,16 +80,10 @@ class CommandPalette(Choose):
     def __init__(
         self,
         title: str,
+        # Called now, and each second for keys and reasons.
         list_choices: Callable[[], Sequence[Choice]],
         typed_choices: Callable[[str], Sequence[Choice]],
     ) -> None:
-        """Create the palette.
-
-        Args:
-            title: The title of the box.
-            list_choices: Returns all rows; called now, and each second for their keys and reasons.
-            typed_choices: Returns the rows that a typed text gives, which come before the others.
-        """
         super().__init__(title, list_choices())
         self._list_choices, self._typed_choices = list_choices, typed_choices
         self._second = 0.0  # The second of the last update.
@@ -98,10 +92,7 @@ class CommandPalette(Choose):
         return [*self._typed_choices(self._narrow.value), *super()._matches()]
 
     def show_view(self, view: ScreenState) -> None:
-        """Update the keys, values and reasons of the rows, which keep their places, once a second.
-
-        No row is added for what is new.
-        """
+        """Update keys, values and reasons of the rows, which keep their places, once a second."""
         super().show_view(view)
         if view.second != self._second:
             self._second = view.second
@@ -109,11 +100,7 @@ class CommandPalette(Choose):
 
 
 def palette_choices(console: Console) -> list[Choice]:
-    """Return all rows: go, cancel and STOP first, other commands, then everything else.
-
-    Of the other commands, those that can run now come first; `palette` and `quit_everywhere` are
-    left out. Everything else is nodes, parameters, topics, themes, and a picture of the screen.
-    """
+    """Return all rows: go, cancel and STOP first, then what can run, then everything else."""
     commands = {
         c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES
     }
@@ -132,11 +119,7 @@ def palette_choices(console: Console) -> list[Choice]:
 
 
 def goal_choices(console: Console, typed: str) -> list[Choice]:
-    """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`; none for other text.
-
-    The row has a reason if the numbers cannot be sent now. A robot whose goal is not a single
-    number has no such row.
-    """
+    """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`, or no row."""
     go = next((command for command in console.registry if command.id == "go"), None)
     kinds, panel = console.view.snapshot.file.goals, console.main.goal
     words = typed.split()
@@ -150,13 +133,7 @@ def goal_choices(console: Console, typed: str) -> list[Choice]:
 
 
 def _send_numbers(console: Console, go: Command, typed: str) -> None:
-    """Send typed numbers as goals, or show as a notification why they cannot be sent now.
-
-    Args:
-        console: The console.
-        go: The command that sends goals, which may be disabled.
-        typed: The numbers, with blanks between them.
-    """
+    """Send typed numbers as goals, or show as a notification why they cannot be sent now."""
     reason = console.disabled_reason(go) or console.main.goal.refusal(typed)
     if reason:
         console.show_message(f"not sent: {reason}")
@@ -183,10 +160,7 @@ def _parameter_choices(console: Console) -> Iterator[Choice]:
 
 
 def _edit_parameter(console: Console, node: str, name: str) -> None:
-    """Open the dialog for a parameter with its present value, not that of when the row was made.
-
-    If the parameter has gone or nothing can be set, a message says so.
-    """
+    """Open the dialog for a parameter with its present value, or show why nothing can be set."""
     edit, now = parameters.Edit(), console.view.snapshot.parameters
     found = next(
         (parameter for parameter in now if (parameter.node, parameter.name) == (node, name)), None

@@ -31,13 +31,7 @@ class _SetCommand(_InParameters):
         return console.verbs["set"].refusal(console.station) or super().disabled_reason(console)
 
     async def set(self, console: Console, parameter: Parameter, value: Any) -> Outcome:
-        """Set a parameter, and return the answer of its node.
-
-        Args:
-            console: The console.
-            parameter: The parameter.
-            value: The new value, of the parameter's type.
-        """
+        """Set a parameter, and return the answer of its node."""
         given = {"node": parameter.node, "name": parameter.name, "value": value}
         return await console.verbs["set"].run(console.station, given)
 

@@ -66,11 +66,6 @@ async def _open_replay(console: Console, recording: Recording, dialog: Recording
 
     If it cannot be loaded, or another dialog was opened meanwhile, a notification says so. If the
     list was closed meanwhile, nothing happens.
-
-    Args:
-        console: The console.
-        recording: The recording.
-        dialog: The list, which is dismissed.
     """
     try:
         player = await in_daemon(_open, recording, console.station.clock)

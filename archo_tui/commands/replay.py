@@ -22,15 +22,7 @@ _HARMLESS = frozenset(
 
 
 def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Return the commands of `archo-tui replay`: the read-only ones, and four of its own.
-
-    These are STOP, which only says that nothing was stopped, one that copies the selection, and two
-    that quit.
-
-    Args:
-        player: The player of the recording.
-        commands: The commands of a live console for the recorded robot.
-    """
+    """Return the commands of `archo-tui replay`: the read-only ones, and four of its own."""
     return (
         *read_only_commands(player, commands),
         RefuseStop(),
@@ -43,12 +35,7 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
 def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
     """Return the time line's commands, a list of recorded alarms, and all that change nothing.
 
-    What changes nothing is taken from `commands`. There the command of panel 1 is changed: it
-    stands for all panels in the footer, as `1-9`.
-
-    Args:
-        player: The player of the recording.
-        commands: The commands of a live console for the recorded robot.
+    The command of panel 1 in `commands` is changed: it stands for all panels in the footer.
     """
     shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
@@ -85,10 +72,7 @@ class _TimeLineCommand(Command):
         return None
 
     def move(self, console: Console) -> None:
-        """Change the position, speed or playing state of the player; a subclass must define it.
-
-        The screen is updated afterwards.
-        """
+        """Change the position, speed or playing state of the player; a subclass must define it."""
         raise NotImplementedError
 
 

@@ -32,14 +32,8 @@ _LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another on
 class ReplayConsole:
     """The console of a recording, shown over the live console. Event loop only.
 
-    Dialogs, notifications, the theme and the clipboard are those of the live console.
-
-    Attributes:
-        registry: The commands of the replay; STOP is passed on to the live console.
-        keys: The key of each command by its id.
-        shown_keys: The same keys, as a person reads them.
-        main: The screen of the replay. The other attributes are as in `Console`: station, verbs,
-            view, typed and used are those of the recording, theme that of the live console.
+    Dialogs, notifications, the theme and the clipboard are those of the live console; station,
+    verbs, view, typed and used those of the recording. STOP is passed on to the live console.
     """
 
     def __init__(
@@ -50,15 +44,6 @@ class ReplayConsole:
         keys: Mapping[str, str],
         size: Size,
     ) -> None:
-        """Create the replay, whose screen is not shown yet.
-
-        Args:
-            live: The live console.
-            player: The player of the recording; the screen closes it.
-            commands: The commands of a live console for the recorded robot.
-            keys: The keys of the live console, by the id of the command.
-            size: The size of the terminal.
-        """
         self._live = live
         self.station: Station = RecordedStation(player, live.station.clock)
         snapshot = self.station.robot.snapshot
@@ -69,7 +54,7 @@ class ReplayConsole:
         stop = next(command for command in live.registry if command.id == "stop")
         own = BackToLive(), StopLive(live, stop), CopyFromReplay(), QuitBoth(live)
         self.registry: Sequence[Command] = (*own[:2], *shown, *own[2:])
-        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
+        self.keys = {c.id: keys.get(c.id, c.key) for c in self.registry}  # By the command's id.
         self.shown_keys = readable_keys(self.keys)
         self.view = ScreenState(**vars(self.station.view), keys=self.shown_keys)
         self.main = ReplayScreen(snapshot, size, player, self.update_screen)
@@ -94,10 +79,6 @@ class ReplayConsole:
 
     @property
     def input(self) -> InputTime | None:
-        """The time when the present key or click was read, and the pause before it, in s.
-
-        None while neither a key nor a click is handled.
-        """
         return self._live.input
 
     @property
@@ -145,10 +126,6 @@ class ReplayConsole:
         self._live.end_replay()
 
     def opening(self) -> AbstractContextManager[None]:
-        """Return a context in which keys wait for a dialog that is about to be opened.
-
-        Keys that work everywhere do not wait.
-        """
         return self._live.opening()
 
     def run_verb(self, verb: Verb, values: Values) -> Work | None:
@@ -166,11 +143,6 @@ class ReplayConsole:
             self._live.show_message(outcome.text, "Replay")
 
     def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once: they were typed for a dialog that closed by itself.
-
-        Args:
-            why: The message to show if any are dropped.
-        """
         self._live.drop_following_keys(why)
 
     def show_message(self, text: str, title: str = "") -> None:
@@ -190,10 +162,7 @@ class ReplayConsole:
         self._live.write_screenshot()
 
     def action_command(self, name: str) -> None:
-        """Run a command of the replay by its id, or show why it cannot run.
-
-        `stop` runs the live console's STOP; an unknown id does nothing.
-        """
+        """Run a command of the replay by its id; `stop` runs the live console's STOP."""
         self._live.action_command(name)
 
     def action_suspend_process(self) -> None:
@@ -213,10 +182,7 @@ class BackToLive(Command):
 
 
 class StopLive(Command):
-    """The STOP command of the replay, which runs that of the live console.
-
-    It lends its key and word to the footer; the app runs the live one for the key at any time.
-    """
+    """The STOP command of the replay, which runs that of the live console."""
 
     id, where = "stop", EVERYWHERE
 

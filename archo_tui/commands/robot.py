@@ -17,18 +17,13 @@ from archo_tui.verbs.base import Verb
 class GoKey(Command):
     """The command for the first goal of the robot file: it focuses that goal's form on the screen.
 
-    The form gets the focus even while no goal can be sent, but not on a console that only watches.
+    Also while no goal can be sent, but not on a console that only watches.
     """
 
     id, key, footer, verbs = "go", "g", "Go", ("go",)
     runs_disabled = True  # The next keys are meant for the field, not for the panels.
 
     def __init__(self, verb: goals.Go | None) -> None:
-        """Create the command.
-
-        Args:
-            verb: The verb of the goal; None if the robot file has no goals.
-        """
         self._verb = verb
         kind = None if verb is None else verb.kind
         labels = [] if kind is None else [given.label or p for p, given in kind.form.items()]
@@ -45,10 +40,7 @@ class GoKey(Command):
 
 
 class FormGoalKey(VerbCommand):
-    """A command for one of the other goals of the robot file, which opens a form for its values.
-
-    A goal without values is sent at once, after its question if there is one.
-    """
+    """A command for another goal of the robot file, which opens a form if it has values."""
 
     waits_for_answer = True
 
@@ -87,8 +79,7 @@ class CancelKey(VerbCommand):
     """The command of ctrl+c, which cancels the running goal; another client's after a question.
 
     If none is running, it ends the wait of a dialog for an answer, else it copies the selection,
-    else it says which key quits. A key that is held down does nothing but cancel an own goal that
-    is not being cancelled yet.
+    else it says which key quits. Held down, it only cancels an own goal, once.
     """
 
     key, footer = "ctrl+c", "Cancel"
@@ -160,19 +151,12 @@ class SkipKey(VerbCommand):
 class GiveKey(VerbCommand):
     """The command for a service of the robot file, or for the two services of a toggle.
 
-    A toggle calls the opposite of the state that the robot reports. If the robot reports none, a
-    question asks which of the two to call.
+    A toggle calls the opposite of the state that the robot reports, or asks which to call.
     """
 
     waits_for_answer = True
 
     def __init__(self, on: services.Give, off: services.Give | None) -> None:
-        """Create the command.
-
-        Args:
-            on: The verb of the service; of a toggle, the one that turns the state on.
-            off: The verb that turns the state off; None if the command is no toggle.
-        """
         super().__init__(on)
         given = on.given
         self._on, self._off = on, off
@@ -201,12 +185,9 @@ class GiveKey(VerbCommand):
 
 
 def _reported_state(console: Console, name: str) -> bool | None:
-    """Return the state that a toggle inverts, as last reported; None if it is not reported.
+    """Return the state, as `motion.moving`, that a toggle inverts.
 
-    Args:
-        console: The console, whose view has the last report.
-        name: The state, as `battery.charging` or `motion.moving`. For `ask`, None is returned, so
-            that the person is asked each time.
+    None if the robot does not report it, or for `ask`, so that the person is asked each time.
     """
     if name == "ask":
         return None

@@ -21,12 +21,7 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
     """Return a copy of a robot file without the parts that need something which is not there.
 
     Parts are left out for their topic, their action, or the service that they call; `record` and
-    the STOP's release stay. A copy that lacks a part describes another robot: it gets the name of a
-    robot without a name.
-
-    Args:
-        robot: The robot file; it is not changed.
-        names: The topics, services and actions that are not there, as the file names them.
+    the STOP's release stay. A copy that lacks a part gets the name of a robot without a name.
     """
     battery, motion, pose, stop = robot.battery, robot.motion, robot.pose, robot.stop
     kept = replace(

@@ -12,14 +12,7 @@ def field_units(
 ) -> dict[str, str]:
     """Return the units of a topic's fields by path, as far as the robot file tells them.
 
-    A field without a unit is left out, and so is one with a scale, an offset or a condition: its
-    unit in the message is unknown.
-
-    Args:
-        file: The robot file.
-        full_name: Returns the full name of a topic that the file names.
-        topic: The full name of the topic.
-        type_name: The type of its messages.
+    A field with a scale, an offset or a condition is left out: its unit in the message is unknown.
     """
     found: list[tuple[MessageField | None, str]] = []
     if file.battery is not None and full_name(file.battery.topic) == topic:

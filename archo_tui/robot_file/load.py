@@ -14,21 +14,16 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def default_path() -> Path:
-    """Return the path of ARCHO's robot file, in a checkout or in an installed wheel.
+    """Return the path of ARCHO's robot file, in a checkout or an installed wheel.
 
-    If there is none, it is the path in the checkout, at which no file exists.
+    It may not exist.
     """
     paths = [folder / "config" / "robots" / "archo.yaml" for folder in (_PACKAGE.parent, _PACKAGE)]
     return next((path for path in paths if path.is_file()), paths[0])
 
 
 def load(path: Path) -> RobotFile:
-    """Read and validate a robot file.
-
-    Raises:
-        ArchoError: The file cannot be read or is not valid; the message names the first fault in
-            one line.
-    """
+    """Read and validate a robot file; ArchoError names the first fault in one line."""
     try:
         return _load(path)
     except OSError as error:
@@ -39,15 +34,7 @@ def load(path: Path) -> RobotFile:
 
 
 def parse(text: str, path: Path) -> RobotFile:
-    """Read and validate the text of a robot file.
-
-    Args:
-        text: The YAML text.
-        path: The file that error messages name; it is not opened.
-
-    Raises:
-        ArchoError: The text is not a valid robot file; the message is one line.
-    """
+    """Validate the text of a robot file, as `load` does; `path` is only named in errors."""
     try:
         return _parse(text, path)
     except (bounded_yaml.YamlError, ArchoError) as error:
@@ -57,10 +44,7 @@ def parse(text: str, path: Path) -> RobotFile:
 def _load(path: Path) -> RobotFile:
     """Read and parse a robot file; an error may quote its control characters unchanged.
 
-    Raises:
-        ArchoError: The file is no valid robot file.
-        YamlError: The file is not YAML.
-        OSError: The file cannot be read.
+    Raises ArchoError, YamlError for what is not YAML, or OSError.
     """
     return _parse(bounded_yaml.read(path), path)
 
@@ -68,9 +52,7 @@ def _load(path: Path) -> RobotFile:
 def _parse(text: str, path: Path) -> RobotFile:
     """Parse and validate a text; an error may quote its control characters unchanged.
 
-    Raises:
-        ArchoError: The text is empty, or no valid robot file.
-        YamlError: The text is not YAML.
+    Raises ArchoError, or YamlError for what is not YAML.
     """
     node = bounded_yaml.compose(text, path)
     if node is None:

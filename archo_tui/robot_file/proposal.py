@@ -23,61 +23,35 @@ Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagno
 
 
 class Entry(NamedTuple):
-    """A part of the file that is proposed.
+    """A part of the file that is proposed."""
 
-    Attributes:
-        part: The key in the robot file; an entry of `goals` or `commands` is one item of the list.
-        value: The dataclass of the part; of `diagnostics`, the topic.
-        reason: Why it is proposed, in a line.
-        is_sure: False for a part that is written as a comment, for a person to decide.
-    """
-
-    part: Part
-    value: Any
-    reason: str
-    is_sure: bool = True
+    part: Part  # For `goals` or `commands`, one item of the list.
+    value: Any  # The dataclass of the part; of `diagnostics`, the topic.
+    reason: str  # Why it is proposed, in a line.
+    is_sure: bool = True  # False: a comment, for a person to decide.
 
 
 class Proposal(NamedTuple):
-    """A proposed robot file.
+    """A proposed robot file."""
 
-    Attributes:
-        namespace: The namespace of the robot, in which the names are.
-        entries: The parts, in the order of the file.
-        unknown: What was seen besides, a line each.
-    """
-
-    namespace: str
-    entries: tuple[Entry, ...]
-    unknown: tuple[str, ...]
+    namespace: str  # In which the names are.
+    entries: tuple[Entry, ...]  # In the order of the file.
+    unknown: tuple[str, ...]  # What was seen besides, a line each.
 
 
 class SeveralRobots(Exception):
-    """The error that several robots are on the graph, whose parts cannot be told apart.
-
-    Attributes:
-        namespaces: The namespaces of the robots.
-    """
+    """The error that several robots are on the graph, whose parts cannot be told apart."""
 
     def __init__(self, namespaces: Collection[str]) -> None:
-        """Build the text of the error from the namespaces."""
         self.namespaces = tuple(sorted(namespaces))
         super().__init__(f"several robots are here, in {', '.join(self.namespaces)}")
 
 
 def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
-    """Propose a robot file for what was seen.
+    """Propose a robot file for what was seen in a namespace; SeveralRobots if it holds several.
 
-    Parts that a person must decide, such as the STOP or a second battery, are marked as not sure.
-    Of several topics of diagnostics the first is taken. Services of ROS itself are left out.
-
-    Args:
-        seen: Everything in the namespace or below it.
-        namespace: The namespace that was asked for; with "/" the proposal has the namespace that
-            the parts have in common.
-
-    Raises:
-        SeveralRobots: The namespace holds more than one robot.
+    Parts that a person must decide, such as the STOP or a second battery, are not sure. With "/"
+    the proposal has the namespace that the parts have in common.
     """
     own = [s for s in seen if s.types[0].partition("/")[0] not in known_types.OF_ROS]
     ordered = sorted(own, key=lambda sighting: (sighting.name.count("/"), sighting.name))
@@ -106,9 +80,8 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
 def _robots(found: Iterable[Found]) -> set[str]:
     """Return the namespaces of the robots if there are several; else an empty set.
 
-    The namespace is the first part of a name. There are several robots if namespaces have a
-    battery, motion or goal of the same name and type below them: `/a/odom` and `/b/odom` are of two
-    robots; `/odom` and `/odometry/filtered` are not.
+    There are if namespaces have a battery, motion or goal of the same name and type below them:
+    `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
     """
     by_rest: dict[tuple[str, str], set[str]] = {}
     for entry, sighting in found:
@@ -195,10 +168,9 @@ Found = tuple[Entry, Sighting]
 
 
 def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) -> list[Found]:
-    """Return the topics that were found for a part; all but the first as comments.
+    """Return the topics that were found for a part, the best first; the others as comments.
 
-    The first is one that a node publishes, if any; of several, that of the type which the table
-    names first.
+    The best is one that a node publishes, of the type which the table names first.
     """
     known = list(_KNOWN[part])
 
@@ -239,10 +211,7 @@ def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
 
 
 def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
-    """Return the namespace that the parts and their nodes have in common, if "/" is given.
-
-    Another given namespace is returned as it is.
-    """
+    """Return the namespace that the parts and their nodes have in common, unless one is given."""
     names = [name for _, sighting in chosen for name in (sighting.name, *sighting.nodes)]
     if not names:
         return namespace
@@ -251,13 +220,7 @@ def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
 
 
 def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
-    """Return an entry with names as in the robot file, and with an id that no other one has.
-
-    Args:
-        entry: The entry, with full names.
-        namespace: The namespace of the robot.
-        used: The words that are taken; those of this entry are added.
-    """
+    """Return an entry with names as in the robot file, and with an id that is then in `used`."""
     value = entry.value
     if entry.part == "diagnostics":
         return entry._replace(value=_relative(value, namespace))

@@ -23,13 +23,8 @@ _MOST = 200  # Unknown topics, services and actions that are listed; the rest is
 def text_of(proposal: Proposal, head: str) -> str:
     """Return the text of a proposed robot file, with a comment above each part.
 
-    Args:
-        proposal: The proposal. Parts that are not sure become comments, and so do the first 200
-            lines of `unknown`.
-        head: The first lines, which become comments: where the file comes from.
-
-    Raises:
-        ArchoError: The text would not load as a robot file.
+    Parts that are not sure, `head` and the first 200 unknown lines become comments. ArchoError if
+    the text would not load.
     """
     name = proposal.namespace.rpartition("/")[2] or RobotFile.name
     parts = [

@@ -27,14 +27,7 @@ def propose_goal(
 ) -> GoalKind | None:
     """Propose the entry of a robot file for an action; None if its goal is unknown or fits no form.
 
-    A type that the table of known types has gets the entry from there.
-
-    Args:
-        action: The full name of the action.
-        types: The types of the action.
-        goal: The types of the goal's fields by dotted path; None if its type is not installed.
-        feedback: The same of the feedback.
-        result: The same of the result.
+    Goal (None if its type is not installed), feedback and result are types by dotted path.
     """
     known = next((known_types.GOALS[kind] for kind in types if kind in known_types.GOALS), None)
     if known is not None:
@@ -59,9 +52,6 @@ def _form(goal: Mapping[str, str]) -> tuple[dict[str, FormField], dict[str, str]
     """Return the fields to type and the fixed values of a goal; None if it has a list to fill.
 
     A pose is typed as x, y and yaw, in the frame that navigation uses. Stamps keep their zero.
-
-    Args:
-        goal: The types of the goal's fields by dotted path.
     """
     fields: dict[str, FormField] = {}
     fixed: dict[str, str] = {}

@@ -21,10 +21,7 @@ def proposed_stops(
     """Yield an entry for each service that may be the STOP, the reason, and its sighting.
 
     The entry names the service that may release it, if one is found; a service of a type in the
-    table of known STOPs releases itself. Services whose names tell of a release get no entry.
-
-    Args:
-        seen: The services that `is_stop` is true of.
+    table of known STOPs releases itself.
     """
     releases = [s for s in seen if _is_release(s)]
     for sighting in seen:
@@ -45,10 +42,7 @@ def proposed_stops(
 
 
 def is_stop(sighting: Sighting) -> bool:
-    """Return True for a service that may stop the robot, or release a stop.
-
-    Its type tells, or its full name, namespace included.
-    """
+    """Return True for a service that may stop the robot, or release a stop, by type or name."""
     if sighting.kind != "service":
         return False
     return (
@@ -65,17 +59,11 @@ def _is_release(sighting: Sighting) -> bool:
 
 
 def _release(stop: Sighting, stops: int, releases: Sequence[Sighting]) -> StopServices:
-    """Return an entry with the service that may release a stop; its `service` is still empty.
+    """Return an entry with the service that may release a stop, if any; `service` is still empty.
 
-    Without such a service, `release` is empty, too. The service is beside or below the stop, and
-    shares the most words with the stop's name. One with further words releases something else:
-    `clear_brake_stop` no emergency stop. If there is only one stop and one release there, they
-    belong together.
-
-    Args:
-        stop: The service that may be the STOP.
-        stops: The number of services that may be the STOP.
-        releases: The services that may release one.
+    The service is beside or below the stop, and shares the most words with the stop's name. One
+    with further words releases something else: `clear_brake_stop` no emergency stop. If there is
+    only one stop and one release there, they belong together.
     """
     beside = stop.name.rpartition("/")[0]
     words = _words(stop.name.removeprefix(beside))

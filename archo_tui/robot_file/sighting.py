@@ -9,44 +9,26 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Sighting:
-    """A topic, service or action that was seen on the graph.
-
-    Attributes:
-        kind: "topic", "service" or "action".
-        name: Its full name.
-        types: Its types; usually one.
-        nodes: The full names of the nodes that publish or serve it.
-        lifecycles: The states of those nodes that are managed, by node.
-        was_listened_to: False for a topic without a subscription: its type is not installed, or not
-            one that a robot file can use.
-        rate: Messages in a second; None before the second message.
-        values: The primitive fields of the last message by dotted path.
-        goal: The types of all fields of the goal or request by dotted path; None if the type is not
-            installed, and for a topic.
-        feedback: The same of an action's feedback.
-        result: The same of an action's result.
-    """
+    """A topic, service or action that was seen on the graph."""
 
     kind: Literal["topic", "service", "action"]
     name: str
-    types: tuple[str, ...]
-    nodes: tuple[str, ...] = ()
-    lifecycles: Mapping[str, str] = field(default_factory=dict)
-    was_listened_to: bool = True
-    rate: float | None = None
+    types: tuple[str, ...]  # Usually one.
+    nodes: tuple[str, ...] = ()  # Full names of those that publish or serve it.
+    lifecycles: Mapping[str, str] = field(default_factory=dict)  # Of managed nodes, by node.
+    was_listened_to: bool = True  # False for a topic whose type is not installed or not used.
+    rate: float | None = None  # Messages in a second; None before the second one.
+    # The primitive fields of the last message by dotted path.
     values: Mapping[str, Any] = field(default_factory=dict)
+    # The types of all fields of the goal or request by dotted path; None if not installed, and for
+    # a topic.
     goal: Mapping[str, str] | None = None
     feedback: Mapping[str, str] = field(default_factory=dict)
     result: Mapping[str, str] = field(default_factory=dict)
 
 
 def topic_reason(sighting: Sighting, kind: str) -> str:
-    """Return why a topic is proposed, in a line: its type, rate and publishers.
-
-    Args:
-        sighting: The topic.
-        kind: The one of its types for which it is proposed.
-    """
+    """Return why a topic is proposed, in a line: its type, rate and publishers."""
     rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
     rate = rate or (", too few messages to tell a rate" if sighting.values else ", no message came")
     by = f", published by {nodes_text(sighting)}" if sighting.nodes else ", which nobody publishes"

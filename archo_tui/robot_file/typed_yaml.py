@@ -28,17 +28,11 @@ _EXPECTED = {str: "a text", float: "a number", int: "a whole number", bool: "tru
 
 
 def read(kind: Any, node: yaml.Node, path: Path) -> Any:
-    """Convert a YAML node to the type of a hint.
+    """Convert a YAML node to the type of a hint; ArchoError is `FILE:LINE: reason`.
 
-    Args:
-        kind: A dataclass, a scalar type, or a hint made of `Union`, `Literal`, `tuple[...]`,
-            `Mapping[str, ...]` and `Any`.
-        node: The node to convert.
-        path: The file that error messages name; it is not opened.
-
-    Raises:
-        ArchoError: `FILE:LINE: reason`, if the node does not fit the hint; of a single value that
-            is not below a key only the reason.
+    The hint is a dataclass, a scalar type, or made of `Union`, `Literal`, `tuple[...]`,
+    `Mapping[str, ...]` and `Any`. Of a single value that is not below a key, the error has only the
+    reason.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
@@ -74,11 +68,7 @@ def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
 
 
 def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
-    """Return name, key node and value node of each entry of a mapping.
-
-    Raises:
-        ArchoError: The node is no mapping, or a name is missing or given twice.
-    """
+    """Return name, key node and value node of each entry; ArchoError for no or a wrong mapping."""
     if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
         raise _error(node, path, "expected lines like 'name: value'")
     found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}

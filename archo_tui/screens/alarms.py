@@ -31,10 +31,7 @@ class AlarmRow(NamedTuple):
 
 
 def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `HIGH    since 12:04:31, unacknowledged`, with text and advice below.
-
-    The text is wrapped. An unacknowledged alarm is bold, a shelved one quiet.
-    """
+    """Return a row such as `HIGH    since 12:04:31, unacknowledged`, with text and advice below."""
     alarm = row.alarm
     style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {timeline(alarm)}"
@@ -61,19 +58,12 @@ class AlarmList(Dialog[None]):
         self,
         view: ScreenState,
         acknowledge: Callable[[Iterable[Alarm]], None],
+        # With a reason (may be ""), or unshelves a shelved one.
         shelve: Callable[[Alarm, str], None],
+        # Called after something was acknowledged, shelved or unshelved.
         on_change: Callable[[], None],
-        forget: Callable[[Diagnostic], None],
+        forget: Callable[[Diagnostic], None],  # Or says why it cannot.
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            view: The state that is shown at first.
-            acknowledge: Acknowledges alarms.
-            shelve: Shelves an alarm with a reason (may be ""), or unshelves a shelved one.
-            on_change: Called after something was acknowledged, shelved or unshelved.
-            forget: Forgets a part of the diagnostics, or says why it cannot.
-        """
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
         self._on_change, self._forget = on_change, forget
@@ -106,7 +96,6 @@ class AlarmList(Dialog[None]):
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
 
     def action_acknowledge(self) -> None:
-        """Acknowledge the alarm under the cursor; nothing happens without one."""
         if self._rows.item is not None:
             self._acknowledge([self._rows.item.alarm])
             self._on_change()
@@ -123,10 +112,7 @@ class AlarmList(Dialog[None]):
             self.app.push_screen(DiagnosticList(self._view, self._forget))
 
     def action_shelve(self) -> None:
-        """Shelve the alarm under the cursor, or unshelve it if it is shelved.
-
-        For an alarm of high priority a dialog asks for the reason first.
-        """
+        """Shelve the alarm under the cursor, asking why if it is a high one, or unshelve it."""
         if self._rows.item is None:
             return
         alarm = self._rows.item.alarm

@@ -34,15 +34,7 @@ class AskPath(Form):
     def __init__(
         self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            title: The title of the box.
-            text: What the file is for, as the line above the field begins.
-            default: The path in the field at first.
-            work: Does the work with the path. It returns why it failed, which is shown; "" closes
-                the dialog and adds the path to the recent ones.
-        """
+        """Create the dialog; `work` returns why it failed, or "", which closes the dialog."""
         super().__init__("path", default)
         self._title, self._text, self._default, self._work = title, text, default, work
         self._recent: list[str] = []  # The newest first.
@@ -69,18 +61,12 @@ class AskPath(Form):
             recent.display = shown != ""
 
     def step(self, step: int) -> None:
-        """Fill in an older path (-1) or a newer one (1) of those used before, in place of the text.
-
-        Behind the newest one, the path of the beginning comes back.
-        """
+        """Fill in an older path (-1) or a newer one (1), at last the one of the beginning."""
         self._index = min(max(self._index - step, -1), len(self._recent) - 1)
         self.field.fill(self._default if self._index < 0 else self._recent[self._index])
 
     def submit(self, typed: str) -> None:
-        """Begin the work with the typed path, or show why it is no path.
-
-        While the work runs, a second call is ignored.
-        """
+        """Begin the work with the typed path, or show why it is none; a second call is ignored."""
         try:
             path = typed_path(typed.strip())
         except ArchoError as error:

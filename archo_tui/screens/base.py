@@ -12,10 +12,7 @@ from archo_tui.widgets.field import Field
 
 
 class Base(Screen[ScreenResultType]):
-    """The base of all screens, which survives fast resizes and clicks on widgets just removed.
-
-    Only lines that have changed are rendered.
-    """
+    """The base of all screens, which survives fast resizes and clicks on widgets just removed."""
 
     def __init__(
         self, name: str | None = None, id: str | None = None, classes: str | None = None
@@ -27,9 +24,9 @@ class Base(Screen[ScreenResultType]):
         """Handle an event; a Resize is handled with the size that the terminal has now.
 
         Each change of size makes a screen send itself one more Resize. If the terminal is resized
-        again before that is handled, Textual goes back and forth between the two sizes for ever,
-        and no key is handled any more. A new Resize is made, since all screens get the same one,
-        and would find in it what another screen has marked.
+        again before that is handled, Textual goes back and forth between the two sizes for ever. A
+        new Resize is made, since all screens get the same one, and would find in it what another
+        screen has marked.
         """
         size = self.app.size
         await super().on_event(Resize(size, size) if isinstance(event, Resize) else event)
@@ -39,15 +36,8 @@ class Base(Screen[ScreenResultType]):
     ) -> None:
         """Focus a widget; if it is a field, select its text, so that typing replaces the text.
 
-        A widget that has the focus already keeps its selection. Textual would select the text when
-        the field handles its Focus event, after keys that were typed in the meantime.
-
-        Args:
-            widget: The widget; None for no focus while the terminal has none, else for
-                `nearest_focus`: a click hit no widget, or what had the focus was hidden.
-            scroll_visible: True to scroll to the widget.
-            from_app_focus: True to select nothing: the terminal got the focus back, or typing goes
-                on.
+        Textual would select it only after keys that were typed in the meantime. None means
+        `nearest_focus` while the terminal has the focus; `from_app_focus` selects nothing.
         """
         if widget is None and self.app.app_focus:
             widget = self.nearest_focus
@@ -58,18 +48,14 @@ class Base(Screen[ScreenResultType]):
 
     @property
     def nearest_focus(self) -> Widget | None:
-        """The widget with the focus if it is shown, or if none is, as in a terminal of one cell.
-
-        Else the first one that can have the focus.
-        """
+        """The widget with the focus if it is shown, else the first one that can have it."""
         chain = self.focus_chain
         return self.focused if self.focused in chain else next(iter(chain), self.focused)
 
     def _compositor_refresh(self) -> None:
         """Draw what has changed; behind a dialog, have the dialog draw that.
 
-        Textual would keep the change marked on this screen, and draw it again with each later one,
-        such as that of the clock: after a change of the whole screen, all of it each second.
+        Textual would keep the change marked on this screen, and draw it again with each later one.
         """
         if self is self.app.screen:
             super()._compositor_refresh()

@@ -26,22 +26,14 @@ _LIT = Style(bold=True, underline=True)  # Of what a typed text matches, with an
 
 
 class Choice(NamedTuple):
-    """A row of the list.
+    """A row of the list."""
 
-    Attributes:
-        title: The text of the row: what choosing it does.
-        act: Called when the row is chosen, after the dialog has closed; a coroutine that it returns
-            is run as a command.
-        beside: The text at the right of the title: a key, a type.
-        reason: Why it cannot be done now; "" if it can. The row can be chosen all the same.
-        words: Other words that people may type for it.
-    """
-
-    title: str
+    title: str  # What choosing it does.
+    # Called after the dialog has closed; a coroutine is run as a command.
     act: Callable[[], Coroutine[Any, Any, None] | None]
-    beside: str = ""
-    reason: str = ""
-    words: str = ""
+    beside: str = ""  # At the right of the title: a key, a type.
+    reason: str = ""  # Why it cannot be done now; the row can be chosen all the same.
+    words: str = ""  # Other words that people may type for it.
 
 
 def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
@@ -56,10 +48,7 @@ def _columns(choices: Sequence[Choice], width: int) -> Columns:
 
 
 def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
-    """Return one line: `Release the stop (asks first)   R      the robot is not stopped`.
-
-    The reason is left out where it has no room; a row with a reason is quiet.
-    """
+    """Return one line: `Release the stop (asks first)   R      the robot is not stopped`."""
     title, beside = columns
     text = f"{pad(crop(choice.title, title), title)}  {pad(choice.beside, beside)}"
     room = width - title - beside - 4
@@ -69,17 +58,12 @@ def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
 
 
 class ChoiceRows(Rows[Choice]):
-    """The rows of the list, with a visible cursor though the field keeps the focus.
-
-    Attributes:
-        on_choose: Called when a row was clicked, which has the cursor by then.
-        typed: The typed text, whose matches in the titles are bold and underlined.
-    """
+    """The rows of the list, with a visible cursor though the field keeps the focus."""
 
     can_focus = False
     without_focus = True
-    on_choose: Callable[[], object]
-    typed = ""
+    on_choose: Callable[[], object]  # Called when a row was clicked, which has the cursor by then.
+    typed = ""  # Its matches in the titles are bold and underlined.
 
     def highlight(self, typed: str) -> None:
         """Highlight what a typed text matches in the titles, in place of the text before."""
@@ -112,11 +96,7 @@ class ChoiceRows(Rows[Choice]):
 class Choose(Dialog[None]):
     """A dialog with a list, and a field that narrows it by typing.
 
-    Enter or a click closes the dialog and runs the chosen row; escape, a click beside the box or a
-    STOP closes it without a choice.
-
-    Attributes:
-        empty_text: The text in place of rows if none matches.
+    Enter or a click closes the dialog and runs the chosen row.
     """
 
     closes_at_stop = True
@@ -176,10 +156,7 @@ class Choose(Dialog[None]):
         self._count.show(Content.styled(f"{shown} of {len(self._all)}{reason}", "$quiet"))
 
     def update_choices(self, choices: Sequence[Choice]) -> None:
-        """Replace each row by the new choice with the same title.
-
-        Rows without a new choice stay, no row moves, and new titles are not added.
-        """
+        """Replace each row by the new choice with the same title; new titles are not added."""
         by_title = {choice.title: choice for choice in _with_harmless_titles(choices)}
         self._all = [by_title.get(choice.title, choice) for choice in self._all]
         self._rows.show(self._matches())

@@ -18,9 +18,8 @@ from archo_tui.widgets.button import Button
 class Confirm(Dialog[None]):
     """A question with answers, of which the first is the safe one: escape and `n` give it.
 
-    The safe answer has the focus at first; `y` gives the other one of two. The first letter of an
-    answer gives it, too, unless two begin with that letter, or it is `y` or `n`. A STOP closes the
-    dialog without an answer.
+    The safe answer has the focus at first; `y` gives the other one of two, the first letter of an
+    answer that answer. A STOP closes the dialog without an answer.
     """
 
     closes_at_stop = True
@@ -35,14 +34,7 @@ class Confirm(Dialog[None]):
     def __init__(
         self, title: str, question: str, answers: Sequence[str], on_answer: Callable[[str], object]
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            title: The title of the box.
-            question: The text.
-            answers: The words of the buttons; the first changes nothing.
-            on_answer: Called with the words of the answer, after the dialog has been dismissed.
-        """
+        """Create the dialog; `on_answer` gets the words of the answer after it was dismissed."""
         super().__init__()
         self.title, self._question, self._answers = title, question, answers
         self._on_answer = on_answer
@@ -75,11 +67,7 @@ class Confirm(Dialog[None]):
             self.action_answer(1)
 
     def action_answer(self, number: int) -> None:
-        """Close the dialog and pass an answer to `on_answer`; a second answer is ignored.
-
-        Args:
-            number: The place among the answers; 0 is the safe one.
-        """
+        """Close the dialog and pass an answer by its place to `on_answer`; a second is ignored."""
         if not self.is_dismissed:
             self.dismiss()
             self._on_answer(self._answers[number])

@@ -26,10 +26,9 @@ class _Part(NamedTuple):
 
 
 class DiagnosticList(Dialog[None]):
-    """A list of the robot's parts, the worst first, each with its level and message.
+    """A list of the robot's parts, the worst first, which changes with the robot's reports.
 
-    The list changes with the robot's reports while the dialog is open. `f` forgets a part that has
-    long been silent.
+    `f` forgets a part that has long been silent.
     """
 
     BINDINGS = [
@@ -38,12 +37,6 @@ class DiagnosticList(Dialog[None]):
     ]
 
     def __init__(self, view: View, forget: Callable[[Diagnostic], None]) -> None:
-        """Create the dialog.
-
-        Args:
-            view: The state that is shown at first.
-            forget: Forgets a part, or says why it cannot.
-        """
         super().__init__()
         self._view, self._forget = view, forget
         self._box = Vertical(classes="dialog reading")

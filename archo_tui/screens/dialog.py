@@ -26,10 +26,7 @@ DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in
 
 
 def main_screen(app: App[Any]) -> MainScreen | None:
-    """Return the uppermost main screen beneath the dialogs: that of a replay, if one is shown.
-
-    None is returned before there is one.
-    """
+    """Return the uppermost main screen beneath the dialogs, such as a replay's; None before one."""
     mains = [screen for screen in app.screen_stack if isinstance(screen, MainScreen)]
     return mains[-1] if mains else None
 
@@ -37,16 +34,10 @@ def main_screen(app: App[Any]) -> MainScreen | None:
 class DialogHead(Vertical):
     """The lines at the top of a dialog: copies of the main screen's, not dimmed.
 
-    These are header and banner, and over a replay the live robot's line above them. They change
-    with the main screen, and are hidden in a terminal of fewer than 20 rows.
+    Hidden in a terminal of fewer than 20 rows.
     """
 
     def __init__(self, notice_line: NoticeLine) -> None:
-        """Create the lines.
-
-        Args:
-            notice_line: The dialog's line for notices, which is updated with them.
-        """
         super().__init__(classes="above")
         self._notice_line = notice_line
         self._main: MainScreen | None = None
@@ -81,10 +72,7 @@ class DialogHead(Vertical):
 
 
 class DialogFooter(Line):
-    """The line at the bottom of a dialog: the keys that work in dialogs, such as cancel and STOP.
-
-    The line shows the keys as they were when the dialog was opened.
-    """
+    """The line at the bottom of a dialog: the keys that worked in dialogs when it was opened."""
 
     def __init__(self) -> None:
         super().__init__(classes="below")
@@ -98,8 +86,7 @@ class DialogFooter(Line):
 class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     """A dialog over the main screen, whose header and banner stay lit above, and STOP's key below.
 
-    A subclass composes its widgets in `body`. Messages are shown in its `.error` widget, if it has
-    one.
+    A subclass composes its widgets in `body`; messages are shown in its `.error` widget.
     """
 
     head: DialogHead
@@ -136,23 +123,14 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
         self.set_text(".error", Content(text))
 
     def refuse(self, text: str) -> None:
-        """Show why the robot or a node refused, until a possible cause is over.
-
-        Another message takes its place.
-
-        Args:
-            text: The reason, in the words of the robot or the node.
-        """
+        """Show why the robot or a node refused, until a possible cause is over."""
         self.show_message(text)
         self._causes = CauseWatch(refusal_causes)
         if self._snapshot is not None:
             self._causes.observe(self._snapshot)  # The first call records the present causes.
 
     def show_view(self, view: ScreenState) -> None:
-        """Remove a refusal that is shown, if one of its possible causes is over in this view.
-
-        A subclass that overrides this calls it, if it shows refusals.
-        """
+        """Remove a refusal whose possible cause is over. An override calls this."""
         self._snapshot = view.snapshot
         if self._causes is not None and self._causes.observe(view.snapshot):
             self.show_message()
@@ -176,27 +154,14 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
 
 
 class Form(Dialog[None]):
-    """A dialog with a field and two buttons, which a subclass keeps open until its work succeeded.
-
-    Attributes:
-        field: The field.
-        submit_label: The word on the button that does the same as enter.
-        hint: The line below the field while there is no message.
-    """
+    """A dialog with a field and two buttons; a subclass keeps it open until its work succeeded."""
 
     BINDINGS = [("escape", "close", "Close")]
 
-    submit_label: ClassVar[str]
-    hint = Content("")
+    submit_label: ClassVar[str]  # On the button that does the same as enter.
+    hint = Content("")  # Below the field while there is no message.
 
     def __init__(self, id: str, value: str = "", *, disabled: bool = False) -> None:
-        """Create the dialog.
-
-        Args:
-            id: The id of the field.
-            value: The text in the field at first.
-            disabled: True for a field that can only be read.
-        """
         super().__init__()
         self.field = Field(
             value,
@@ -215,10 +180,7 @@ class Form(Dialog[None]):
             yield Button(self.submit_label, self._submit, id="submit", disabled=self.field.disabled)
 
     def show_message(self, text: str = "") -> None:
-        """Show a message in place of the hint; without a text, show the hint again.
-
-        Typing in the field removes the message.
-        """
+        """Show a message in place of the hint until something is typed; "" shows the hint again."""
         super().show_message(text)
         if not text:
             self.set_text(".error", self.hint)
@@ -233,8 +195,5 @@ class Form(Dialog[None]):
         self.submit(self.field.value)
 
     def submit(self, typed: str) -> None:
-        """Check the typed text, and begin the work; a subclass must define it.
-
-        The dialog calls this for enter and for the button.
-        """
+        """Check the typed text, and begin the work; a subclass must define it."""
         raise NotImplementedError

@@ -16,18 +16,13 @@ from archo_tui.widgets.screen_state import ScreenState
 class Dismissable(Base[ScreenResultType]):
     """A screen over another one that is dismissed once, however often its keys are pressed.
 
-    If it is dismissed while a further screen lies over it, it goes when that screen has gone.
-    Textual would dismiss the uppermost screen, even while that is still being built. List this
-    class last among the bases: Textual looks for styles and component classes along the first ones.
-
-    Attributes:
-        closes_at_stop: True if a STOP closes the screen, since it asks about the robot before the
-            STOP.
-        is_asking: True while a worker waits for an answer that may close the screen; keys that are
-            pressed meanwhile wait, too.
+    If it is dismissed while a further screen lies over it, it goes when that screen has gone. List
+    this class last among the bases: Textual looks for styles along the first ones.
     """
 
+    # A STOP closes it, since it asks about the robot before the STOP.
     closes_at_stop: ClassVar[bool] = False
+    # A worker waits for an answer that may close the screen; keys pressed meanwhile wait, too.
     is_asking = False
     _not_drawn = ""  # Why the last state could not be drawn.
     _result: tuple[ScreenResultType | None] | None = None  # Set by the first `dismiss`.
@@ -40,11 +35,8 @@ class Dismissable(Base[ScreenResultType]):
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
         """Close the screen with a result, at once or as soon as it is in front.
 
-        Later calls keep the result of the first one. What is returned may be awaited only where the
-        screen closes at once.
-
-        Args:
-            result: What the opener of the screen gets.
+        The first result counts. What is returned may be awaited only where the screen closes at
+        once.
         """
         if self._result is None:
             self._result = (result,)
@@ -73,7 +65,4 @@ class Dismissable(Base[ScreenResultType]):
                 self.notify(f"{type(self).__name__} {text}", severity="error", markup=False)
 
     def show_view(self, view: ScreenState) -> None:
-        """Do nothing; a subclass shows the new state here.
-
-        The app calls this with each new state while the screen is mounted.
-        """
+        """Do nothing; a subclass shows here each new state while the screen is mounted."""

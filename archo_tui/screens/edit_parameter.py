@@ -34,13 +34,6 @@ class EditParameter(Form):
     def __init__(
         self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]], offered: Any
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            parameter: The parameter.
-            send: Sends the new value to the node, and returns the node's answer.
-            offered: The value in the field at first.
-        """
         # In full, since all of the field is sent.
         self._text = safe(typed_text(offered))
         super().__init__("value", self._text, disabled=parameter.read_only)
@@ -66,10 +59,7 @@ class EditParameter(Form):
             yield from self.below_field()
 
     def show_view(self, view: ScreenState) -> None:
-        """Show the present value, which others may change meanwhile; the field keeps its text.
-
-        A refusal is removed once one of its possible causes is over.
-        """
+        """Show the present value, which others may change meanwhile; the field keeps its text."""
         super().show_view(view)
         key = self._parameter.node, self._parameter.name
         values = (p.value for p in view.snapshot.parameters if (p.node, p.name) == key)
@@ -91,13 +81,10 @@ class EditParameter(Form):
         start_worker(self.app, partial(self._set, value), COMMANDS)
 
     def _parse(self, typed: str) -> Any:
-        """Return the value that a text means.
+        """Return the value that a text means; ValueError if it is none of the parameter's.
 
-        If the offered value has characters that a field cannot show, the untouched text means that
-        value, and an edited text must be free of the marks that stand for these characters.
-
-        Raises:
-            ValueError: The text is no value of the parameter's type, or not in its range.
+        The untouched text of an offered value with hidden characters means that value; an edited
+        text must be free of the marks that stand for them.
         """
         if self._text != typed_text(self._offered):
             if typed == self._text:

@@ -12,27 +12,17 @@ _WORDS = re.compile(r"[^\W_]+")
 
 
 class Fit(IntEnum):
-    """The fit of a typed word to a name; a smaller value is a better fit.
+    """The fit of a typed word to a name; a smaller value is a better fit."""
 
-    WORD is a whole word of the name, BEGINNING the beginning of a word, INSIDE any part of the
-    name, SCATTERED letters in the right order; NONE means that the word does not fit.
-    """
-
-    WORD = 0
-    BEGINNING = 1
-    INSIDE = 2
+    WORD = 0  # A whole word of the name.
+    BEGINNING = 1  # The beginning of a word.
+    INSIDE = 2  # Any part of the name.
     SCATTERED = 3  # The name has its letters, in their order.
     NONE = 4
 
 
 def fit(typed: str, name: str, others: str = "") -> Fit:
-    """Return how well a word fits a name, or other words for the same thing, whichever is better.
-
-    Args:
-        typed: One word, casefolded.
-        name: The name, in any case.
-        others: The other words, in any case; only whole words and their beginnings count.
-    """
+    """Return how well a casefolded word fits a name, or the beginnings of other words for it."""
     name = name.casefold()
     words = _WORDS.findall(f"{name} {others.casefold()}")
     if typed in words:
@@ -48,14 +38,9 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
 def matching_rows(
     typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
 ) -> Sequence[T]:
-    """Return the rows that every typed word fits, the best first.
+    """Return the rows that every typed word fits, the best first; all if nothing is typed.
 
-    The word that fits worst decides, then the sum over all words; equals keep their order.
-
-    Args:
-        typed: What was typed; if it is blank, all rows are returned in their order.
-        rows: The rows.
-        names_of: Returns the name of a row, and other words for it.
+    The word that fits worst decides, then the sum over all words.
     """
     words = typed.casefold().split()
 
@@ -69,14 +54,9 @@ def matching_rows(
 
 
 def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:
-    """Return the beginnings and ends of what typed words match in a name, sorted; they may overlap.
+    """Return the sorted spans of what typed words match in a name; they may overlap.
 
-    A word matches at the beginning of a word if it can, else inside of one. A word that is not in
-    the name gives no span; nor does any word if casefolding changes the length of the name.
-
-    Args:
-        typed: The typed text, of one or more words.
-        name: The name, in any case.
+    None if casefolding changes the name's length.
     """
     lower, found = name.casefold(), []
     if len(lower) != len(name):  # Its letters stand elsewhere.

@@ -25,31 +25,18 @@ _GAP = 3  # Cells between two columns.
 
 
 class Entry(NamedTuple):
-    """A key and its command.
+    """A key and its command."""
 
-    Attributes:
-        section: The place where the key works, as the title of a section.
-        key: The key, as it is shown; "" for none.
-        help: What the command does.
-        works: False if the command cannot run now.
-    """
-
-    section: str
+    section: str  # The place where the key works.
     key: str
     help: str
-    works: bool
+    works: bool  # The command can run now.
 
 
 class KeyList(Dialog[None]):
     """The base of dialogs with keys, drawn again after a resize and when other keys work."""
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
-        """Create the dialog.
-
-        Args:
-            list_entries: Returns the entries. It is called now, and again with each new view, since
-                keys may begin or cease to work.
-        """
         super().__init__()
         self._list_entries = list_entries
         self._entries = list_entries()
@@ -70,10 +57,7 @@ class KeyList(Dialog[None]):
 
 
 class Help(KeyList):
-    """A list of all keys, a section for each place where they work; typing searches the list.
-
-    A command that cannot run now is darker.
-    """
+    """A list of all keys, a section for each place where they work; typing searches the list."""
 
     BINDINGS = [
         ("escape", "close", "Close"),
@@ -82,11 +66,6 @@ class Help(KeyList):
     ]
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
-        """Create the dialog.
-
-        Args:
-            list_entries: Returns the entries, as for `KeyList`.
-        """
         super().__init__(list_entries)
         self._scroll = VerticalScroll(can_focus=False)
         self._search = Field(
@@ -129,13 +108,7 @@ class Help(KeyList):
 
 
 def section_lines(entries: Iterable[Entry], width: int, key_width: int) -> list[list[Content]]:
-    """Return the lines of each section: a blank line, its name, and its keys.
-
-    Args:
-        entries: The entries; the sections come in the order of their first entries.
-        width: The cells of a line.
-        key_width: The cells of the longest key.
-    """
+    """Return the lines of each section: a blank line, its name, and its keys."""
     sections: dict[str, list[Content]] = {}
     for entry in entries:
         name = Content.styled(entry.section, "bold")
@@ -155,12 +128,7 @@ def _entry_lines(entry: Entry, width: int, key_width: int) -> list[Content]:
 
 
 def _columns(blocks: Sequence[list[Content]], count: int) -> list[list[Content]]:
-    """Distribute blocks of lines, in their order, over columns of about the same height.
-
-    Args:
-        blocks: The blocks, none of which is split.
-        count: The number of columns; the last ones may be empty.
-    """
+    """Distribute blocks of lines, none split, over columns of about the same height."""
     height = sum(map(len, blocks)) / count
     columns: list[list[Content]] = [[]]
     for block in blocks:

@@ -25,13 +25,6 @@ class KeyCard(KeyList):
     def __init__(
         self, title: str, list_entries: Callable[[], Sequence[Entry]], show_all: Callable[[], None]
     ) -> None:
-        """Create the card.
-
-        Args:
-            title: The title of the box.
-            list_entries: Returns the entries, as for `KeyList`.
-            show_all: Opens the list of all keys, after the card has been dismissed.
-        """
         super().__init__(list_entries)
         self._card_title, self._show_all = title, show_all
         self._scroll, self._text = VerticalScroll(), Static()

@@ -57,7 +57,7 @@ _LAYOUT_TIMEOUT = 0.5
 def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
     """Return the CSS class that Textual sets for a width or height, by its breakpoints.
 
-    If the class is set from the start, Textual need not style and lay out everything a second time.
+    If it is set from the start, Textual need not lay out everything a second time.
     """
     return max((minimum, name) for minimum, name in breakpoints if cells >= minimum)[1]
 
@@ -67,14 +67,6 @@ class MainScreen(Base[None]):
 
     Nothing is drawn until a view with nodes has come, or for 0.3 s. A panel that cannot be drawn
     shows why in its title, and the others go on.
-
-    Attributes:
-        starts_in_field: True if the goal's field has the focus at first, where it is in sight.
-        everywhere_keys: What the footer shows of the keys that work in dialogs, too.
-        head: The lines at the top, as they were shown last; empty before.
-        notice: The notice that is shown, over the last of these lines or below them; None for none.
-        on_head: Functions without arguments, called whenever lines or notice are shown; each dialog
-            adds one, and removes it at its end.
     """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
@@ -102,17 +94,10 @@ class MainScreen(Base[None]):
         size: Size,
         time_line: Panel | None = None,
         *,
+        # The goal's field has the focus at first, where it is in sight.
         starts_in_field: bool = False,
     ) -> None:
-        """Create the screen.
-
-        Args:
-            snapshot: Has the robot file.
-            size: The size of the terminal.
-            time_line: The panel of a replay, which makes the screen read-only; None for a live
-                robot.
-            starts_in_field: True to focus the goal's field at first, if it is in sight.
-        """
+        """Create the screen; with a `time_line`, that of a replay, it is read-only."""
         width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
         height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)
         super().__init__(classes=f"{width_class} {height_class}")
@@ -136,9 +121,10 @@ class MainScreen(Base[None]):
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._footer_content: object = None  # From what the footer was drawn.
-        self.everywhere_keys = Content("")
-        self.head: list[Content] = []
-        self.notice: Notice | None = None
+        self.everywhere_keys = Content("")  # The footer's, of the keys that work in dialogs, too.
+        self.head: list[Content] = []  # The lines at the top, as shown last.
+        self.notice: Notice | None = None  # Over the last of these lines, or below them.
+        # Called whenever lines or notice are shown: dialogs.
         self.on_head: list[Callable[[], None]] = []
         self._notice_line = NoticeLine()
         self._is_laid_out = self._is_filled = False
@@ -178,11 +164,7 @@ class MainScreen(Base[None]):
 
     @property
     def _first_field(self) -> Widget | None:
-        """The goal's field if that gets the focus at first, else None.
-
-        The field does not get the focus without `starts_in_field`, in a small terminal, or if
-        letters would be text in it.
-        """
+        """The goal's field, if that is in sight and takes no letters, for the focus at first."""
         size = self.app.size
         if not self.starts_in_field or size.width < _FIELD_WIDTH or size.height < _FIELD_HEIGHT:
             return None
@@ -200,20 +182,14 @@ class MainScreen(Base[None]):
             self._show_footer(self._view, self._commands)
 
     def _mark_focused(self) -> None:
-        """Set the look of the panel with the focus, and of the others.
-
-        A style with `:focus-within` would have Textual visit every widget in the panels.
-        """
+        """Show which panel has the focus; with `:focus-within` Textual would visit every widget."""
         focused = self.focused_panel
         for panel in self._panels.values():
             panel.mark_focused(panel.number == focused)
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """The widgets that tab visits, in the order of the panels' numbers at every size.
-
-        In each panel, buttons and searches come last.
-        """
+        """The widgets that tab visits, by panel at every size, buttons and searches last."""
         for panel in self._panels.values():  # Textual may not have noticed yet what a class hides.
             panel._nodes.updated()
         return sorted(super().focus_chain, key=_tab_order)
@@ -252,10 +228,7 @@ class MainScreen(Base[None]):
 
     @property
     def panels_region(self) -> Region:
-        """The cells that the panels share, without header, banner and footer.
-
-        The region is empty before a layout.
-        """
+        """The cells that the panels share, without header and footer; empty before a layout."""
         return self._body.region
 
     @property
@@ -269,11 +242,7 @@ class MainScreen(Base[None]):
         return self.has_class("-full")
 
     def toggle_full(self, panel: Panel) -> None:
-        """Let a panel fill the screen and focus it, or show all panels again if it does already.
-
-        The widget that had the focus before a panel fills the screen is remembered for
-        `focus_back`.
-        """
+        """Let a panel fill the screen and focus it, or show all panels again if it does already."""
         if self.has_class(f"-full-{panel.number}"):
             self.leave_full()
             return
@@ -284,11 +253,7 @@ class MainScreen(Base[None]):
         panel.take_focus()
 
     def leave_full(self) -> None:
-        """Show all panels again.
-
-        If the panel with the focus has no room among them, the focus goes back to where it was
-        before.
-        """
+        """Show all panels again; the focus goes back if its panel has no room among them."""
         self._show_all()
         focused = self._panels.get(self.focused_panel)
         if focused is not None and not self._has_room(focused):
@@ -299,10 +264,7 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
-        """Return True if a panel is shown among the others in a terminal of this size.
-
-        History and Graph are only in three columns.
-        """
+        """Return True if a panel is shown here; History and Graph are only in three columns."""
         return panel not in (self.history, self.graph) or self._is_wide
 
     @property
@@ -330,11 +292,9 @@ class MainScreen(Base[None]):
                 self._grid.styles.grid_rows = f"{upper} 1fr"
 
     def focus_panel(self, number: int) -> None:
-        """Focus a panel by its number, and scroll to it.
+        """Focus a panel by its number, and scroll to it; without room, it fills the screen.
 
-        A panel that fills the screen makes way for all panels, unless it is this one. A panel that
-        has no room among them fills the screen itself. The widget that had the focus, unless it is
-        the board, is remembered for `focus_back`.
+        The widget that had the focus, unless it is the board, is remembered for `focus_back`.
         """
         if not self.has_class(f"-full-{number}"):
             self._show_all()
@@ -380,19 +340,15 @@ class MainScreen(Base[None]):
             super()._compositor_refresh()
 
     def _show_focused(self) -> None:
-        """Scroll to the panel with the focus, where not all panels have room.
-
-        Nothing is scrolled before a panel was chosen by its number.
-        """
+        """Scroll to the panel with the focus, once a panel was chosen by its number."""
         panel = self._panels.get(self.focused_panel)
         if panel is not None and self._is_panel_chosen and self._body.max_scroll_y:
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Focus the widget that had the focus before a panel was chosen; of a search, its panel.
+        """Focus the widget that had the focus before a panel was chosen, or else the parameters.
 
-        If a search has the focus, it is only closed and cleared. The parameters get the focus if no
-        such widget is known, or its panel has no room.
+        If a search has the focus, it is only closed and cleared.
         """
         before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
@@ -406,10 +362,7 @@ class MainScreen(Base[None]):
             self.set_focus(before)
 
     def _fill(self) -> None:
-        """Show the last view, if there is one, in the visible panels, and let the screen be drawn.
-
-        Further calls do nothing.
-        """
+        """Show the last view in the visible panels, and let the screen be drawn; once only."""
         if not self._is_filled:
             self._is_filled = True
             if self._view is not None:  # The next view fills the hidden panels.
@@ -421,10 +374,6 @@ class MainScreen(Base[None]):
         """Show a new view in header, banner, panels and footer.
 
         Until a view with nodes has come, or 0.3 s have passed, views are only kept.
-
-        Args:
-            view: The state of the screen.
-            commands: The keys of the footer, in their order.
         """
         self._view, self._commands = view, commands
         if not self._is_filled:
@@ -448,11 +397,7 @@ class MainScreen(Base[None]):
         self._fit()
 
     def show_head(self, lines: list[Content]) -> None:
-        """Keep new lines for the top of the dialogs over this screen, and have them shown there.
-
-        Args:
-            lines: The lines from the top; the last one is the banner.
-        """
+        """Keep new lines, the banner last, for the dialogs over this screen; show them there."""
         self.head = lines
         self.show_notice(self.notice)
 
@@ -465,18 +410,14 @@ class MainScreen(Base[None]):
 
     @property
     def notice_row(self) -> int:
-        """The row of the screen for a notice: the banner's, or the next one.
-
-        The next one is taken while the banner shows an alarm or a request.
-        """
+        """The row of the screen for a notice: the banner's, or the next one if that is needed."""
         is_needed = self._view is not None and bars.is_banner_needed(self._view)
         return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the commands' keys, behind those of the field with the focus, if there is one.
 
-        While a field has the focus, `go` and the keys that are text in that field are left out.
-        `everywhere_keys` is updated.
+        Keys that are text in that field are left out. `everywhere_keys` is updated.
         """
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()

@@ -44,21 +44,12 @@ class MessageForm(Dialog[None]):
         self,
         title: str,
         message_fields: Sequence[TypedField],
-        send: Send,
+        send: Send,  # Gets the values by dotted path; those of a YAML text are nested.
+        # The last texts by path, of the YAML text under ""; changed by sending.
         typed: dict[str, str],
+        # Labels, units and limits of the robot file, by path.
         form: Mapping[str, FormField] | None = None,
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            title: The title of the box.
-            message_fields: The primitive fields of the message.
-            send: Sends the values, and returns the outcome. The values are keyed by dotted path;
-                those of a YAML text are nested as they were typed.
-            typed: The texts of the last time by path, that of the YAML text under "". The dialog
-                puts the present texts there when it is to send, though a text may not be valid.
-            form: Labels, units and limits of the robot file, by path.
-        """
         super().__init__()
         self.title, self._message_fields, self._send = title, message_fields, send
         self._typed, self._form = typed, form or {}
@@ -137,10 +128,7 @@ class MessageForm(Dialog[None]):
             self.show_message()
 
     def action_send(self) -> None:
-        """Check the values and send them, or show which one is not valid.
-
-        While an answer is due, the call is ignored.
-        """
+        """Check the values and send them, or show which one is not valid; once until the answer."""
         if self.is_asking:
             return
         values = self._values_of_yaml() if self._is_yaml else self._values()
@@ -159,10 +147,7 @@ class MessageForm(Dialog[None]):
         self.action_close()
 
     def _values(self) -> dict[str, Any] | None:
-        """Return the value of each field by path, and remember the texts.
-
-        If one is not valid, show why, focus its field, and return None.
-        """
+        """Return and remember the values by path; None after showing which is not valid."""
         values = {}
         for number, message_field in enumerate(self._message_fields):
             text = self._typed[message_field.path] = self._fields[number].value
@@ -176,10 +161,7 @@ class MessageForm(Dialog[None]):
         return values
 
     def _values_of_yaml(self) -> dict[str, Any] | None:
-        """Return the mapping that the YAML text means, and remember the text.
-
-        If it is not valid, show why, and return None.
-        """
+        """Return and remember the YAML text's mapping; None after showing what is wrong."""
         text = self.query_one(widgets.TextArea).text
         self._typed[""] = text
         try:

@@ -28,10 +28,7 @@ _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
 class NodeDialog(Dialog[None]):
-    """The details of a node, with buttons for its log level and its lifecycle.
-
-    The arrows up and down scroll the details; tab reaches the buttons; enter lists the topics.
-    """
+    """The details of a node, with buttons for its log level and its lifecycle."""
 
     BINDINGS = [
         ("escape,q", "close", "Close"),
@@ -43,28 +40,17 @@ class NodeDialog(Dialog[None]):
     def __init__(
         self,
         name: str,
-        state_text: Callable[[View], str],
+        state_text: Callable[[View], str],  # Returns what is known without asking the node.
         view: View,
+        # Asks the graph and the node; an outcome if that fails.
         describe: Callable[[], Awaitable[NodeInfo | Outcome]],
-        set_level: Callable[[str], Awaitable[Outcome]],
+        set_level: Callable[[str], Awaitable[Outcome]],  # One of `LEVELS`.
+        # With a transition's word; None after asking a question first.
         change_lifecycle: Callable[[str], Coroutine[Any, Any, None] | None],
-        disabled_reason: str,
+        disabled_reason: str,  # Of level and lifecycle.
+        # Opens the dialog of a topic by its full name and types.
         show_topic: Callable[[str, Sequence[str]], None],
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            name: The full name of the node.
-            state_text: Returns what the console knows of the node without asking the node.
-            view: The present view.
-            describe: Asks the graph and the node for what else is shown; returns an outcome if it
-                fails.
-            set_level: Sets the log level, one of `LEVELS`, and returns the outcome.
-            change_lifecycle: Called with the word of a transition of a managed node. It returns the
-                work that makes the transition, or None after asking a question first.
-            disabled_reason: Why neither level nor lifecycle can be changed; "" if they can.
-            show_topic: Opens the dialog of a topic, given by its full name and its types.
-        """
         super().__init__()
         self._node, self._state_text, self._view = name, state_text, view
         self._disabled_reason = disabled_reason
@@ -96,10 +82,9 @@ class NodeDialog(Dialog[None]):
         start_worker(self, self._update_details, _GROUP)
 
     def show_view(self, view: ScreenState) -> None:
-        """Show the present state once a second, and when a node of this process starts or ends.
+        """Show the state once a second, and when a node here starts or ends.
 
-        When the lifecycle of the node changes, the graph and the node are asked again. A refusal is
-        removed once one of its possible causes is over.
+        When the lifecycle of the node changes, the graph and the node are asked again.
         """
         super().show_view(view)
         if view.second != self._view.second or view.hosted != self._view.hosted:
@@ -112,10 +97,7 @@ class NodeDialog(Dialog[None]):
             start_worker(self, self._update_details, _GROUP)
 
     async def _update_details(self) -> None:
-        """Ask the graph and the node for the details, and show the answer.
-
-        An answer is dropped if the details have been asked for again since.
-        """
+        """Ask the graph and the node for the details; show the last answer only."""
         self._asked += 1
         turn = self._asked
         answer = await self._describe()
@@ -123,11 +105,7 @@ class NodeDialog(Dialog[None]):
             await self._show(answer)
 
     async def _show(self, answer: NodeInfo | Outcome) -> None:
-        """Show what the node has on the graph, its log level and transitions.
-
-        Args:
-            answer: The details, or the outcome that says why there are none, whose text is shown.
-        """
+        """Show what the node has on the graph, its level and transitions, or why not."""
         if isinstance(answer, Outcome):
             info, text = None, Content(answer.text)
         else:
@@ -152,11 +130,7 @@ class NodeDialog(Dialog[None]):
             button.set_class(bool(self._disabled_reason), "-blocked")
 
     async def _show_transitions(self, words: tuple[str, ...]) -> None:
-        """Show a button for each transition that the node can make now, in place of those before.
-
-        Args:
-            words: The transitions, as the lifecycle verb names them; empty hides the row.
-        """
+        """Show a button for each transition that the node can make now; none hides the row."""
         async with self._replacing:
             for box in self.query("#transitions"):
                 box.display = bool(words)

@@ -17,10 +17,7 @@ from archo_tui.widgets.rows import Columns, Rows, Text, crop
 
 
 def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
-    """Return a row such as `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time.
-
-    The columns are the begin, the length, the size, and why the recording was written.
-    """
+    """Return `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time."""
     when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
     return [(crop(f"{when}  {length_size_and_why(recording)}", width), "")]
 
@@ -37,19 +34,12 @@ class RecordingList(Dialog[None]):
 
     def __init__(
         self,
-        recordings: Sequence[Recording],
+        recordings: Sequence[Recording],  # The newest first.
+        # Opens a recording; keys wait until that ends.
         play: Callable[[Recording], Awaitable[None]],
-        copy: Callable[[Recording], None],
-        delete: Callable[[Recording], None],
+        copy: Callable[[Recording], None],  # Copies the command that plays it.
+        delete: Callable[[Recording], None],  # May ask first.
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            recordings: The recordings, the newest first.
-            play: Returns the work that opens a recording; keys wait until that ends.
-            copy: Copies the command that plays a recording.
-            delete: Deletes a recording; it may ask first.
-        """
         super().__init__()
         self._recordings, self._play, self._copy, self._delete = recordings, play, copy, delete
         self._rows: Rows[Recording] = Rows(
@@ -77,10 +67,7 @@ class RecordingList(Dialog[None]):
         self._rows.show(recordings)
 
     def action_play(self) -> None:
-        """Open the recording under the cursor; until that is done, keys wait.
-
-        A second call meanwhile is ignored, as is one without a recording.
-        """
+        """Open the recording under the cursor; keys wait, and a second call is ignored."""
         if self._rows.item is not None and not self.is_asking:
             self.is_asking = True
             start_worker(self.app, partial(self._wait_for, self._rows.item), "replay")

@@ -23,20 +23,12 @@ from archo_tui.widgets.time_line import TimeLine
 class ReplayScreen(MainScreen, Dismissable[None]):
     """The panels of a recorded robot, with a line above them that tells what the live robot does.
 
-    The recording is played while the screen is open; its player is closed with it.
+    The player is closed with the screen.
     """
 
     def __init__(
         self, snapshot: Snapshot, size: Size, player: Player, update: Callable[[], None]
     ) -> None:
-        """Create the screen.
-
-        Args:
-            snapshot: Has the robot file of the recording.
-            size: The size of the terminal.
-            player: The player of the recording, which this screen closes at its end.
-            update: Called for each frame of the player, to show its position.
-        """
         super().__init__(snapshot, size, TimeLine(player))
         self._player, self._update = player, update
         self._live = Line(id="live")
@@ -53,21 +45,13 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         self._player.close()
 
     def show_view(self, view: ScreenState) -> None:
-        """Show what the live robot does in the line at the top, in dialogs too.
-
-        Args:
-            view: The state of the live console; the panels show the recording.
-        """
+        """Show what the live robot does in the line at the top, in dialogs too."""
         self._live_text = live_line(view, self.size.width)
         self._live.show(self._live_text)
         self.show_head(self._recorded_head)
 
     def show_head(self, lines: list[Content]) -> None:
-        """Show the line of the live robot and those of the recording at the top of open dialogs.
-
-        Args:
-            lines: The lines of the recording; the last one is its banner.
-        """
+        """Show the line of the live robot and those of the recording at the top of open dialogs."""
         self._recorded_head = lines
         super().show_head([self._live_text, *lines])
 

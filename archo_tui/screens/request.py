@@ -50,22 +50,12 @@ class AnswerRequest(Dialog[None]):
         self,
         request: ApprovalRequest,
         view: View,
-        is_unseen: Callable[[], bool],
+        is_unseen: Callable[[], bool],  # The terminal does not show what was drawn.
+        # When the key or click that is being handled was read.
         input_time: Callable[[], InputTime | None],
-        answer: Callable[[int, bool], None],
-        on_over: Callable[[str], None],
+        answer: Callable[[int, bool], None],  # The request's number, True to allow; once at most.
+        on_over: Callable[[str], None],  # Called with a text if the request ends meanwhile.
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            request: The request.
-            view: The present view.
-            is_unseen: Returns True while the terminal does not show what was drawn.
-            input_time: Returns when the key or click that is being handled was read; None for
-                neither.
-            answer: Called with the number of the request, and True if it is allowed; once at most.
-            on_over: Called with a text if the request ends while the dialog is open.
-        """
         super().__init__()
         self._request, self._view = request, view
         self._is_unseen, self._input_time = is_unseen, input_time
@@ -98,10 +88,7 @@ class AnswerRequest(Dialog[None]):
         self._restart_reading()
 
     def on_resize(self, event: Resize) -> None:
-        """Limit the height of the request so that the answers stay in view.
-
-        The time for reading begins anew.
-        """
+        """Limit the height of the request, so that the answers stay in view, and read anew."""
         box = self.query_one(VerticalScroll)
         box.styles.max_height = max(event.size.height - _AROUND, 1)
         self._restart_reading()
@@ -128,10 +115,9 @@ class AnswerRequest(Dialog[None]):
         return bool(visible) and visible.bottom_right == geometry.region.bottom_right
 
     def show_view(self, view: View) -> None:
-        """Show the present state of the robot, and how long the request still waits.
+        """Show the state of the robot and how long the request waits; close once it is over.
 
-        If the request is over, `on_over` is called, and the dialog closes. While the terminal does
-        not show what was drawn, the time for reading begins anew.
+        While the terminal does not show what was drawn, the time for reading begins anew.
         """
         self._view = view
         is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
@@ -157,12 +143,7 @@ class AnswerRequest(Dialog[None]):
         self._text.update(Content("\n".join(map(harmless, lines))))
 
     def _give_answer(self, is_allowed: bool) -> None:
-        """Close the dialog and pass the answer on, or tell why the answer does not count.
-
-        An answer counts if no notice covers the request, the time for reading has passed, and the
-        key was not read right behind another one. To allow, all of the request must have been
-        scrolled into sight.
-        """
+        """Close the dialog and pass the answer on, or tell why the answer does not count yet."""
         if self._is_covered:
             self._drawn_at = math.inf
             text = "Wait until this message has gone: it hides a part of the request."

@@ -20,12 +20,7 @@ class ShelveReason(Form):
     submit_label = "Shelve"
 
     def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
-        """Create the dialog.
-
-        Args:
-            alarm: The alarm.
-            shelve: Called with the reason, stripped and not empty, before the dialog closes.
-        """
+        """Create the dialog; `shelve` gets the reason, stripped, not empty, before it closes."""
         super().__init__("reason")
         self._alarm, self._shelve = alarm, shelve
 

@@ -62,35 +62,19 @@ Follow = Callable[
 
 
 class WatchedTopic(NamedTuple):
-    """A topic to show in the dialog, with what the dialog calls.
-
-    Attributes:
-        name: The full name of the topic.
-        follow: Returns a coroutine that follows the topic until it is cancelled. It is called with
-            a function that returns the parts of a view that the dialog needs now, and with one that
-            gets each new view.
-        read_type: Returns the definition of the topic's type as text.
-        copy: Copies the command that shows the topic in a shell; called with the view that is
-            shown.
-    """
+    """A topic to show in the dialog, with what the dialog calls."""
 
     name: str
-    follow: Follow
-    read_type: Callable[[], Awaitable[str]]
-    copy: Callable[[TopicView], None]
+    follow: Follow  # Until cancelled; gets what returns the needed parts, and what takes each view.
+    read_type: Callable[[], Awaitable[str]]  # The definition as text.
+    copy: Callable[[TopicView], None]  # Copies the command that shows the topic in a shell.
 
 
 class _DrawnField(NamedTuple):
-    """The drawn lines of a field, with what they depend on.
-
-    Attributes:
-        field: The field.
-        look: The columns, True if the field is folded, and True if it is plotted.
-        lines: The lines.
-    """
+    """The drawn lines of a field, with what they depend on."""
 
     field: FieldView
-    look: tuple[Columns, bool, bool]
+    look: tuple[Columns, bool, bool]  # The columns, is folded, is plotted.
     lines: list[Text]
 
 
@@ -98,8 +82,7 @@ class TopicDialog(Dialog[None]):
     """A topic's fields as a list with live values, plots of some, and both ends of the topic.
 
     The dialog covers the panels only, so that the robot's state and the banner stay in sight. The
-    topic is subscribed to while the dialog is open. The ends are its publishers and subscribers
-    with their QoS.
+    topic is subscribed to while the dialog is open.
     """
 
     BINDINGS = [
@@ -119,13 +102,7 @@ class TopicDialog(Dialog[None]):
     def __init__(
         self, topic: WatchedTopic, step: Callable[[int], WatchedTopic | None] = lambda _: None
     ) -> None:
-        """Create the dialog.
-
-        Args:
-            topic: The topic.
-            step: Moves to the topic below (1) or above (-1) in the Graph and returns it; None if
-                there is no such topic.
-        """
+        """Create the dialog; `step` returns the topic below (1) or above (-1), or None."""
         super().__init__()
         self._topic, self._step = topic, step
         self._view = TopicView(topic.name)
@@ -195,11 +172,7 @@ class TopicDialog(Dialog[None]):
                 self._margin = self._box.styles.margin = margin
 
     def _uncovered_cells(self, main: MainScreen) -> tuple[int, int]:
-        """Return how many columns of Graph, and how many rows of the goal, stay in sight.
-
-        Graph is at the left of the dialog, the goal above it. Both numbers are 0 if Graph is
-        hidden, or the terminal too narrow for both.
-        """
+        """Return the columns of Graph and the rows of the goal that stay in sight."""
         graph = main.graph
         is_left = graph.display and main.size.width - graph.region.right >= _LEAST_BESIDE
         if not is_left or main.size.width < _WIDE:
@@ -230,7 +203,7 @@ class TopicDialog(Dialog[None]):
     def _with_frozen_message(self, view: TopicView) -> TopicView:
         """Return a newer view with the fields and curves of the frozen one.
 
-        Age, rate, ends and faults are of now. A field that was plotted since has its newer curve.
+        A field that was plotted since has its newer curve.
         """
         frozen = self._view
         return view._replace(
@@ -287,10 +260,7 @@ class TopicDialog(Dialog[None]):
         self._titles.show(Content.styled(field_titles(self._columns), "bold"))
 
     def _show_element_line(self) -> None:
-        """Show the present length of the array in the line for an index.
-
-        If the array has been closed, the line is closed, too, and the list gets the focus.
-        """
+        """Show the array's present length in the line for an index, or close that line."""
         if self._element.array:
             array = next((a for a in self._open_views if a.path == self._element.array), None)
             if array is None:
@@ -349,10 +319,9 @@ class TopicDialog(Dialog[None]):
         self._search.open()
 
     def action_fold(self) -> None:
-        """Open or close the message or array under the cursor; a primitive field does nothing.
+        """Open or close the message or array under the cursor, or show the next elements.
 
-        On the row that stands for more elements, show the next ones; after the last, the first.
-        Keys wait until the elements are shown.
+        After the last elements come the first; keys wait until they are shown.
         """
         field = self._rows.item
         if field is None or field.kind is FieldKind.VALUE:
@@ -374,11 +343,7 @@ class TopicDialog(Dialog[None]):
         self._show_elements(open_arrays)
 
     def action_choose_element(self) -> None:
-        """Open the line for the index of an element of the array around the cursor.
-
-        If the cursor is in no open array, the first open array is taken; without one, a
-        notification says how to open one.
-        """
+        """Open the line for an index of the array around the cursor, or of the first one."""
         item = self._rows.item
         here, arrays = "" if item is None else item.path, self._open_views
         around = [a for a in arrays if here == a.path or here.startswith(f"{a.path}[")]
@@ -389,26 +354,14 @@ class TopicDialog(Dialog[None]):
             self._element.open(array.path, int(array.value or 0))
 
     def _go_to_element(self, array: str, index: int) -> None:
-        """Show the elements of an array from an index on, with the cursor on the first of them.
-
-        The line for an index is closed.
-
-        Args:
-            array: The path of the array.
-            index: The index of the element.
-        """
+        """Show the elements of an array from an index on, and close the line for an index."""
         self._leave_element_line()
         self._show_elements({**self._open_arrays, array: index}, f"{array}[{index}]")
 
     def _show_elements(self, open_arrays: Mapping[str, int], cursor: str = "") -> None:
-        """Open exactly these arrays of the message that is shown, and close all others.
+        """Open exactly these arrays (by path, with the first element), and close all others.
 
-        The elements are read on another thread. Keys are held until they are shown (`is_asking`),
-        since the keys are meant for them.
-
-        Args:
-            open_arrays: The arrays, by path, each with the number of the first element.
-            cursor: The path of the row that gets the cursor; "" leaves it where it is.
+        The elements are read on another thread; keys are held until they are shown.
         """
         self._open_arrays = open_arrays
         self.is_asking = True
@@ -437,10 +390,7 @@ class TopicDialog(Dialog[None]):
             self._rows.move_to(paths.index(cursor))
 
     def action_plot(self) -> None:
-        """Plot the field under the cursor, or remove its plot.
-
-        If the field is no number, a notification says so.
-        """
+        """Plot the field under the cursor if it is a number, or remove its plot."""
         field = self._rows.item
         if field is None:
             return
@@ -454,10 +404,7 @@ class TopicDialog(Dialog[None]):
         self._show_plots()
 
     def action_step(self, by: int) -> None:
-        """Show the topic below (1) or above (-1) in the Graph, in place of this one.
-
-        Plots, opened arrays, search and freezing begin anew. Nothing happens without such a topic.
-        """
+        """Show the topic below (1) or above (-1) in the Graph in place of this one, all anew."""
         topic = self._step(by)
         if topic is None:
             return
@@ -484,11 +431,7 @@ class TopicDialog(Dialog[None]):
         self._topic.copy(self._view)
 
     def action_show_type(self) -> None:
-        """Read the definition of the type, and show it in a dialog over this one.
-
-        Keys wait meanwhile, and a second call is ignored. Nothing is shown if the dialog was closed
-        or shows another topic by then.
-        """
+        """Read the definition of the type, and show it in a dialog over this one; keys wait."""
         if not self.is_asking:
             self.is_asking = True
             start_worker(self.app, self._show_type, _GROUP)

@@ -57,8 +57,8 @@ SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
 class AlarmBoard:
     """All alarms that are not normal.
 
-    Each method that changes alarms returns those whose state differs now, as they are now. An
-    alarm that is gone is among them, with the state NORMAL or REPLACED.
+    Each method that changes alarms returns those whose state differs now, as they are now. An alarm
+    that is gone is among them, with the state NORMAL or REPLACED.
     """
 
     def __init__(self) -> None:
@@ -159,15 +159,12 @@ class AlarmBoard:
         return not is_own and monotonic - self._pending[name] >= kind.delay
 
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
-        """Acknowledge an alarm; one whose condition is over leaves the board.
-
-        The alarm of that name on the board is changed, if it is there and not acknowledged.
-        """
+        """Acknowledge the alarm of that name; one whose condition is over leaves the board."""
         known = self._alarms.get(alarm.name)
         return [] if known is None else self._change(known, Change.ACKNOWLEDGE, now)
 
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
-        """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
+        """Shelve an alarm for SHELF_TIME, or take a shelved one off.
 
         One that is taken off is gone, and raised again by the next `update` if it holds.
         """
@@ -188,10 +185,7 @@ class AlarmBoard:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
-        """Put an alarm on the board as a change makes it; return it if its state differs.
-
-        The state stays if TRANSITIONS has no other. An alarm that is gone is removed.
-        """
+        """Put an alarm on the board as TRANSITIONS say; return it if its state differs."""
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
         if change in (Change.CLEARED, Change.REPLACED):
@@ -209,9 +203,9 @@ class AlarmBoard:
 
 
 class AlarmBell:
-    """The record of which alarms the operator was called for, by bell and notification.
+    """The alarms that the operator was called for; the caller rings.
 
-    An alarm of high priority calls once each time that it is raised. The caller rings.
+    An alarm of high priority calls once each time that it is raised.
     """
 
     def __init__(self) -> None:

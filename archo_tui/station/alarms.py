@@ -54,29 +54,18 @@ _CHARGE = "charge"  # The robot file's command that charges, whatever its id is.
 
 
 class Kind(NamedTuple):
-    """All that is fixed about an alarm.
+    """All that is fixed about an alarm."""
 
-    Attributes:
-        name: As lists, journal and `--plain` name it; behind it may stand a node, topic or part.
-        condition: Yields what it is about, and its text, for each that holds.
-        delay: Seconds that the condition must hold before it is raised (ISA-18.2's on-delay).
-        off_delay: Seconds for which it counts on after it was last found.
-        graver: The alarm that replaces it, since it may have the same cause.
-        is_reported: True if it follows from what the robot reports: it stays as last known, and is
-            not raised, while contact is lost.
-        is_silence: True if it is about silence, which is this process's own after it was suspended.
-        has_text: True if behind its name stands any text, not the name of a node or topic.
-    """
-
-    name: str
+    name: str  # Behind it may stand a node, topic or part.
     priority: Priority
+    # Yields what it is about, and its text, for each that holds.
     condition: Callable[[Situation], Found]
-    delay: float = 0.0
-    off_delay: float = 0.0
-    graver: str = ""
-    is_reported: bool = False
-    is_silence: bool = False
-    has_text: bool = False
+    delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
+    off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
+    graver: str = ""  # Replaces it: it may have the same cause.
+    is_reported: bool = False  # By the robot: as last known, and not raised, without contact.
+    is_silence: bool = False  # It is this process's own after a suspension.
+    has_text: bool = False  # Behind its name stands any text, not a node or topic.
     holds: Holds | None = None
     remedy: Remedy | None = None
 
@@ -171,8 +160,8 @@ _STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
 class AlarmState(Enum):
     """The states of ISA-18.2; the value is the word in the list of alarms.
 
-    RETURNED is ISA-18.2's "returned to normal unacknowledged". REPLACED is ours: an alarm of
-    higher priority stands for the same cause, so the alarm is gone although nothing is normal.
+    RETURNED is ISA-18.2's "returned to normal unacknowledged". REPLACED is ours: an alarm of higher
+    priority stands for the same cause.
     """
 
     NORMAL = "normal"
@@ -187,27 +176,16 @@ LAST_KNOWN = " (last known)"
 
 
 class Alarm(NamedTuple):
-    """An alarm that is not normal.
+    """An alarm that is not normal."""
 
-    Attributes:
-        name: The name of its kind, followed by the node, topic, gauge or part if there may be
-            several.
-        text: The situation, and what to do.
-        since: Unix time at which it was raised.
-        until: Unix time at which its condition was over; None while the condition holds.
-        shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
-        shelf_ends: The same in monotonic seconds, which no setting of the clock changes.
-        reason: The operator's reason for shelving it; "" for none.
-    """
-
-    name: str
-    text: str
-    since: UnixTime
+    name: str  # Its kind's, and the node, topic, gauge or part if there may be several.
+    text: str  # The situation, and what to do.
+    since: UnixTime  # It was raised.
     state: AlarmState = AlarmState.UNACKNOWLEDGED
-    until: UnixTime | None = None
-    shelved_until: UnixTime | None = None
-    shelf_ends: Monotonic | None = None
-    reason: str = ""
+    until: UnixTime | None = None  # None while its condition holds.
+    shelved_until: UnixTime | None = None  # For people; None if it is not shelved.
+    shelf_ends: Monotonic | None = None  # The same, unmoved by the clock.
+    reason: str = ""  # The operator's, for shelving it.
 
     @property
     def kind(self) -> Kind:
@@ -271,10 +249,7 @@ def holding(alarms: Iterable[Alarm]) -> Holding:
 
 
 def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
-    """Return the text of an alarm, with the command that helps now.
-
-    `hints` tell how to give each command, from `remedy_hints`.
-    """
+    """Return the text of an alarm, with the command that helps now by `remedy_hints`."""
     remedy = alarm.kind.remedy
     is_past = alarm.is_over or alarm.text.endswith(LAST_KNOWN)
     if remedy is None or remedy.command not in hints or is_past:
@@ -283,10 +258,7 @@ def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
 
 
 def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str, str]:
-    """Return how to give each command that helps against alarms, as `press R`, if it is offered.
-
-    `hints_by_id` has the commands by their ids.
-    """
+    """Return how to give each offered command that helps against alarms, as `press R`."""
     robot, hints = snapshot.file, {}
     if robot.stop is not None and not snapshot.unavailable(robot.stop.release):
         hints["release"] = hints_by_id.get("release", "")

@@ -51,28 +51,18 @@ class ApprovalStatus(Enum):
 
 
 class ApprovalRequest(NamedTuple):
-    """A goal that an assistant wants.
+    """A goal that an assistant wants."""
 
-    Attributes:
-        number: Names it for persons and assistants, counted from 1.
-        text: The goal in words, as `go to shelf 12`.
-        requested: When, in monotonic seconds.
-        stop_count: STOPs read by then, at this and other consoles; a further one voids it.
-        reason: Why it is void or expired.
-        goal_end: The outcome of the goal; None until a person has allowed it.
-        ended_goal: The goal as it ended; None until then, and if it was never accepted.
-    """
-
-    number: int
+    number: int  # From 1, for persons and assistants.
     requester: Requester
     goal: QueuedGoal
-    text: str
-    requested: float
-    stop_count: int
+    text: str  # The goal, as `go to shelf 12`.
+    requested: float  # monotonic, s
+    stop_count: int  # STOPs read by then, here and elsewhere; a further one voids it.
     status: ApprovalStatus = ApprovalStatus.WAITING
-    reason: str = ""
-    goal_end: Future[Outcome] | None = None
-    ended_goal: Goal | None = None
+    reason: str = ""  # Why it is void or expired.
+    goal_end: Future[Outcome] | None = None  # None until a person has allowed it.
+    ended_goal: Goal | None = None  # None also if it was never accepted.
 
     def seconds_left(self, now: float) -> float:
         """Return the seconds until it expires, 0.0 at least."""
@@ -136,7 +126,7 @@ class Approvals:
     def request(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
         """Ask a person to allow a goal of the assistant that asks now, without waiting for that.
 
-        `text` is the goal in words. ValueError, with the reason, if nobody could allow it now.
+        ValueError, with the reason, if nobody could allow it now.
         """
         requester, stop_count = current_requester(), self._robot.stops.count_when_typed
         refusal = self._refusal()
@@ -194,8 +184,7 @@ class Approvals:
         """Carry out what a person has decided, with an event; an allowed goal is sent at once.
 
         DONE does not tell whether the robot accepts the goal. A request that cannot be allowed now
-        waits on, unless it is outdated. Allowing empties the requester's `ends` first; after a
-        denial no request can be made for PAUSE seconds.
+        waits on, unless it is outdated. Allowing empties the requester's `ends` first.
         """
         self._refresh()
         request = self._all.get(number)

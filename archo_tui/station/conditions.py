@@ -33,24 +33,15 @@ _OTHERS = "others"  # Of the alarm for the parts that have none of their own.
 
 
 class Situation(NamedTuple):
-    """All that alarms go by.
-
-    Attributes:
-        now: Monotonic time in seconds.
-        hosted: The nodes that this process runs.
-        journal_failure: Why the journal cannot be written; "" if it can.
-        recorder_trouble: A failure of recordings that the operator has to know.
-        unseen: Where nodes were looked for, in words; "" to raise no alarm about that.
-        earlier_stop: Unix time of a STOP from before the start that may still hold.
-    """
+    """All that alarms go by."""
 
     snapshot: Snapshot
-    now: float
-    hosted: tuple[Hosted, ...] = ()
-    journal_failure: str = ""
-    recorder_trouble: str = ""
-    unseen: str = ""
-    earlier_stop: float | None = None
+    now: float  # monotonic, s
+    hosted: tuple[Hosted, ...] = ()  # Of this process.
+    journal_failure: str = ""  # Why it cannot be written.
+    recorder_trouble: str = ""  # That the operator has to know.
+    unseen: str = ""  # Where nodes were looked for; "": no alarm about that.
+    earlier_stop: float | None = None  # Unix time of one from before the start that may still hold.
 
     @property
     def has_reports(self) -> bool:
@@ -82,7 +73,7 @@ def moves_after_stop(seen: Situation) -> Found:
 def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
     """Return True if the robot moves in spite of a STOP, by a motion message that is not old.
 
-    For an open STOP that was sent, the message must have come 1 s or more after it was asked for.
+    For an open STOP that was sent, it must have come 1 s or more after it was asked for.
     """
     stop, motion = snapshot.open_stop, snapshot.motion
     if motion.received is None or motion.is_old(now):
@@ -193,10 +184,7 @@ def unhealthy_battery(seen: Situation) -> Found:
 
 
 def is_battery_low(snapshot: Snapshot) -> bool:
-    """Return True if the battery is low by the health it reports, or by its percentage.
-
-    A percentage below the threshold counts even if the robot calls the battery good.
-    """
+    """Return True if the battery is low by its health or its percentage, whichever says so."""
     charge, threshold = snapshot.battery.percentage, snapshot.low_charge
     is_below = charge is not None and (charge <= 0.0 or charge < (threshold or 0.0))
     return is_below or battery_health(snapshot) == "low"

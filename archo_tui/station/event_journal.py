@@ -20,27 +20,18 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class EventJournal:
-    """The part that writes a console's events to the operator's log on the disk (`Journal`).
+    """The part that writes a console's events to the operator's log on the disk (`Journal`)."""
 
-    Events of level DEBUG and INFO are left out, and repeated ones are written only now and then.
-    """
-
-    def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
-        """Create the part for one console.
-
-        Args:
-            journal: Gets a line for each chosen event.
-            place: Tells which robot a STOP or a release was for; see `Session`.
-        """
+    def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:  # See `Session`.
         self._journal, self._place = journal, place
         self._repeat_filter = RepeatFilter()
 
     def record(self, event: Event) -> None:
-        """Write an event to the journal, unless its level is DEBUG or INFO.
+        """Write an event, unless it is DEBUG, INFO, or one of many repeats.
 
-        Of an event that repeats, only counts of 1, 10, 100 and so on are written; of a node's lines
-        that differ in numbers only, those that a `RepeatFilter` passes. The line of a STOP or a
-        release has the key `place`. Called on the robot's thread, without waiting for the disk.
+        Of a node's lines that differ in numbers only, a `RepeatFilter` chooses. The line of a STOP
+        or a release has the key `place`. Called on the robot's thread, without waiting for the
+        disk.
         """
         if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
             return

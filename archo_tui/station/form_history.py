@@ -24,27 +24,17 @@ _writing = threading.Lock()  # Two goals may be sent at once.
 
 
 def load(form: str) -> list[list[str]]:
-    """Return the entries of a form, each as the texts of its fields.
+    """Return the entries of a form, each as the texts of its fields, the oldest first.
 
-    Args:
-        form: The id of the goal, or of the dialog.
-
-    Returns:
-        MAX_ENTRIES entries at most, the oldest first; an empty list if there are none, or the file
-        is broken or cannot be read.
+    Empty also if the file is broken or cannot be read.
     """
     return _entries(_read(), form)
 
 
 def add(form: str, typed: list[str]) -> None:
-    """Add an entry as the newest of its form, and remove an equal older one.
+    """Add an entry as the newest of its form, in place of an equal one, MAX_ENTRIES at most.
 
-    Beyond MAX_ENTRIES, the oldest entry is dropped. A broken file is replaced, which loses the
-    entries of all forms. Errors of the disk are ignored.
-
-    Args:
-        form: The id of the goal, or of the dialog.
-        typed: The texts of its fields, in their order.
+    A broken file is replaced, which loses the entries of all forms. Errors of the disk are ignored.
     """
     path = state_file(_FILE)
     with _writing, contextlib.suppress(OSError):

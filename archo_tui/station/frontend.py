@@ -33,10 +33,7 @@ class Frontend(Protocol):
         """Close the questions to the operator, because another console sent a STOP."""
 
     def restart(self, why: str) -> None:
-        """Start the process again, or say that this is left to a person.
+        """Start the process again, or say that this is left to a person; `why` is for the operator.
 
         Do nothing in a process that hosts no nodes. May be called on any thread.
-
-        Args:
-            why: The reason in words, for the operator.
         """

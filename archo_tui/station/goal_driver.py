@@ -29,12 +29,7 @@ _CANCEL_ATTEMPTS = 3
 
 
 class GoalDriver:
-    """The sender of goals; it gives each its answer and its outcome. Event loop only.
-
-    Attributes:
-        queue: The goals that are wanted and not settled yet.
-        frontend: Runs the sending; None before the first one: no goal may be driven then.
-    """
+    """The sender of goals; it gives each its answer and its outcome. Event loop only."""
 
     def __init__(
         self,

@@ -24,15 +24,8 @@ _KEPT = 3600  # Samples, and ended goals.
 _HOLDS = 1.5
 
 
-def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
-    """Return the value of each quantity; None for one that is old, or that is not reported now.
-
-    `left` is None while no goal runs.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time in seconds.
-    """
+def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:  # monotonic, s
+    """Return the value of each quantity; None for one that is old, or that is not reported now."""
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
     pose = snapshot.pose._replace(x=None, y=None) if snapshot.pose.is_old(now) else snapshot.pose
     return {
@@ -47,12 +40,11 @@ def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | Non
 class History:
     """The samples of the last hour and the last 3600 goals that ended.
 
-    It belongs to the station, so that it is complete also after a crash of the screen. Times are
-    monotonic seconds in a console, and Unix time in a replay.
+    It belongs to the station, so that it survives a crash of the screen. Times are monotonic
+    seconds in a console, and Unix time in a replay.
     """
 
     def __init__(self) -> None:
-        """Create a history without samples."""
         self._times = array("d")
         # For each sample the last value, and the least and the greatest since the sample before;
         # NaN if there was none.
@@ -73,11 +65,7 @@ class History:
             del self._ends[next(iter(self._ends))]
 
     def add_sample(self, snapshot: Snapshot, now: float) -> None:
-        """Add a sample: the values now, and their range since the last sample.
-
-        Goals that have ended are kept, as `observe` does. Beyond 3600 samples the oldest is
-        dropped.
-        """
+        """Add a sample: the values now, and their range since the last one; keep ended goals."""
         self.observe(snapshot, now)
         self._times.append(now)
         for name, value in current_values(snapshot, now).items():
@@ -92,11 +80,7 @@ class History:
         del self._times[:-_KEPT]
 
     def until(self, now: float) -> History:
-        """Return a copy of the history of a replay with what was known at a time.
-
-        Args:
-            now: Unix time in seconds.
-        """
+        """Return a copy of the history of a replay with what was known at a Unix time."""
         earlier, count = History(), bisect_right(self._times, now)
         earlier._times = self._times[:count]
         for columns, earlier_columns in (
@@ -121,18 +105,9 @@ class History:
     def last_values(
         self, quantity: Quantity, span: float, count: int, now: float
     ) -> list[float | None]:
-        """Return the last value in each column of a plot.
+        """Return the last value in each of `count` columns over `span` s, the newest last.
 
-        The columns begin at multiples of their length, so that a column that is past never changes.
-
-        Args:
-            quantity: The quantity that is plotted.
-            span: Seconds that all columns together stand for.
-            count: Number of columns.
-            now: The time of the newest column, not before that of the newest sample.
-
-        Returns:
-            A value for each column, the newest last; None where there is none.
+        Columns begin at multiples of their length, so that a past one never changes.
         """
         found: list[float | None] = [None] * count
         for number, filled in self._columns_filled(span, count, now):
@@ -144,13 +119,7 @@ class History:
     def ranges(
         self, quantity: Quantity, span: float, count: int, now: float
     ) -> list[tuple[float, float] | None]:
-        """Return the least and the greatest value in each column of a plot.
-
-        The arguments are those of `last_values`.
-
-        Returns:
-            Least and greatest for each column, the newest last; None where there is no value.
-        """
+        """Return the least and the greatest value in each column, as `last_values` divides them."""
         found: list[tuple[float, float] | None] = [None] * count
         for number, filled in self._columns_filled(span, count, now):
             least, greatest = self._least[quantity][number], self._greatest[quantity][number]

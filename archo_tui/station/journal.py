@@ -39,17 +39,9 @@ _LOCK_POLL = 0.005  # Seconds between two attempts to lock.
 
 
 def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> float | None:
-    """Return the time of the last confirmed STOP, if no confirmed release followed it.
+    """Return the Unix time of the last confirmed STOP of a `place` (see `Session`), or None.
 
-    This reads the disk.
-
-    Args:
-        file: The journal; the older one beside it is read, too.
-        place: The value that a line's `place` must have, see `Session`.
-        since: Unix time in seconds; older lines do not count.
-
-    Returns:
-        The Unix time in seconds; None if there is no such STOP, or the journal cannot be read.
+    None if a confirmed release followed, or the journal cannot be read. This reads the disk.
     """
     found = None
     for path in (file.with_name(f"{file.name}.1"), file):
@@ -94,18 +86,12 @@ class RepeatFilter:
     """
 
     def __init__(self) -> None:
-        """Create a filter that has counted nothing."""
         self._counts: dict[tuple[str, str], int] = {}  # The kind that was counted last comes last.
 
     def passes(self, source: str, text: str) -> bool:
-        """Count a line, and return True if it is to be written.
+        """Count a line of a node, and return True if it is to be written.
 
-        Of lines that differ in numbers only, the first 100 are written, then one in 1000. Beyond
-        1000 kinds of lines, the one that was not counted for longest is forgotten.
-
-        Args:
-            source: The node that wrote it.
-            text: The line.
+        Of lines that differ in numbers only, the first 100 are, then one in 1000.
         """
         kind = source, _NUMBER.sub("#", text)
         count = self._counts[kind] = self._counts.pop(kind, 0) + 1
@@ -115,21 +101,11 @@ class RepeatFilter:
 
 
 class Journal:
-    """The journal: takes entries from any thread without waiting, and writes them on its own.
-
-    Attributes:
-        failure: The reason why the last entry could not be written; "" if it was, or if none was
-            tried yet.
-    """
+    """The journal: takes entries from any thread without waiting, and writes them on its own."""
 
     def __init__(self, file: Path) -> None:
-        """Start the thread that writes.
-
-        Args:
-            file: The path of the journal, which may not exist yet.
-        """
         self._file = file
-        self.failure = ""
+        self.failure = ""  # Why the last entry could not be written.
         self._who = {
             "user": user_name(),
             "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0],
@@ -142,13 +118,7 @@ class Journal:
     def write(self, unix_time: float, kind: str, **what: object) -> None:
         """Add an entry; if 1000 wait for the disk already, it is only counted as lost.
 
-        An entry that cannot be written is lost, too. The next one that is written has their number
-        as `lost_before`. Each has the keys `v`, `time`, `kind`, `user` and `from`, the SSH client.
-
-        Args:
-            unix_time: The Unix time of the event, in seconds.
-            kind: The kind of the entry, such as `alarm` or `event`.
-            **what: Its further keys, with values that JSON has.
+        The next one that is written has the number of those lost as `lost_before`.
         """
         at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")
         try:
@@ -157,10 +127,7 @@ class Journal:
             self._lost += 1
 
     def close(self) -> None:
-        """Write what is queued, and end the thread.
-
-        A disk that hangs is waited for 4 s at most; what is queued is lost then.
-        """
+        """Write what is queued, and end the thread; give up on a disk that hangs for 4 s."""
         try:
             self._entries.put(None, timeout=_STOP_TIMEOUT)
         except queue.Full:
@@ -193,11 +160,7 @@ class Journal:
 
 
 def _write_line(descriptor: int, line: bytes) -> None:
-    """Append a line whole or not at all; a broken last line is ended first.
-
-    Raises:
-        OSError: The disk refuses it; the file is as it was then.
-    """
+    """Append a line whole or not at all (OSError); a broken last line is ended first."""
     size = os.fstat(descriptor).st_size
     if size:
         os.lseek(descriptor, size - 1, os.SEEK_SET)
@@ -214,11 +177,7 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Hold the lock that all consoles write the journal under, while the context lasts.
-
-    Raises:
-        OSError: Another process holds the lock for longer than a second.
-    """
+    """Hold the lock that all consoles write the journal under; OSError after a second."""
     path = folder / "journal.lock"
     descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
     try:

@@ -15,35 +15,23 @@ Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it fro
 
 
 class CauseWatch:
-    """A watch on the facts that may be why something was refused.
-
-    The text about a refusal is shown until one of these facts is over.
-    """
+    """A watch on the facts that may be why something was refused."""
 
     def __init__(self, facts: Callable[[Snapshot], Facts]) -> None:
-        """Create a watch, which has not recorded any facts yet.
-
-        Args:
-            facts: Returns the possible causes in a snapshot: `refusal_causes` or `limits`.
-        """
         self._facts = facts
         self._before: Facts = frozenset()
 
     def observe(self, snapshot: Snapshot) -> bool:
-        """Record the facts in a snapshot; return True if one that the last call recorded has ended.
+        """Record the facts; return True if one that the last call recorded has ended.
 
-        The first call returns False. A new fact alone does not count: a topic may report the cause
-        after the refusal.
+        A new fact alone does not count: a topic may report the cause after the refusal.
         """
         before, self._before = self._before, self._facts(snapshot)
         return not before <= self._before
 
 
 def refusal_causes(snapshot: Snapshot) -> Facts:
-    """Return the facts in a snapshot for which the robot may refuse a request.
-
-    Each parameter with its value is a fact, so that a changed value ends one.
-    """
+    """Return the facts for which the robot may refuse a request, such as parameters' values."""
     battery, motion = snapshot.battery, snapshot.motion
     goal, robot = snapshot.goal, snapshot.file
     names = {kind.action for kind in robot.goals} | {given.service for given in robot.commands}
@@ -68,10 +56,7 @@ def refusal_causes(snapshot: Snapshot) -> Facts:
 
 
 def limits(snapshot: Snapshot) -> Facts:
-    """Return the least and greatest values that the robot allows in goals now.
-
-    There is a fact for each field of a goal that has limits.
-    """
+    """Return the least and greatest values that the robot allows in goals now, as facts."""
     return frozenset(
         (kind.id, path, given.low, given.high)
         for kind in snapshot.file.goals

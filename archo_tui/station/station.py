@@ -45,31 +45,6 @@ class Station:
 
     It is used on the event loop of its frontend only, but for `post` and `restart`, which may be
     called on any thread, and `earlier_stop`, which any thread may set.
-
-    Attributes:
-        robot: The robot, through the console's node.
-        host: The host of the nodes in this process.
-        clock: The clock of every decision about time.
-        recorder: The black box.
-        attached: True if the robot lives on without this process.
-        on_disconnect: The policy for a running goal at the end: see shutdown.py.
-        quiet: True if new alarms ring no bell and send no notification.
-        unseen: The rest of the text of the alarm `NO NODES`; "" to raise no such alarm.
-        file_is_default: True if no robot file was given, so that ARCHO's is used for any robot.
-        bell: The alarms that have rung, kept here so that a restarted screen does not ring again.
-        earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
-            is none.
-        next_namespace: The namespace of the robot to operate after a restart; "" for the same one.
-        waiting_restart: Why a restart waits for the release of a STOP and then for a key; "" if
-            none does.
-        is_restarting: True once the process is about to start again.
-        stops_before_restart: STOPs that had been read when the screen began to end for a restart.
-        edits: The parameter changes that can be undone.
-        goals: Sends goals, one after the other, and cancels them.
-        approvals: The requests of assistants, which the operator answers.
-        clients: The programs that are connected, by their names for people.
-        history: The curves of the last hour, and the goals that ended.
-        view: The view to show, as of the last `refresh` or the last change of an alarm here.
     """
 
     def __init__(
@@ -82,36 +57,24 @@ class Station:
         *,
         engine: str,
         namespace: str,
-        attached: bool,
-        on_disconnect: str,
-        quiet: bool = False,
-        unseen: str = "",
-        file_is_default: bool = False,
+        attached: bool,  # The robot lives on without this process.
+        on_disconnect: str,  # The policy for a running goal: see shutdown.py.
+        quiet: bool = False,  # New alarms ring no bell and send no notification.
+        unseen: str = "",  # The rest of the text of the alarm `NO NODES`; "" for no such alarm.
+        file_is_default: bool = False,  # ARCHO's file is used for any robot.
     ) -> None:
-        """Create a station without a frontend.
-
-        Args:
-            robot: The robot, through the console's node.
-            host: The host of the nodes in this process.
-            journal: Gets each change of an alarm.
-            recorder: Gets each view.
-            clock: The clock of every decision about time.
-            engine: The engine in words, to be shown.
-            namespace: The robot's, to be shown.
-            attached: True if the robot lives on without this process.
-            on_disconnect: The policy for a running goal at the end: see shutdown.py.
-            quiet: True if new alarms ring no bell and send no notification.
-            unseen: The rest of the text of the alarm `NO NODES`; "" to raise no such alarm.
-            file_is_default: True if no robot file was given.
-        """
         self.quiet, self.unseen = quiet, unseen
-        self.bell = AlarmBell()
+        self.bell = AlarmBell()  # Here, so that a restarted screen does not ring again.
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
         self._may_offer = attached and file_is_default
+        # The robot to operate after a restart, or "" for this; why a restart waits for a release
+        # and then a key.
         self.next_namespace = self.waiting_restart = ""
+        # STOPs read when the screen began to end for a restart.
         self.is_restarting, self.stops_before_restart = False, 0
+        # Unix time of one from before the start that may still hold.
         self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.goals = GoalDriver(
@@ -122,7 +85,7 @@ class Station:
         )
         self._releases = 0
         self.approvals = Approvals(robot, clock, self.goals, self.refresh)
-        self.clients: tuple[str, ...] = ()
+        self.clients: tuple[str, ...] = ()  # The connected programs.
         self.history = History()
         self._frontend: Frontend | None = None
         self._loop: asyncio.AbstractEventLoop | None = None  # The frontend's.
@@ -162,8 +125,7 @@ class Station:
     def attach(self, frontend: Frontend) -> None:
         """Let a frontend send goals and run posted work from now on; call it on its event loop.
 
-        Work that was posted before is started. A goal that an earlier frontend did not begin to
-        send is dropped.
+        A goal that an earlier frontend did not begin to send is dropped.
         """
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
         self.goals.attach(frontend)
@@ -177,10 +139,9 @@ class Station:
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Let the frontend start work in the background, or the next frontend if none is attached.
+        """Let the present or next frontend start work in the background, in the order of the calls.
 
-        Work is started on the frontend's event loop, in the order of the calls. May be called on
-        any thread.
+        May be called on any thread.
         """
         self._posted.append(work)
         loop = self._loop
@@ -193,21 +154,15 @@ class Station:
             self._frontend.run_in_background(self._posted.popleft())
 
     def close_questions(self) -> None:
-        """Close the questions to the operator, because another console sent a STOP.
-
-        Do nothing without a frontend.
-        """
+        """Close the questions to the operator, because another console sent a STOP."""
         if self._frontend is not None:
             self._frontend.close_questions()
 
     def restart(self, why: str) -> None:
         """Have the frontend, if there is one, start the process again with the same arguments.
 
-        The screen does, or lets it wait while there is a `restart_blocker`; `--plain` only logs
-        that the changes count from the next start on. May be called on any thread.
-
-        Args:
-            why: The reason in words, for the operator.
+        The screen does, or waits while there is a `restart_blocker`; `--plain` only logs that the
+        changes count from the next start on. May be called on any thread.
         """
         if self._frontend is not None:
             self._frontend.restart(why)
@@ -223,20 +178,14 @@ class Station:
         return HOLDS if snapshot.is_stopped else ""
 
     def operate(self, namespace: str) -> None:
-        """Set `next_namespace`, and have the frontend, if there is one, start the process again.
-
-        `--plain` does not start again, as told at `restart`.
-        """
+        """Set `next_namespace`, and have the frontend start the process again: see `restart`."""
         self.next_namespace = namespace
         self.restart(f"operate the robot in {namespace}")
 
     def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
-        """Take in a new snapshot of the robot, and refresh.
+        """Take in a new snapshot, and refresh; return the alarms whose state has changed.
 
         Questions are closed if another console has sent a STOP since the last snapshot.
-
-        Returns:
-            The alarms whose state has changed.
         """
         self._snapshot = snapshot
         self.history.observe(snapshot, self.clock.monotonic())
@@ -246,13 +195,7 @@ class Station:
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Add a sample to the history, and refresh; called once a second.
-
-        If the robot is not ARCHO and has no robot file, an event offers, once, how to make one.
-
-        Returns:
-            The alarms whose state has changed.
-        """
+        """Add a sample to the history, and refresh, once a second; return the changed alarms."""
         self._second = self.clock.monotonic()
         self.history.add_sample(self._snapshot, self._second)
         self._offer_description()
@@ -261,8 +204,7 @@ class Station:
     def _offer_description(self) -> None:
         """Write an event, once, on how to make a robot file, if that of ARCHO does not fit.
 
-        That is so if no file was given, the robot lives on without this process, and five seconds
-        after the start or later its nodes offer none of what ARCHO's offer.
+        That is so if its nodes still offer none of what ARCHO's offer after five seconds.
         """
         snapshot = self._snapshot
         is_other = snapshot.nodes and not snapshot.offered
@@ -271,12 +213,9 @@ class Station:
             self.robot.note("WARN", "console", _OFFER)
 
     def refresh(self) -> list[Alarm]:
-        """Bring alarms, queue, requests and view up to date, and send the goal that is due.
+        """Update alarms, queue, requests and view, and send the goal that is due.
 
-        Changed alarms are written to the journal; the recorder gets the view.
-
-        Returns:
-            The alarms whose state has changed.
+        Changed alarms are written to the journal and returned; the recorder gets the view.
         """
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
@@ -300,22 +239,15 @@ class Station:
             self._releases -= 1
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
-        """Acknowledge alarms: the operator has seen them. Update the view and the journal.
-
-        An alarm that is acknowledged, shelved or gone already stays as it is.
-        """
+        """Acknowledge alarms: the operator has seen them. Update the view and the journal."""
         for alarm in alarms:
             self._record(self._board.acknowledge(alarm, self.clock.now()))
         self.view = self._view()
 
     def shelve(self, alarm: Alarm, reason: str = "") -> None:
-        """Shelve an alarm for SHELF_TIME, or take it off the shelf if it is there.
+        """Shelve an alarm for SHELF_TIME, or take it off the shelf.
 
-        The view and the journal are updated.
-
-        Args:
-            alarm: The alarm.
-            reason: The reason for shelving it, for the list and the journal.
+        Update the view and the journal.
         """
         times = self.clock.monotonic(), self.clock.now()
         self._record(self._board.shelve(alarm, *times, reason))
@@ -324,24 +256,12 @@ class Station:
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none, in a way that can be undone.
 
-        Args:
-            node: The fully qualified name of the node.
-            values: The new values, by name.
-
-        Returns:
-            The outcome; NOT_OFFERED if the node does not report one of the parameters.
+        NOT_OFFERED if the node does not report one of them.
         """
         return await self.edits.set_parameters(self.robot, node, values)
 
     async def undo(self, asked: Edit | None) -> Outcome:
-        """Undo the last change of parameters.
-
-        Args:
-            asked: The change that the operator agreed to undo; None for whichever is the last.
-
-        Returns:
-            The outcome; REFUSED if there is no change, or `asked` is not the last one any more.
-        """
+        """Undo the last change of parameters; REFUSED if that is not the one `asked`, if given."""
         return await self.edits.undo(self.robot, asked)
 
     def _record(self, changed: Iterable[Alarm]) -> None:

@@ -16,13 +16,7 @@ LIMIT = 100  # Changes that are kept.
 
 
 class Edit(NamedTuple):
-    """A change of parameters of one node.
-
-    Attributes:
-        node: The fully qualified name of the node.
-        before: The values before the change, by name.
-        after: The values afterwards, by name.
-    """
+    """A change of parameters of one node."""
 
     node: str
     before: dict[str, Any]
@@ -33,7 +27,6 @@ class UndoList:
     """The last 100 changes that can be undone. Used on the event loop only."""
 
     def __init__(self) -> None:
-        """Create an empty list."""
         self._done: list[Edit] = []
         self._unanswered = 0
 
@@ -66,11 +59,7 @@ class UndoList:
         }
 
     def disabled_reason(self, snapshot: Snapshot) -> str:
-        """Return why nothing can be undone now; "" if the last change can be.
-
-        It cannot while a change has no answer, if there is no change, or if the node of the last
-        one has left the graph.
-        """
+        """Return why nothing can be undone now; "" if the last change can be."""
         if self.is_changing:
             return "a change has no answer yet: undo it when it has"
         if self.last is None:
@@ -81,9 +70,7 @@ class UndoList:
     def changed_since(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the values that somebody else has set since the last change: undo would lose them.
 
-        Returns:
-            The values now of those parameters of the last change, by name; None for a parameter
-            that is no longer reported. Empty if there is no change.
+        None for a parameter that is no longer reported.
         """
         if self.last is None:
             return {}
@@ -94,14 +81,8 @@ class UndoList:
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none; if that succeeds, add the change to the list.
 
-        Args:
-            robot: The robot.
-            node: The fully qualified name of the node.
-            values: The new values, by name.
-
-        Returns:
-            The outcome; NOT_OFFERED without a request if the node does not report one of the
-            parameters, since its value of before is not known then.
+        NOT_OFFERED without a request if the node does not report one of them: its value of before
+        is not known then.
         """
         known = _values(robot.snapshot, node)
         missing = ", ".join(name for name in values if name not in known)
@@ -118,11 +99,6 @@ class UndoList:
         """Return the values that changes after `last` have set on a node, by name.
 
         They were answered while this change waited, so they are its values of before.
-
-        Args:
-            last: The newest change that does not count; None if all count.
-            node: The fully qualified name of the node.
-            names: The names of the parameters.
         """
         found: dict[str, Any] = {}
         for edit in reversed(self._done):
@@ -133,16 +109,9 @@ class UndoList:
         return found
 
     async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
-        """Set the parameters of the last change to their values of before.
+        """Set the parameters of the last change back, and remove it from the list if that succeeds.
 
-        The change is removed from the list if that succeeds.
-
-        Args:
-            robot: The robot.
-            asked: The change that the operator agreed to undo; None for whichever is the last.
-
-        Returns:
-            The outcome; REFUSED if there is no change, or `asked` is not the last one any more.
+        REFUSED if there is no change, or `asked` is not the last one any more.
         """
         edit = self.last
         if edit is None:

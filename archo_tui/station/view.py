@@ -16,48 +16,26 @@ from archo_tui.station.history import History
 
 @dataclass(frozen=True)
 class View:
-    """Everything that a frontend shows at one moment.
-
-    Attributes:
-        snapshot: The state of the robot.
-        now: Monotonic time in seconds.
-        second: The same at the last tick of the clock, for ages that need not be livelier.
-        time: Unix time in seconds.
-        engine: The engine in words; see `engine.describe`.
-        namespace: The namespace of the robot.
-        history: The curves of the last hour; a console goes on to add to them.
-        alarms: All alarms that are not normal, in the order in which they are shown.
-        hosted: The nodes of this process.
-        watching: True if every command is refused, STOP included.
-        queue: The goals that wait, the next one first.
-        held: The reason why the queue is held, in words; "" if it is not.
-        changing: True while a change of parameters from here has no answer.
-        clients: The programs that are connected, by their names for people.
-        requests: The requests of assistants that wait for a person, the oldest first.
-        restart_waits: True while a restart of the console waits for the release of a STOP, and
-            then for a key.
-        is_restarting: True once the console is about to start again.
-        replay: In a replay, words that say so; "" if the robot itself is shown.
-    """
+    """Everything that a frontend shows at one moment."""
 
     snapshot: Snapshot
-    now: float
-    second: float
-    time: float
-    engine: str
+    now: float  # monotonic, s
+    second: float  # The same at the last tick, for ages that need not be livelier.
+    time: float  # Unix, s
+    engine: str  # In words; see `engine.describe`.
     namespace: str
-    history: History
-    alarms: tuple[Alarm, ...] = ()
-    hosted: tuple[Hosted, ...] = ()
-    watching: bool = False
-    queue: tuple[QueuedGoal, ...] = ()
-    held: str = ""
-    changing: bool = False
-    clients: tuple[str, ...] = ()
-    requests: tuple[ApprovalRequest, ...] = ()
-    restart_waits: bool = False
+    history: History  # A console goes on to add to it.
+    alarms: tuple[Alarm, ...] = ()  # Those that are not normal, as they are shown.
+    hosted: tuple[Hosted, ...] = ()  # The nodes of this process.
+    watching: bool = False  # Every command is refused, STOP included.
+    queue: tuple[QueuedGoal, ...] = ()  # The next one first.
+    held: str = ""  # Why the queue is held.
+    changing: bool = False  # A change of parameters from here has no answer.
+    clients: tuple[str, ...] = ()  # The connected programs.
+    requests: tuple[ApprovalRequest, ...] = ()  # The oldest first.
+    restart_waits: bool = False  # For the release of a STOP, and then for a key.
     is_restarting: bool = False
-    replay: str = ""
+    replay: str = ""  # In a replay, words that say so.
 
     @property
     def waiting(self) -> tuple[str, ...]:
@@ -73,12 +51,7 @@ class Recorder(Protocol):
         """A failure of recordings that the operator has to know; "" if there is none."""
 
     def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
-        """Record a new view.
-
-        Args:
-            view: The view.
-            changed: The alarms whose state differs from the last view.
-        """
+        """Record a new view, with the alarms whose state differs from the last one."""
 
     @property
     def kept(self) -> str:
@@ -87,9 +60,5 @@ class Recorder(Protocol):
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
         """Begin to record the last minute by hand; call it on the loop.
 
-        Args:
-            written: Is called on the loop when the recording is on the disk, or cannot be written.
-
-        Returns:
-            DONE if the recording has begun: only then `written` is called, once.
+        Only after DONE `written` is called, once, when the recording is on the disk or failed.
         """

@@ -29,15 +29,9 @@ _NARROW = 71  # Below so many cells without the clock, panels may be scrolled aw
 def header(view: View, width: int) -> Content:
     """Return the robot's name, contact and activity; at the right end, who else is connected.
 
-    In front of the name stand the words of a replay, behind the contact `watching`. At the right
-    end stand other consoles, assistants, shells, engine and namespace. If space is short, the names
-    of other consoles are left out first (not their number), then the remaining way, then the right
-    end except for the engine, then the engine, and at last the robot's name. Below 71 cells the
+    If space is short, the names of other consoles are left out first, then the remaining way, the
+    right end except for the engine, the engine, and at last the robot's name. Below 71 cells the
     charge of the battery is shown as well.
-
-    Args:
-        view: The state to show.
-        width: The cells available.
     """
     doing, left = activity(view)
     watching = "watching" if view.watching and not view.replay else ""
@@ -74,13 +68,7 @@ def header(view: View, width: int) -> Content:
 
 
 def _in_colour(line: Content, doing: str, view: View) -> Content:
-    """Return the header with STOPPED in the colour of its alarm, and a replay's words reversed.
-
-    Args:
-        line: The header.
-        doing: What the robot does, as it stands in the header.
-        view: The state that the header shows.
-    """
+    """Return the header with STOPPED in its alarm's colour, and a replay's words reversed."""
     snapshot = view.snapshot
     if view.replay:
         line = line.stylize("reverse", 0, len(view.replay) + 1)
@@ -103,16 +91,11 @@ def _clock_text(time: int) -> Content:
 
 
 def banner(view: ScreenState, width: int) -> Content:
-    """Return the most important alarm with its advice, the number of others, and the shelved ones.
+    """Return the most important alarm with its advice, and how many others there are.
 
-    A request of an assistant takes the place of the alarms, unless one of high priority is active
-    and unacknowledged. If every alarm is shelved, the banner names them. Without any alarm, an
-    operator who has never sent a goal sees the first keys; for everybody else the banner is empty.
-    An active unacknowledged alarm is reversed over the whole width, but not in a replay.
-
-    Args:
-        view: The state to show.
-        width: The cells available.
+    An assistant's request takes its place, unless an alarm of high priority is active and
+    unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys. An
+    active unacknowledged alarm is reversed over the whole width, but not in a replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
     if view.requests and not any_urgent(view.alarms):  # Alarms of high priority come first.
@@ -157,10 +140,7 @@ def banner(view: ScreenState, width: int) -> Content:
 
 
 def is_banner_needed(view: View) -> bool:
-    """Return True if an assistant's request waits, or an alarm is in the list and not shelved.
-
-    The banner then shows more than keys for a beginner, so nothing may cover it.
-    """
+    """Return True if the banner shows a request or an alarm, so that nothing may cover it."""
     return bool(view.requests) or any(a.state != AlarmState.SHELVED for a in view.alarms)
 
 
@@ -171,21 +151,12 @@ def past_alarm(alarm: Alarm) -> str:
 
 
 def _clickable(text: str, command: str) -> Content:
-    """Return an underlined text that runs a command when it is clicked.
-
-    Args:
-        text: The text.
-        command: The id of the command.
-    """
+    """Return an underlined text that runs a command, by its id, when it is clicked."""
     return Content.styled(text, "u").stylize(click(f"command('{command}')"))
 
 
 def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Content:
-    """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`.
-
-    Shown are the oldest request, the number of further ones, and the name of the first alarm. If
-    space is short, the question is cut at its end.
-    """
+    """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
     request, key = view.requests[0], view.key("alarms")
     more = f"   +{len(view.requests) - 1} more" if len(view.requests) > 1 else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
@@ -205,12 +176,7 @@ def _without_brackets(text: str) -> str:
 def _shorten_cause(text: str, room: int) -> str:
     """Return an alarm's text cut in the middle of its cause, so that the advice stays whole.
 
-    The advice is what follows the first colon. If fewer than 24 cells are left for the cause, the
-    text is cut at its end instead.
-
-    Args:
-        text: The text.
-        room: The cells available.
+    The advice is what follows the first colon.
     """
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
@@ -220,9 +186,8 @@ def _shorten_cause(text: str, room: int) -> str:
 def _first_keys(view: ScreenState, width: int) -> Content:
     """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator.
 
-    The third key is that of the first command of the robot file that has a key. The keys that have
-    no room are left out. The text is empty for an operator who has sent a goal before, for a
-    console that only watches, and for a robot without goals.
+    Empty for an operator who has sent a goal before, a console that only watches, and a robot
+    without goals.
     """
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
@@ -242,21 +207,13 @@ def _first_keys(view: ScreenState, width: int) -> Content:
 
 
 class FooterKey(NamedTuple):
-    """A command in the footer.
+    """A command in the footer."""
 
-    Attributes:
-        command: The id of the command.
-        key: The key that runs it, as a person reads it.
-        word: The word beside the key.
-        blocked: True if the command cannot run now; it is darker then.
-        everywhere: True if the key works in dialogs and while typing as well.
-    """
-
-    command: str
-    key: str
+    command: str  # The command's id.
+    key: str  # The key as a person reads it.
     word: str
-    blocked: bool
-    everywhere: bool
+    blocked: bool  # It cannot run now, and is darker.
+    everywhere: bool  # The key works in dialogs and while typing as well.
 
 
 def footer_keys(commands: Iterable[FooterKey]) -> Content:
@@ -271,19 +228,11 @@ def footer(
     commands: Iterable[FooterKey],
     width: int,
     palette_key: str,
-    field_keys: Iterable[tuple[str, str]] = (),
+    field_keys: Iterable[tuple[str, str]] = (),  # The focused field's keys, each with its word.
 ) -> Content:
     """Return the keys of the footer, and at its right end the palette's key if there is room.
 
-    Keys of the field are left out until the commands fit, its first and its last key after the
-    others. The commands are never cut.
-
-    Args:
-        commands: The commands of the footer.
-        width: The width of the footer in cells.
-        palette_key: The key of the palette.
-        field_keys: The keys of the field that has the focus, each with its word. They come first,
-            and cannot be clicked.
+    Keys of the field come first and are left out until the commands fit, which are never cut.
     """
     own = [Content.assemble(" ", (key, "bold"), f" {word} ") for key, word in field_keys]
     rest = footer_keys(commands)
@@ -299,10 +248,8 @@ def footer(
 def contact(view: View) -> str:
     """Return the contact to the robot: `● online`, or what is silent, and for how many seconds.
 
-    `✗ no contact, 12 s` stands for silence of battery and motion, `▲ /odom silent, 12 s` for one of
-    them, or for the action of a lost goal. Before the first reading of battery or motion the text
-    is `? waiting for data`, or says in which namespaces robots were seen. `? the console restarts`
-    goes before all of them.
+    `✗ no contact` stands for silence of battery and motion, `▲ /odom silent` for one of them, or
+    for the action of a lost goal.
     """
     if view.is_restarting:
         return "? the console restarts"
@@ -332,12 +279,9 @@ def contact(view: View) -> str:
 
 
 def activity(view: View) -> tuple[str, str]:
-    """Return what the robot does, and how far it has to go, as `("MOVING to 12", "9.0 m left")`.
+    """Return what the robot does, and how far to go, as `("MOVING to 12", "9.0 m left")`.
 
-    A robot that is stopped is `✗ STOPPED`, `✗ STOP NOT CERTAIN` or, if it moves all the same,
-    `✗ STILL MOVING`, whatever its goal; before that an open STOP is told, as `✗ STOP REFUSED`.
-    Without a goal both texts are "". `no STOP` follows the first text, or takes its place, if no
-    STOP can be sent.
+    A STOP goes before the goal; `no STOP` is added if none can be sent.
     """
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.has_stop else "no STOP"

@@ -64,11 +64,7 @@ class BatteryPanel(Panel, can_focus=True):
 
 
 def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """Return one line: what the charge does, and when the battery will be empty or full.
-
-    Without a current reading, the line says why there is none, or how long ago the last one was
-    received.
-    """
+    """Return what the charge does and when the battery is empty or full, or why it is not known."""
     battery = snapshot.battery
     if battery.received is None:
         described = snapshot.file.battery

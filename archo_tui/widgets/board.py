@@ -23,8 +23,7 @@ _NO_MARK = Mark()
 class Board(LineWidget, can_focus=True):
     """The grid of numbers, in which only the lines that changed are redrawn.
 
-    The arrows move the cursor, also from page to page; the page keys and the mouse wheel turn
-    pages. Enter or a click chooses a number.
+    Enter or a click chooses a number.
     """
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
@@ -38,12 +37,6 @@ class Board(LineWidget, can_focus=True):
     def __init__(
         self, on_choose: Callable[[int], None], on_focus_change: Callable[[], None]
     ) -> None:
-        """Create a hidden board.
-
-        Args:
-            on_choose: Called with the number that was chosen.
-            on_focus_change: Called after the board has got or lost the focus.
-        """
         super().__init__(id="board")
         self._on_choose, self._on_focus_change = on_choose, on_focus_change
         self._grid = Grid(range(1, 2), 1, 1)
@@ -52,22 +45,11 @@ class Board(LineWidget, can_focus=True):
 
     @property
     def rows(self) -> int:
-        """Return the number of rows that the board takes: the grid's, and one that names the page.
-
-        The row with the page is there only if the numbers take several pages.
-        """
+        """Return the number of rows: the grid's, and one for several pages."""
         return self._grid.rows + (self._grid.pages > 1)
 
     def show(self, grid: Grid, marks: Mapping[int, Mark]) -> None:
-        """Show a grid and its marks.
-
-        The cursor stays on its number. If the grid no longer has that number, the cursor keeps its
-        place, or goes to the last number.
-
-        Args:
-            grid: The numbers, and how they are laid out.
-            marks: The mark of each number that has one.
-        """
+        """Show a grid and its marks; the cursor stays on its number, or else keeps its place."""
         before, self._marks = self._marks, marks
         if grid != self._grid:
             number = self._grid.numbers[self._index]  # The cursor stays on it.
@@ -83,10 +65,7 @@ class Board(LineWidget, can_focus=True):
             self._draw(*(grid.numbers.index(n) for n in changed if n in grid.numbers))
 
     def action_press(self, key: str) -> None:
-        """Move the cursor as one of KEYS says, at most to the first or last number.
-
-        Up and down do nothing where the column ends.
-        """
+        """Move the cursor as one of KEYS says; up and down do nothing where the column ends."""
         grid, last = self._grid, len(self._grid.numbers) - 1
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
         by |= {
@@ -101,7 +80,6 @@ class Board(LineWidget, can_focus=True):
             self._move(min(max(target, 0), last))
 
     def action_take(self) -> None:
-        """Pass the number under the cursor to `on_choose`."""
         self._on_choose(self._grid.numbers[self._index])
 
     def on_click(self, event: events.Click) -> None:
@@ -117,10 +95,7 @@ class Board(LineWidget, can_focus=True):
         self.action_press("pageup")
 
     def watch_has_focus(self, focused: bool) -> None:
-        """Show or hide the cursor, and call `on_focus_change`.
-
-        Textual's own method would look for `:focus` styles.
-        """
+        """Show or hide the cursor, without Textual's search for `:focus` styles."""
         self._draw(self._index)
         self._on_focus_change()
 

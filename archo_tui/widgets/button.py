@@ -21,8 +21,8 @@ class RunsCommands(Protocol):
 class Button(widgets.Button, inherit_css=False):
     """A button that calls a function or runs a command at once, where Textual's posts a message.
 
-    It is one line high, and has none of the fifty-seven CSS rules of Textual's own button, each of
-    which every style lookup evaluates.
+    It has none of the fifty-seven CSS rules of Textual's button, each of which every style lookup
+    evaluates.
     """
 
     DEFAULT_CSS = """
@@ -38,14 +38,6 @@ class Button(widgets.Button, inherit_css=False):
     def __init__(
         self, label: str, does: str | Callable[[], object], *, id: str, disabled: bool = False
     ) -> None:
-        """Create a button.
-
-        Args:
-            label: Its text.
-            does: The id of a command to run, or a function to call.
-            id: Its id, for CSS.
-            disabled: True if it cannot be pressed.
-        """
         super().__init__(label, id=id, disabled=disabled, compact=True)
         self._does = does
 
@@ -56,10 +48,7 @@ class Button(widgets.Button, inherit_css=False):
         return super().render_line(y)
 
     def press(self) -> Button:
-        """Run the command or call the function at once, and return the button itself.
-
-        A disabled or hidden button does nothing.
-        """
+        """Run the command or call the function at once; nothing if disabled or hidden."""
         if not self.disabled and self.display:
             self._start_active_affect()
             if isinstance(self._does, str):

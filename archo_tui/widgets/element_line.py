@@ -17,12 +17,7 @@ _HINT_AT = 21  # Cells of the line before its text: the word, and the field.
 class ElementLine(Horizontal):
     """The line `element 137  of ranges: 0 .. 359`, in which enter goes to an element of an array.
 
-    The line is hidden until it is opened. If the index is not valid, an error takes the place of
-    the range until the text changes, and nothing else happens.
-
-    Attributes:
-        array: The path of the array; "" while the line is hidden.
-        field: The field for the index.
+    Hidden until it is opened; an error takes the place of the range until the text changes.
     """
 
     DEFAULT_CSS = """
@@ -31,13 +26,8 @@ class ElementLine(Horizontal):
     """
 
     def __init__(self, go: Callable[[str, int], object]) -> None:
-        """Create the line, hidden.
-
-        Args:
-            go: Called by enter with the path of the array and a valid index.
-        """
         super().__init__()
-        self.array = ""
+        self.array = ""  # Its path; "" while the line is hidden.
         self._length = 0
         self._go = go
         self.field = Field(id="element", changed=self._show_range, submitted=self._submit)
@@ -51,12 +41,7 @@ class ElementLine(Horizontal):
         return Content.assemble(f"{'element':<{_HINT_AT}}", self._hint)
 
     def open(self, array: str, length: int) -> None:
-        """Show the line for an array, with an empty field that gets the focus.
-
-        Args:
-            array: The path of the array.
-            length: The number of its elements.
-        """
+        """Show the line for the array at a path, with an empty field that gets the focus."""
         self.array, self._length = array, length
         self.field.clear()
         self._show_range()
@@ -69,10 +54,7 @@ class ElementLine(Horizontal):
         self.display = False
 
     def set_length(self, length: int) -> None:
-        """Show the range of indices for a new length, in place of an error too.
-
-        An unchanged length changes nothing, so that an error stays.
-        """
+        """Show the range for a new length; an unchanged one keeps an error."""
         if length != self._length:
             self._length = length
             self._show_range()

@@ -27,10 +27,7 @@ _STYLES = {"WARN": "bold $warn", "ERROR": "bold $bad", "FATAL": "bold $bad", "DE
 def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
     """Return True for what people, assistants and goals did, and for log lines from a level up.
 
-    Args:
-        event: The event.
-        level: One of LEVELS. At WARN, lines at INFO of the user's own nodes are shown, too.
-        hosted: The nodes of this process, which tell whose nodes are the user's own.
+    At WARN, lines at INFO of the user's own nodes are shown, too.
     """
     if event.level in OWN_LEVELS or LEVELS.index(event.level) >= LEVELS.index(level):
         return True
@@ -38,11 +35,9 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
 
 
 def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
-    """Return one line: `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
+    """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
 
-    A shell is named as `shell SOURCE`. The source is left out where it is the console, or the
-    action of a goal. Below 70 cells it is left out always, as is the time of the first of equal
-    events.
+    The source is left out below 70 cells, and where it is the console or a goal's action.
     """
     event, at, text = row.events[0], time_of_day(row.time), row.text
     is_wide = width >= _WIDE
@@ -67,10 +62,7 @@ def event_details(event: Event) -> str:
 
 
 def events_as_text(events: Iterable[Event]) -> str:
-    """Return events in their order for a file, a line each, with local date, level and source.
-
-    A line ends with the repeats and the ros2 command, if there are any.
-    """
+    """Return events for a file, a line each, with local date, repeats and ros2 command."""
     lines = []
     for event in events:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
@@ -136,10 +128,7 @@ class EventsPanel(Panel):
             self._refill()
 
     def next_level(self) -> None:
-        """Show the events of the next level: INFO, then DEBUG, then ERROR, then WARN again.
-
-        WARN is the level at the start.
-        """
+        """Show the events of the next level: from WARN to INFO, DEBUG, ERROR, and WARN again."""
         self._level = _CYCLE[(_CYCLE.index(self._level) + 1) % len(_CYCLE)]
         self._refill()
 

@@ -18,12 +18,8 @@ NUMBER = f"{INTEGER}.+"
 class Field(Input, inherit_css=False):
     """An input of one line that handles keys and pastes at once, and reports changes by calls.
 
-    Textual's own gets each key as a message and answers with another message. Of keys typed fast,
-    those behind an enter would arrive before anybody knew that something was entered.
-
-    Attributes:
-        next_field: The field of the same form that enter leads to; None for the last one.
-        keys: The keys that work in the field, each with its word, for the footer.
+    Textual's own handles each key by messages: of keys typed fast, those behind an enter would
+    arrive before anybody knew that something was entered.
     """
 
     DEFAULT_CSS = """
@@ -42,33 +38,23 @@ class Field(Input, inherit_css=False):
 
     # Unlike in Textual, a change does not lay out the whole screen: a field never grows.
     virtual_size = Reactive(Size(0, 0))
-    next_field: Field | None = None
-    keys: tuple[tuple[str, str], ...] = ()
+    next_field: Field | None = None  # Where enter leads; None for the last one of the form.
+    keys: tuple[tuple[str, str], ...] = ()  # Keys of the field, each with its word, for the footer.
 
     def __init__(
         self,
         value: str = "",
         *,
-        takes: str = "",
+        takes: str = "",  # The characters that pastes, and the first one typed, may have; "": all.
         placeholder: str = "",
         id: str | None = None,
+        # The text has changed, by a program too, once mounted.
         changed: Callable[[], object] = lambda: None,
-        submitted: Callable[[], object] = lambda: None,
-        stepped: Callable[[int], object] = lambda _: None,
+        submitted: Callable[[], object] = lambda: None,  # By enter, unless `next_field` is set.
+        stepped: Callable[[int], object] = lambda _: None,  # By the arrows up (-1) and down (1).
+        # With the reason why a paste was refused; None shows a notification.
         refused: Callable[[str], object] | None = None,
     ) -> None:
-        """Create a field.
-
-        Args:
-            value: The text at first.
-            takes: The characters that pastes, and the first one typed, may have; "" means all.
-            placeholder: Shown while the field is empty.
-            id: The widget's id, for CSS.
-            changed: Called when the text has changed, by a program too, once the field is mounted.
-            submitted: Called by enter, unless `next_field` is set.
-            stepped: Called by the arrows up (-1) and down (1).
-            refused: Called with the reason why a paste was refused; None shows a notification.
-        """
         super().__init__(value, placeholder=placeholder, id=id, compact=True, select_on_focus=False)
         self.cursor_blink = False  # Blinking causes traffic over SSH.
         self._takes = takes
@@ -84,11 +70,7 @@ class Field(Input, inherit_css=False):
         return self.value != "" or self._is_for(character)
 
     def is_typed(self, key: str) -> bool:
-        """Return True if a key goes into the text now, and is no command.
-
-        Args:
-            key: The key as a person reads it: `x`, `^x`, `enter`.
-        """
+        """Return True if a key, such as `x` or `^x`, goes into the text now, and is no command."""
         return len(key) == 1 and self.is_text(key)
 
     def _is_for(self, character: str) -> bool:
@@ -101,7 +83,6 @@ class Field(Input, inherit_css=False):
         """Insert a character or a paste at once, in place of the selection.
 
         A paste of several lines, or with a character that the field does not take, is refused.
-        Other events go to Textual, which would put these into the queue of this field, too.
         """
         if isinstance(event, events.Key) and event.is_printable:
             self.replace(event.character or "", *self.selection)

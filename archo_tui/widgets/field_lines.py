@@ -26,12 +26,7 @@ _INDENT = "  "
 
 
 def field_columns(fields: Sequence[FieldView], width: int) -> Columns:
-    """Return the cells of names, values, ranges and curves; 0 for ranges or curves without room.
-
-    Args:
-        fields: The fields, of which the first 200 decide how wide the names are.
-        width: The cells available.
-    """
+    """Return the cells of names, values, ranges and curves; 0 for those without room."""
     least, most = _NAME
     most = min(most, max(width // 2 - _GAP, least))
     # With room for the mark, which has no other place where there are no curves.
@@ -83,11 +78,7 @@ def field_line(
 
 
 def _name(field: FieldView, closed: Collection[str]) -> str:
-    """Return the last part of a field's path, indented by its depth.
-
-    A `▸` before the name says that enter opens the field, a `▾` that enter closes it. The row that
-    stands for more elements is named `next`.
-    """
+    """Return the last part of a field's path, indented, with `▸` or `▾` for enter."""
     depth = field.path.count(".") + field.path.count("[")
     _, _, name = field.path.rpartition(".")
     if field.path.endswith("]"):
@@ -110,11 +101,7 @@ def _line(name: str, value: str, least_greatest: str, curve: str, columns: Colum
 
 
 def plot_columns(width: int) -> int:
-    """Return the number of values across a plot: two in each cell that the axis leaves; at least 0.
-
-    Args:
-        width: The cells of the plot's lines, axis included.
-    """
+    """Return the number of values across a plot: two in each cell that the axis leaves."""
     return max(2 * (width - _AXIS - 2), 0)
 
 
@@ -122,18 +109,11 @@ def topic_plots(
     fields: Mapping[str, FieldView],
     plots: Mapping[str, Curve],
     paths: Sequence[str],
-    size: tuple[int, int],
+    size: tuple[int, int],  # Cells and lines.
 ) -> list[Spans]:
-    """Return the lines of several plots, one below the other, above a common axis of the last 60 s.
+    """Return the lines of plots, one below the other, above a common axis of the last 60 s.
 
-    The last plots are left out where they have no room; their number stands on the axis. If no plot
-    has room, one line says so.
-
-    Args:
-        fields: The fields by path; a plotted path that it lacks has `--` for its value.
-        plots: The values of the last minute by path.
-        paths: The fields to plot, the first at the top.
-        size: The cells and the lines available.
+    The last plots are left out where they have no room; their number stands on the axis.
     """
     width, height = size
     shown = list(paths)
@@ -159,11 +139,7 @@ def topic_plots(
 
 
 def _scale(values: Curve) -> tuple[float, float]:
-    """Return the lower and the upper end of the axis: round numbers around all values.
-
-    Without values the ends are 0 and 1; where round numbers are too large or too small for a float,
-    they are the least and the greatest value.
-    """
+    """Return the ends of the axis: round numbers around all values, 0 and 1 without values."""
     known = [value for both in values if both is not None for value in both]
     if not known:
         return 0.0, 1.0

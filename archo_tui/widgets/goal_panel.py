@@ -38,11 +38,7 @@ _BASE_HEIGHT = 6  # Of the panel without the board, its border included.
 
 
 class _InvalidTextError(ValueError):
-    """The error that the text of a field is no value for that field; its message says why.
-
-    Attributes:
-        number: The number of the field, from 0.
-    """
+    """The error that the text of the field with this number is not valid; its message says why."""
 
     def __init__(self, text: str, number: int) -> None:
         super().__init__(text)
@@ -50,18 +46,7 @@ class _InvalidTextError(ValueError):
 
 
 class GoalPanel(Panel):
-    """The panel with the form, the progress, the goal's state, the board, and the goals before.
-
-    Attributes:
-        fields: The fields of the form, in their order; empty without a goal, or if its type is not
-            installed.
-        typed: The texts that the arrows recall, one a field, for each time that the form was sent,
-            the oldest first. Changed by `set_typed` only.
-        board: The grid of numbers.
-        send: Called with the values of each goal by dotted path, in the order of sending, and with
-            the typed texts. To be set by the owner.
-        on_typed: Called after the text of a field has changed. To be set by the owner.
-    """
+    """The panel with the form, the progress, the goal's state, the board, and the goals before."""
 
     number, title_text = 3, "Goal"
     other_keys = {"go": "enter"}
@@ -69,16 +54,12 @@ class GoalPanel(Panel):
     _causes: CauseWatch | None = None  # Of the hint; None if only typing removes it.
     _shows_refusal = False  # True if the hint is a refusal of the robot.
 
+    # Called with the values of each goal by dotted path, in the order of sending, and the typed
+    # texts. Set by the owner, as `on_typed`.
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
-    on_typed: Callable[[], object]
+    on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
     def __init__(self, snapshot: Snapshot, size: Size) -> None:
-        """Create the panel for the first goal of the robot file.
-
-        Args:
-            snapshot: Has the robot file, and the fields of its goals.
-            size: The size of the terminal.
-        """
         self._snapshot = snapshot
         self._kind = snapshot.file.goals[0] if snapshot.file.goals else None
         if self._kind is not None:
@@ -86,7 +67,7 @@ class GoalPanel(Panel):
         super().__init__()
         form = {} if self._kind is None else self._kind.form
         self._message_fields = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
-        self.fields = [
+        self.fields = [  # Empty without a goal, or if its type is not installed.
             Field(
                 id=f"goal-{number}",
                 takes=_allowed_characters(message_field),
@@ -106,6 +87,7 @@ class GoalPanel(Panel):
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", self.submit, id="go")
         self._cancel = Button("Cancel", "cancel", id="cancel")
+        # The goals that the arrows recall, the oldest first: a text for each field.
         self.typed: list[list[str]] = []
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
@@ -192,10 +174,7 @@ class GoalPanel(Panel):
         self._size_board()
 
     def _size_board(self) -> None:
-        """Show the board if it has room or the focus, else hide it, and set the panel's height.
-
-        A board without known limits is hidden, and the focus goes from it to the field.
-        """
+        """Show the board if it has room or the focus, else hide it, and set the panel's height."""
         size, is_focused = self.app.size, self.board is self.screen.focused
         if is_focused and not self._has_board:  # The limits are no longer known.
             self.focus_field()
@@ -217,10 +196,7 @@ class GoalPanel(Panel):
         return ROWS - 1 if self._is_large else 0
 
     def _set_height(self, board_rows: int) -> None:
-        """Set the height of the panel for a board of so many rows, and for the journey.
-
-        Without both, the height is left to the style sheet.
-        """
+        """Set the height of the panel for a board of so many rows, and for the journey."""
         more = board_rows + self._journey_rows
         base = _BASE_HEIGHT - self._is_read_only  # It has no row for the form.
         height = base + more if more else None
@@ -229,21 +205,14 @@ class GoalPanel(Panel):
 
     @property
     def _board_hint(self) -> tuple[str, str]:
-        """Return a word and its key for the border: `("board", "tab")` while the board is hidden.
-
-        While the board has the focus, they say that enter takes the number into the field. Else
-        both are "".
-        """
+        """Return a word and its key for the border, such as `("board", "tab")`, or "" and ""."""
         if self.board.has_focus:
             return "takes it into the field", "enter"
         folded = self._has_board and not self.board.display and not self.can_focus
         return ("board", "tab") if folded else ("", "")
 
     def _on_board_focus(self) -> None:
-        """Show or hide the board, because its focus came or went, and have the panel shown again.
-
-        A board with the focus is scrolled into view.
-        """
+        """Show or hide the board for its new focus, and have the panel shown again."""
         self._size_board()
         self.post_message(self.Outdated(self))
         if self.board.has_focus:  # In a tiny terminal the board may be out of sight.
@@ -256,10 +225,7 @@ class GoalPanel(Panel):
         self._set_height(0)
 
     def _on_number_chosen(self, number: int) -> None:
-        """Append a number from the board to the text of the first field, and focus that field.
-
-        Nothing is sent before enter in the field.
-        """
+        """Append a number from the board to the first field, and focus it; enter there sends it."""
         self.focus_field()
         self.fields[0].choose(str(number))
 
@@ -268,15 +234,9 @@ class GoalPanel(Panel):
         self.screen.set_focus(self.fields[0], scroll_visible=False, from_app_focus=True)
 
     def next_focus(self, widget: Widget | None, step: int) -> Widget | None:
-        """Return the neighbour of a widget in the order of tab: first field, board, Go button.
+        """Return the neighbour (tab: 1, shift+tab: -1) among first field, board and Go button.
 
-        Args:
-            widget: The widget with the focus.
-            step: 1 for tab, -1 for shift+tab.
-
-        Returns:
-            None if the widget is none of these three, or has no neighbour there, or if the limits
-            of the numbers are unknown or the panel is read-only.
+        None if there is none, or the limits of the numbers are unknown or the panel is read-only.
         """
         if not self._has_board or self.can_focus:
             return None
@@ -287,10 +247,7 @@ class GoalPanel(Panel):
 
     @property
     def first_field(self) -> Field | None:
-        """Return the first field if a letter typed into it now would be a command; None else.
-
-        None is also the result if the field has text, takes letters, or does not exist.
-        """
+        """Return the first field if a letter typed into it now would be a command; None else."""
         field = self.fields[0] if self.fields else None
         return None if field is None or field.is_text("q") else field
 
@@ -300,10 +257,7 @@ class GoalPanel(Panel):
         return self.fields[0] if self.fields else self._go
 
     def _recall_typed(self, step: int) -> None:
-        """Fill in the texts of the goal sent before (-1) or after (1) the one in the form.
-
-        Behind the newest goal, the texts that were being typed come back.
-        """
+        """Fill in the texts of the goal sent before (-1) or after (1) the one in the form."""
         if self._typed_index == len(self.typed):
             self._unsent = [field.value for field in self.fields]
         self._typed_index = min(max(self._typed_index + step, 0), len(self.typed))
@@ -314,11 +268,7 @@ class GoalPanel(Panel):
             field.fill(text)
 
     def set_typed(self, typed: list[list[str]]) -> None:
-        """Set the goals that the arrow keys recall, and begin behind the newest.
-
-        Args:
-            typed: The texts of each goal, one a field, the oldest goal first.
-        """
+        """Set the goals that the arrow keys recall, the oldest first; begin behind the newest."""
         self.typed, self._typed_index = typed, len(typed)
 
     def _on_changed(self) -> None:
@@ -329,14 +279,9 @@ class GoalPanel(Panel):
             self.scroll_visible(animate=False)
 
     def show_hint(self, text: str = "", causes: CauseWatch | None = None) -> None:
-        """Show why a goal is not sent or driven, in place of the hint before.
+        """Show why a goal is not sent or driven, until something is typed; "" removes the hint.
 
-        Typing removes the hint.
-
-        Args:
-            text: The hint; "" removes it.
-            causes: Removes the hint as soon as one of its causes is over; None for a hint that only
-                typing removes.
+        It is removed as soon as one of `causes` is over, too.
         """
         self._causes, self._shows_refusal = causes, False
         if causes is not None:
@@ -348,8 +293,7 @@ class GoalPanel(Panel):
     def show_refusal(self, text: str) -> None:
         """Show why the robot refuses a goal, until a possible cause is over.
 
-        Args:
-            text: The reason; "" removes the one that is shown, but no hint about what is typed.
+        "" removes the refusal that is shown, but no hint about what is typed.
         """
         if text or self._shows_refusal:
             self.show_hint(text, CauseWatch(refusal_causes))
@@ -358,9 +302,7 @@ class GoalPanel(Panel):
     def submit(self) -> None:
         """Send the typed goals and clear the form, or show what is wrong and keep it.
 
-        After sending, the first field has the focus; after an error, the field that is wrong.
-        Without a goal in the robot file, or on a console that only watches, a hint says so. A form
-        whose fields are all empty does nothing; one without fields sends its goal.
+        Empty fields do nothing; a form without fields sends its goal.
         """
         typed = [field.value for field in self.fields]
         if self._kind is None:
@@ -400,8 +342,7 @@ class GoalPanel(Panel):
     def send_numbers(self, typed: str) -> None:
         """Send goals that were typed elsewhere, as `7 3`; the form keeps its text.
 
-        If one of the numbers is not valid, or this console only watches, nothing is sent, and a
-        hint in the form says why.
+        If one of the numbers is not valid, nothing is sent, and a hint in the form says why.
         """
         why = WATCHING if self._watching else self.refusal(typed)
         self.show_hint(why, CauseWatch(limits) if why else None)
@@ -409,15 +350,9 @@ class GoalPanel(Panel):
             self.send(self._parse(self._kind, [typed]), [typed])
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
-        """Return the values of each goal by dotted path.
+        """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text.
 
-        Args:
-            kind: The kind of goal.
-            typed: The text of each field. If a goal is a single number, the first text may have
-                several.
-
-        Raises:
-            _InvalidTextError: A text is no value of its field, or outside of the robot's limits.
+        If a goal is a single number, its text may have several.
         """
         rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
         goals, form = [], self._snapshot.form(kind)

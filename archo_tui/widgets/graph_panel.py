@@ -31,8 +31,7 @@ def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
     """Return `topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
 
-    Where `columns` has one width only, the row takes two lines and leaves out the type's package.
-    Mismatches of type or QoS stand below, wrapped.
+    With one column only it takes two lines; mismatches of type or QoS stand below.
     """
     wrong = [
         (f"  {line}", _STRONG)
@@ -58,7 +57,7 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
 class GraphPanel(Panel):
     """The list of topics, services and actions.
 
-    While visible, the list is drawn once a second, and when anything but a rate changes.
+    Drawn once a second, and when anything but a rate changes.
     """
 
     number, title_text = 8, "Graph"
@@ -86,14 +85,7 @@ class GraphPanel(Panel):
         return self._rows.item
 
     def step(self, by: int, kind: str) -> ResourceRow | None:
-        """Move the cursor to the next row of a kind, and return that row.
-
-        Without such a row in that direction, the cursor stays, and the result is None.
-
-        Args:
-            by: 1 for downwards, -1 for upwards.
-            kind: The kind of resource, such as TOPIC.
-        """
+        """Move the cursor to the next (1) or previous (-1) row of a kind; None if there is none."""
         following = range(self._rows.cursor + by, len(self._rows.items) if by > 0 else -1, by)
         found = (n for n in following if self._rows.items[n].resource.kind == kind)
         number = next(found, None)

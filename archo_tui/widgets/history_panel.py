@@ -31,23 +31,14 @@ _GLYPHS = {Phase.ARRIVED: "✓", Phase.DISPUTED: "?"}
 
 
 class Plot(NamedTuple):
-    """A reading to be plotted over time.
-
-    Attributes:
-        title: The name of the reading.
-        unit: The unit of its values.
-        decimals: Digits after the decimal point.
-        quantity: The reading in the history.
-        min_top: The upper end of the scale, unless a value is greater.
-        is_fixed: True if the scale always goes from 0 to `min_top`.
-    """
+    """A reading to be plotted over time."""
 
     title: str
     unit: str
     decimals: int
     quantity: Quantity
-    min_top: float
-    is_fixed: bool = False
+    min_top: float  # The upper end of the scale, unless a value is greater.
+    is_fixed: bool = False  # The scale always goes from 0 to `min_top`.
 
 
 def plots(robot: RobotFile) -> tuple[Plot, ...]:
@@ -71,12 +62,8 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
 def covered_span(history: History, chosen: float, now: float) -> float:
     """Return how many seconds the plots cover: the chosen span, or less soon after the begin.
 
-    Until the chosen span has passed since the first sample, the result grows in steps, from 20 s.
-
-    Args:
-        history: The samples.
-        chosen: The span that was chosen, in s.
-        now: The monotonic time of the newest column, in s.
+    Until it has passed, the result grows in steps, from 20 s; `now` is that of the newest column,
+    monotonic.
     """
     passed = 0.0 if history.begin is None else now - history.begin
     return next((float(step) for step in _STEPS if passed <= step < chosen), chosen)
@@ -85,18 +72,10 @@ def covered_span(history: History, chosen: float, now: float) -> float:
 def history_lines(
     shown: Sequence[Plot], view: View, span: float, width: int, height: int, more: str = ""
 ) -> list[Spans]:
-    """Return the lines of the plots below each other, the marks of ended goals, and the time axis.
+    """Return the lines of the plots, the marks of ended goals, and the time axis.
 
-    If rows are few, the plots behind the first three are left out, the last one first. If three
-    have no room either, one line says so.
-
-    Args:
-        shown: The plots, the first at the top.
-        view: The view with the history.
-        span: The time that the plots cover, in s.
-        width: The cells available.
-        height: The lines available.
-        more: Appended to that one line: how to get more room.
+    Where rows are few, the plots behind the first three are left out, or one line says so, with
+    `more`.
     """
     cells = width - _LABEL_WIDTH - 2
     while len(shown) > _MOST_NEEDED and (height - 2) // len(shown) - 1 < _MIN_ROWS:
@@ -141,27 +120,17 @@ def _plot(
 def _round_up(high: float) -> float:
     """Return the least of 1, 2, 5, 10, 20, 50, ... (or 0.5, 0.2, ...) that is not below a number.
 
-    Ends in such steps keep the scale from changing often.
-
-    Args:
-        high: A number above 0.
+    Such steps keep the scale from changing often.
     """
     power = 10.0 ** math.floor(math.log10(high))
     return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
 
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
-    """Return a line with a mark for each goal that ended, at the time of its end: `✓  ✓ 7   3✓ 1✗`.
+    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   3✓ 1✗`.
 
-    `✓` is arrived, `?` disputed, `✗` every other end. The target of an own goal stands behind its
-    mark if it is short and there is room. Marks that would overlap are counted together. Goals that
-    ended outside of the line's time are left out.
-
-    Args:
-        ends: The goals, the newest first.
-        now: The Unix time at the right end of the line.
-        span: The time that the line stands for, in s.
-        cells: The cells of the line.
+    The target of an own goal stands behind its mark if there is room. Marks that would overlap are
+    counted together.
     """
     groups: list[tuple[int, list[Goal]]] = []  # With the cell where each begins, from the right.
     for goal in ends:
@@ -195,12 +164,7 @@ def _mark_text(group: Sequence[Goal]) -> str:
 
 
 def _mark_width(group: Sequence[Goal], following: Sequence[Goal]) -> int:
-    """Return how many cells a mark takes, with a blank behind it if one of both marks is a count.
-
-    Args:
-        group: The goals of the mark.
-        following: The goals of the mark at its right.
-    """
+    """Return the cells of a mark, with a blank behind it if one of both marks is a count."""
     return len(_mark_text(group)) + (len(group) > 1 or len(following) > 1)
 
 
@@ -210,11 +174,7 @@ def _short_target(goal: Goal) -> str:
 
 
 def _time_axis(view: View, span: float, cells: int) -> str:
-    """Return `─ 11:54 ────── 11:59 ────── 12:04 `: begin, middle and end of the span in local time.
-
-    A span of up to four minutes has seconds as well. Where three times have no room, only the last
-    one is shown.
-    """
+    """Return `─ 11:54 ────── 11:59 ────── 12:04 `: begin, middle and end in local time."""
     digits = 8 if span <= _WITH_SECONDS else 5  # With seconds, or without.
     first, middle, last = (time_of_day(view.time - back)[:digits] for back in (span, span / 2, 0.0))
     gap = cells - 3 * digits - 5
@@ -224,10 +184,7 @@ def _time_axis(view: View, span: float, cells: int) -> str:
 
 
 class HistoryPanel(Panel, can_focus=True):
-    """The panel with plots on a common time axis, drawn once a second while it is visible.
-
-    A reading that begins or ends, and a goal that ends, are drawn at once.
-    """
+    """The panel with plots on a common time axis, drawn once a second while it is visible."""
 
     number, title_text = 7, "History"
     keys = (("history", FULL_SCREEN), ("shorter", "shorter"), ("longer", "longer"))
@@ -259,10 +216,7 @@ class HistoryPanel(Panel, can_focus=True):
             self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
 
     def change_span(self, by: int) -> None:
-        """Choose the next longer (1) or shorter (-1) span of SPANS, if there is one.
-
-        The plots show it with the next view.
-        """
+        """Choose the next longer (1) or shorter (-1) span of SPANS, if there is one."""
         self._span = min(max(self._span + by, 0), len(SPANS) - 1)
 
     def can_change_span(self, by: int) -> bool:

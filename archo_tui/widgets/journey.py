@@ -19,11 +19,7 @@ _GAP = 4  # Cells between the parts of the lowest row.
 
 
 class Journey(Vertical):
-    """The way of a goal in three rows: its ends, a bar with the robot on it, and its pace.
-
-    The pace is the speed, the time left, and the goals that follow. The parts of the rows keep
-    their places while the robot moves.
-    """
+    """The way of a goal in three rows, whose parts keep their places while the robot moves."""
 
     DEFAULT_CSS = "Journey { height: 3; width: 1fr; }"
 
@@ -35,27 +31,14 @@ class Journey(Vertical):
         yield from (self._ends, self._bar, self._pace)
 
     def show(self, snapshot: Snapshot, now: float, width: int, waiting: Sequence[str]) -> None:
-        """Show the way of the snapshot's goal, empty if there is none; equal rows are not redrawn.
-
-        Args:
-            snapshot: The state of the robot.
-            now: Monotonic time, in s.
-            width: The cells available.
-            waiting: The goals that follow, in words.
-        """
+        """Show the way of the snapshot's goal, empty if there is none."""
         self._ends.show_spans(ends(snapshot.goal, width))
         self._bar.show_spans(bar(snapshot.goal, width))
         self._pace.show_spans(pace(snapshot, now, width, waiting))
 
 
 def ends(goal: Goal | None, width: int) -> Spans:
-    """Return the row above the bar: `START      9.0 m left   50 %   shelf 12`.
-
-    Args:
-        goal: The current goal. For None, and while the length of its way is not known, `--` stands
-            in place of each number, without a target.
-        width: The cells available. If they are few, the target is cut in its middle.
-    """
+    """Return the row above the bar: `START      9.0 m left   50 %   shelf 12`."""
     length = known_length(goal)
     if goal is None or goal.remaining is None or length is None:
         return _at_both_ends((("START", OLD),), (("-- left    -- %", OLD),), width)
@@ -70,10 +53,7 @@ def ends(goal: Goal | None, width: int) -> Spans:
 
 
 def bar(goal: Goal | None, width: int) -> Spans:
-    """Return a bar of the full width, filled up to the robot's place on the way.
-
-    Without a goal, or while the length of its way is not known, the bar is empty and has no robot.
-    """
+    """Return a bar of the full width up to the robot's place; empty if the way is not known."""
     if goal is None or known_length(goal) is None:
         return (("░" * width, EDGE),)
     done = min(int(goal.fraction() * width), width - 1)
@@ -82,16 +62,7 @@ def bar(goal: Goal | None, width: int) -> Spans:
 
 
 def pace(snapshot: Snapshot, now: float, width: int, waiting: Sequence[str] = ()) -> Spans:
-    """Return the row below the bar: `0.80 m/s x 7.5    about 12 s left    then 7, 3`.
-
-    The time is there only while a goal moves and the time can be estimated.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time, in s.
-        width: The cells available.
-        waiting: The goals that follow, in words, cut at the end where they have no room.
-    """
+    """Return the row below the bar: `0.80 m/s x 7.5    about 12 s left    then 7, 3`."""
     goal, speed = snapshot.goal, speed_text(snapshot)
     is_old = snapshot.motion.received is None or snapshot.motion.is_old(now)
     runs = goal is not None and goal.is_running

@@ -19,7 +19,7 @@ from archo_tui.words.state import Spans
 class Line(Static):
     """A widget of one line of text that is redrawn only when its text changes.
 
-    Nothing around it moves. A text that is too long ends with an ellipsis.
+    A text that is too long ends with an ellipsis.
     """
 
     DEFAULT_CSS = "Line { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }"

@@ -19,15 +19,8 @@ _MIN_ALARM = 12  # Cells of an alarm's text; for fewer, the robot's name makes r
 def live_line(view: ScreenState, width: int) -> Content:
     """Return ` LIVE ARCHO   ● online   ✗ STOPPED: look for the cause      12:04:32   q back `.
 
-    Shown are what the live robot does and how far it has to go, unless the alarm tells of a STOP;
-    the first alarm that is not shelved, the number of others, and whether an assistant asks. If
-    space is short, the robot's name and the remaining way are left out first, then the number and
-    the request, then the time; at last the alarm is cut. The line is reversed while an alarm is
-    unacknowledged or the robot is stopped.
-
-    Args:
-        view: The state of the live console.
-        width: The cells of the line.
+    If space is short, the robot's name and the remaining way are left out first, then the number of
+    alarms and the request, then the time; at last the alarm is cut.
     """
     snapshot = view.snapshot
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
@@ -68,8 +61,7 @@ def _alarm_texts(alarm: Alarm) -> list[str]:
 def _style(view: ScreenState) -> str:
     """Return the style of the line, reversed while the live robot needs the operator.
 
-    That is while an alarm is unacknowledged or the robot is stopped: red for an alarm of high
-    priority or an uncertain STOP, else amber.
+    Red for an alarm of high priority or an uncertain STOP, else amber.
     """
     snapshot = view.snapshot
     alarms = [alarm for alarm in view.alarms if alarm.state == AlarmState.UNACKNOWLEDGED]

@@ -18,9 +18,8 @@ from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motio
 class MotionPanel(Panel, can_focus=True):
     """The panel with speed, state, pose and gauges, and the buttons of a command and STOP.
 
-    The buttons stand far apart. The first one is the robot file's first command that switches no
-    state of the battery, if there is one; for a robot without a STOP service the second one is
-    `Cancel all`.
+    The first one is the robot file's first command that switches no state of the battery; without a
+    STOP service the second one is `Cancel all`.
     """
 
     number = 2

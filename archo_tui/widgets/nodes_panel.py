@@ -26,10 +26,7 @@ _STYLES = {STRONG: "bold", PLAIN: ""}
 
 
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
-    """Return the widths of the names and of the rates; 0 for the rates if they have no room.
-
-    Names are cut in favour of rates, but not to fewer than eight cells.
-    """
+    """Return the widths of the names and of the rates; 0 for the rates if they have no room."""
     room = width - _MARK_WIDTH - _AGE_WIDTH
     names = column((row.label for row in rows), _NAME_WIDTH, room)
     if names + _RATE_WIDTH <= room:
@@ -44,12 +41,7 @@ def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
 
 
 def node_titles(width: int, columns: Columns) -> str:
-    """Return the line with the titles of the columns: `node    heard   rate`.
-
-    Args:
-        width: The cells available.
-        columns: The widths of names and rates.
-    """
+    """Return the line with the titles of the columns: `node    heard   rate`."""
     numbers = f"{'heard':>5}{'rate':>{columns[1]}}" if columns[1] else "heard"
     room = max(width - _MARK_WIDTH - columns[0], 0)  # A hidden list has no width.
     return f"{'':{_MARK_WIDTH}}{'node':{columns[0]}}{numbers:>{room}}"
@@ -58,9 +50,8 @@ def node_titles(width: int, columns: Columns) -> str:
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     """Return `● battery_monitor    0.4 s  1.0 Hz`, or the name and what is wrong with the node.
 
-    A text that has no room beside the name goes on below; in a list of fewer than 30 cells it is
-    cut to one line. For a node of the user's own, one more line names its file, and when that was
-    saved.
+    A text that has no room goes on below, or is cut in a list of fewer than 30 cells. One more line
+    names the file of a node of the user's own.
     """
     hosted = row.hosted
     if hosted is None or not hosted.file:
@@ -95,10 +86,10 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
 
 
 def _crop_at_word(text: str, width: int) -> str:
-    """Return a text in at most `width` cells; a cut text ends with a whole word and `…`.
+    """Return a text in at most `width` cells, cut behind a whole word.
 
-    If fewer than two whole words have room, what stands before the first `: ` is left out, so that
-    the name of an exception can be read. A first word that has no room is cut.
+    If fewer than two have room, what stands before the first `: ` is left out, so that the name of
+    an exception can be read.
     """
     cut = textwrap.shorten(text, width, placeholder=" …")
     if len(cut.split()) > 2:
@@ -115,7 +106,7 @@ def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
 class NodesPanel(Panel):
     """The list of nodes: when each was last received, how often it publishes, or what is wrong.
 
-    Ages and rates change once a second; a node that comes, goes or crashes here is shown at once.
+    Ages and rates change once a second; a node that comes, goes or crashes is shown at once.
     """
 
     number, title_text = 5, "Nodes"

@@ -15,14 +15,7 @@ _LOOKS = {"information": ("·", ""), "warning": ("▲", "bold $warn"), "error": 
 
 
 def notice_text(notice: Notice, width: int) -> Content:
-    """Return ` ▲ dock: the robot is stopped                       +2 `, with the number of others.
-
-    A long text goes on below, in at most three lines; what has no room there is cut.
-
-    Args:
-        notice: The notice.
-        width: The cells of a line.
-    """
+    """Return ` ▲ dock: the robot is stopped                       +2 `, in at most three lines."""
     glyph, style = _LOOKS[notice.severity]
     more = f"+{notice.waiting} " if notice.waiting else ""
     room = max(width - len(f" {glyph} {more} "), 8)
@@ -47,13 +40,7 @@ class NoticeLine(Static):
     _shown: tuple[Notice | None, int, int] = None, 0, 0
 
     def show(self, notice: Notice | None, row: int, width: int) -> None:
-        """Show a notice at a row, or hide the line; equal arguments change nothing.
-
-        Args:
-            notice: The notice; None to show what lies beneath.
-            row: The row of the screen, from 0.
-            width: The cells of a line.
-        """
+        """Show a notice at a row of the screen, or (None) what lies beneath."""
         if (notice, row, width) == self._shown:
             return
         self._shown = notice, row, width

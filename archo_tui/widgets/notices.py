@@ -14,33 +14,21 @@ _GRAVITY: tuple[SeverityLevel, ...] = ("information", "warning", "error")
 
 
 class Notice(NamedTuple):
-    """A message to the operator.
-
-    Attributes:
-        text: The message, in one line.
-        severity: The gravity: information, warning or error.
-        waiting: The number of other notices that have not gone yet.
-    """
+    """A message to the operator."""
 
     text: str
     severity: SeverityLevel
-    waiting: int = 0
+    waiting: int = 0  # The number of other notices that have not gone yet.
 
 
 @dataclass
 class _Entry:
-    """A notice that has not gone yet.
-
-    Attributes:
-        notice: The notice.
-        duration: Seconds for which it is shown.
-        until: The monotonic time, in s, at which it goes, shown or not; None until the first
-            `Notices.update` after it was added. Its first showing sets the time anew.
-        was_shown: True once it has been shown.
-    """
+    """A notice that has not gone yet."""
 
     notice: Notice
-    duration: float
+    duration: float  # Seconds for which it is shown.
+    # The monotonic time at which it goes, shown or not; None until the first `Notices.update`. Its
+    # first showing sets the time anew.
     until: float | None = None
     was_shown: bool = False
 
@@ -48,33 +36,21 @@ class _Entry:
 class Notices:
     """The notices that have not gone yet, of which the gravest is shown, and of equals the newest.
 
-    The duration of a notice begins when it is shown for the first time, and runs on while a newer
-    or graver one hides it. A notice that has waited for twice its duration is dropped unseen.
+    The duration of a notice begins when it is first shown, and runs on while another one hides it.
+    A notice that has waited for twice its duration is dropped unseen.
     """
 
     def __init__(self) -> None:
         self._entries: list[_Entry] = []
 
     def add(self, text: str, severity: SeverityLevel, duration: float) -> None:
-        """Add a notice as the newest; one with the same text and severity is removed.
-
-        Args:
-            text: The message; line breaks and runs of blanks become one blank.
-            severity: The gravity: information, warning or error.
-            duration: Seconds for which it is shown.
-        """
+        """Add a notice for `duration` seconds, in place of an equal one, with its blanks joined."""
         notice = Notice(" ".join(text.split()), severity)
         self._entries = [entry for entry in self._entries if entry.notice != notice]
         self._entries.append(_Entry(notice, duration))
 
     def update(self, now: float) -> Notice | None:
-        """Remove the notices whose time is over, and return the one to show; None if none is left.
-
-        The duration of the returned notice begins now, unless it was shown before.
-
-        Args:
-            now: The monotonic time, in s.
-        """
+        """Remove the notices whose time is over, and return the one to show, whose time begins."""
         self._entries = [e for e in self._entries if e.until is None or now < e.until]
         entry = self._gravest()
         if entry is None:

@@ -25,18 +25,13 @@ FULL_SCREEN = "full screen"  # The word of keys that enlarge a panel.
 
 
 class Panel(Container, QuietFocus):
-    """The base of the numbered panels; the screen calls `show` with every new state.
+    """The base of the numbered panels; the screen calls `show` with every new state."""
 
-    Attributes:
-        number: The number of the panel, 1 to 9, which is also the key that leads to it.
-        title_text: The title, without the number.
-        keys: Pairs of a command's id and a word, for the lower border.
-        other_keys: The keys of commands, by id, that differ within this panel.
-    """
-
-    number = 0
+    number = 0  # 1 to 9, which is also the key that leads to it.
     title_text = ""
+    # Pairs of a command's id and a word, for the lower border.
     keys: Sequence[tuple[str, str]] = ()
+    # The keys of commands, by id, that differ within this panel.
     other_keys: Mapping[str, str] = {}
 
     class Outdated(Message):
@@ -64,14 +59,8 @@ class Panel(Container, QuietFocus):
     def show_keys(self, view: ScreenState, before: str = "", key_before: str = "") -> None:
         """Write the keys on the lower border, as many as fit; a click on one runs its command.
 
-        Commands that the registry lacks, or that have no key, are left out; so is STOP in a replay.
-        Those that cannot run now are darker. While the panel fills the screen, `esc back` comes
-        first, and its key for that is left out.
-
-        Args:
-            view: The state of the screen.
-            before: A word that stands before the keys.
-            key_before: The key for that word; "" if it has none.
+        Commands without a key are left out, and STOP in a replay. `before` is a word in front of
+        them.
         """
         room, is_full = self.size.width - 4, self.screen.has_class("-full")
         words = room, is_full, before, key_before, self.keys
@@ -102,19 +91,12 @@ class Panel(Container, QuietFocus):
             self.border_subtitle = below
 
     def show_publishers(self, view: View, topic: str) -> None:
-        """Name the publishers of a topic in the title while there are several; else name none.
-
-        The readings of several publishers are mixed. A text of `show_title` is replaced.
-        """
+        """Name the publishers of a topic in the title if there are several: their readings mix."""
         names = view.snapshot.publishers.get(topic, ())
         self.show_title(f"   {len(names)} publishers: {escape(', '.join(names))}" if names else "")
 
     def show_title(self, more: str) -> None:
-        """Show the title, what hides rows, and then a text, in place of the text of the last call.
-
-        Args:
-            more: The text as markup of Textual; "" for none.
-        """
+        """Show the title, what hides rows, and a text as Textual's markup, in place of the last."""
         self._title_more = more
         title = Content.assemble(
             f"{self.number} {self.title_text}",
@@ -125,11 +107,7 @@ class Panel(Container, QuietFocus):
             self._title = self.border_title = title
 
     def show_narrowed(self, *what: str) -> None:
-        """Say in the title, in colour, what hides rows or waits; without texts, say nothing.
-
-        Args:
-            what: Plain texts, of which empty ones are left out.
-        """
+        """Say in the title, in colour, what hides rows or waits; without texts, say nothing."""
         text = ", ".join(filter(None, what))
         self._narrowed = f"   {text}" if text else ""
         self.show_title(self._title_more)
@@ -137,11 +115,7 @@ class Panel(Container, QuietFocus):
     def dim_unavailable(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
         """Dim the buttons of services that cannot be called, or all on a console that only watches.
 
-        Buttons of services that can be called are no longer dim.
-
-        Args:
-            view: The state of the screen.
-            buttons: Pairs of the full name of a service or action, and its button.
+        The buttons come with the full names of their services or actions.
         """
         snapshot = view.snapshot
         for service, button in buttons:
@@ -149,11 +123,7 @@ class Panel(Container, QuietFocus):
             button.set_class(blocked, "-blocked")
 
     def mark_focused(self, has_focus: bool) -> None:
-        """Show the focus by the colour of the border.
-
-        Args:
-            has_focus: True if the panel, or a widget in it, has the focus.
-        """
+        """Show by the colour of the border that the panel, or a widget in it, has the focus."""
         colour = self.app.theme_variables["primary"] if has_focus else ""
         if colour != self._focus_colour:
             self._focus_colour = colour
@@ -188,16 +158,13 @@ class Panel(Container, QuietFocus):
 
     @property
     def focus_target(self) -> Widget:
-        """Return the widget that gets the focus when the operator goes to this panel.
-
-        By default that is the panel itself; panels with a list or a form return a widget in them.
-        """
+        """Return the widget, such as a list, that gets the focus instead of this panel."""
         return self
 
     def take_focus(self) -> None:
-        """Focus the panel, or its `focus_target` if it cannot have the focus, before the next key.
+        """Focus the panel, or its `focus_target`, before the next key, without scrolling.
 
-        The screen does not scroll. A list shows its cursor from then on.
+        A list shows its cursor from then on.
         """
         focus_target = self if self.can_focus else self.focus_target
         self.screen.set_focus(focus_target, scroll_visible=False)

@@ -28,12 +28,7 @@ _WAITING = "? waiting for the nodes to report their parameters"
 
 
 class ParametersPanel(Panel):
-    """The table of parameters; `*` marks those that differ from the start.
-
-    Attributes:
-        lines: The lines that the table needs without filter and search, with its titles.
-        search: The search field.
-    """
+    """The table of parameters; `*` marks those that differ from the start."""
 
     number, title_text = 4, "Parameters"
     keys = (
@@ -99,11 +94,7 @@ class ParametersPanel(Panel):
         self._show_standard_hint(view)
 
     def _show_standard_hint(self, view: ScreenState) -> None:
-        """Show in the title how many standard parameters of ROS a key shows or hides.
-
-        While there are none, or a filter or search decides what is shown, the title has no such
-        text.
-        """
+        """Show in the title how many standard parameters of ROS a key shows or hides."""
         key, does = view.key("ros_own"), "hides" if self._shows_standard else "shows"
         noun = "parameter" if self._standard_count == 1 else "parameters"
         text = f"{key} {does} {self._standard_count} standard {noun}".lstrip()
@@ -111,13 +102,7 @@ class ParametersPanel(Panel):
         self.show_title(note if self._standard_count else "")
 
     def _flash(self, before: Sequence[Parameter]) -> None:
-        """Highlight the parameters whose value differs from before, for 0.6 s.
-
-        New parameters are not highlighted. Without animations nothing is.
-
-        Args:
-            before: The parameters before the change.
-        """
+        """Highlight the parameters whose value differs from before, unless animations are off."""
         values = {(p.node, p.name): p.value for p in before}
         names = (
             (p.node, p.name)
@@ -144,10 +129,7 @@ class ParametersPanel(Panel):
         return [(text, f"{style} reverse".lstrip()) for text, style in lines]
 
     def toggle_changed(self) -> None:
-        """Show only the parameters that differ from the start, or all again.
-
-        With them, their values at the start are shown.
-        """
+        """Show only the parameters that differ from the start, with both values, or all again."""
         self._only_changed = not self._only_changed
         self._refill()
         self._rows.redraw_all()
@@ -209,15 +191,8 @@ def parameter_columns(
 ) -> Columns:
     """Return the widths of nodes, names, values, types, ranges and descriptions; 0 hides them.
 
-    If space is short, types are hidden first, then ranges, then nodes. A long name is cut in its
-    middle, a long range at its end, a value never: a longer one moves what stands right of it.
-    Descriptions have lines of their own if the list has 24 rows or more, and room for all of them.
-
-    Args:
-        parameters: The parameters shown.
-        width: The cells available.
-        rows: The rows available.
-        both: True if values are shown with those at the start.
+    If space is short, types are hidden first, then ranges, then nodes; a value is never cut.
+    Descriptions have lines of their own if all of them have room.
     """
     value = column((_value_text(p, both)[: _VALUE_WIDTH[1]] for p in parameters), *_VALUE_WIDTH)
     room = width - value - _NAME_WIDTH - 3  # Blanks, and the mark of a change.
@@ -247,14 +222,9 @@ def parameter_columns(
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if the value changed.
+    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if changed.
 
-    A second line has the description, if there is one and `columns` has room for it.
-
-    Args:
-        parameter: The parameter.
-        columns: The widths, as `parameter_columns` returns them.
-        both: True to show the value at the start as well.
+    A second line has the description, if `columns` has room for it.
     """
     node, *_, described = columns
     line = _line(

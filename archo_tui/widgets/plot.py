@@ -20,16 +20,8 @@ def curve(
 ) -> list[str]:
     """Return the rows of a curve from the top, with two values in each cell.
 
-    Each value is drawn from its least to its greatest, cut at the scale's ends. Neighbours are
-    joined, and the cells below a curve are filled down to zero, or to the lowest row.
-
-    Args:
-        values: The values, oldest first; None leaves a gap.
-        low: The value of the lowest dot.
-        high: The value of the highest dot.
-        rows: The number of rows.
-        mark: A value whose row is dashed beside the curve; None, or one outside of the scale, for
-            none.
+    Neighbours are joined, and the cells below a curve are filled down to zero, or to the lowest
+    row. None leaves a gap; the row of `mark` is dashed.
     """
     steps = rows * 4 - 1
 
@@ -73,17 +65,7 @@ def plot_lines(
     tone: str,
     mark: float | None = None,
 ) -> list[Spans]:
-    """Return the rows of a curve from the top, with an axis at the left that names both ends.
-
-    Args:
-        values: The values, oldest first; None leaves a gap.
-        low: The value at the lower end of the axis.
-        high: The value at the upper end.
-        rows: The number of rows.
-        label_width: The cells left of the axis.
-        tone: The tone of the curve.
-        mark: A value whose row is dashed; None for none.
-    """
+    """Return the rows of a `curve` from the top, with an axis at the left that names both ends."""
     lines: list[Spans] = []
     for row, text in enumerate(curve(values, low, high, rows, mark)):
         at = {0: high, rows - 1: low}.get(row)

@@ -9,8 +9,7 @@ from textual.widget import Widget
 class QuietFocus(Widget):
     """A widget that Textual does not redraw when it gets or loses the focus.
 
-    `has_focus` is set as usual; a subclass redraws what changes in `watch_has_focus`. List it last
-    among the bases.
+    A subclass redraws what changes in `watch_has_focus`. List it last among the bases.
     """
 
     def on_focus(self, event: events.Focus) -> None:

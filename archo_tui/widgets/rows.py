@@ -42,10 +42,7 @@ def pad(text: str, width: int) -> str:
 
 
 def crop(text: str, width: int) -> str:
-    """Return a text in at most `width` cells, with `…` at its end if it is cut.
-
-    Blanks at the end are dropped if the text is too long with them.
-    """
+    """Return a text in at most `width` cells, with `…` at its end if it is cut."""
     if cell_len(text) > width:
         text = text.rstrip()  # Blanks at the end need no ellipsis.
     return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
@@ -61,11 +58,6 @@ def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
 
     Differences of at most ten cells between them count as one. Equal texts, and texts with a
     character that does not take one cell, give the whole line.
-
-    Args:
-        before: The text that is drawn.
-        now: The text to draw.
-        width: The cells of the line.
     """
     if cell_len(before) != len(before) or cell_len(now) != len(now):
         return [(0, width)]
@@ -90,43 +82,26 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
     """A list with a cursor, whose cost depends on the visible items only.
 
     The cursor stays on its item when others come or go.
-
-    Attributes:
-        columns: The widths of the columns, of the last layout.
-        cursor: The number of the item under the cursor, from 0.
-        shows_cursor: True once the operator has moved to the list or in it; the cursor is then
-            visible while the list has the focus.
-        without_focus: True if the cursor is shown without the focus, too.
     """
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
-    without_focus = False
+    without_focus = False  # True if the cursor is shown without the focus, too.
 
     def __init__(
         self,
+        # Draws an item in a width, with the columns' widths.
         lines: Callable[[T, int, Columns], Sequence[Text]],
+        # Returns what identifies an item, by which the cursor follows it.
         key: Callable[[T], object],
         *,
         id: str,
-        empty: str,
-        action: str = "",
-        wraps: bool = False,
+        empty: str,  # The text of an empty list.
+        action: str = "",  # A Textual action, for a click on the item under the visible cursor.
+        wraps: bool = False,  # True if an item may take several lines.
         columns: Callable[[Sequence[T], int], Columns] = lambda *_: (),
     ) -> None:
-        """Create an empty list.
-
-        Args:
-            lines: Draws an item as lines; called with the item, the width and the columns' widths.
-            key: Returns what identifies an item, by which the cursor follows it.
-            id: The widget's id, for CSS.
-            empty: The text of an empty list.
-            action: The Textual action that a click on the item under the visible cursor runs; ""
-                for none.
-            wraps: True if an item may take several lines.
-            columns: Returns the widths of columns; called with the items and the width.
-        """
         super().__init__(id=id)
         self._action = action
         self._draw, self._key, self._empty, self._wraps = lines, key, empty, wraps
@@ -137,10 +112,10 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         self._starts: list[int] = []
         self._drawn_lines: dict[int, tuple[Text, bool]] = {}  # What each visible line shows.
         self._measure = columns
-        self.columns: Columns = ()
+        self.columns: Columns = ()  # Of the last layout.
         self._width = 0  # The width of the layout; the widget's own may be newer.
         self.cursor = 0
-        self.shows_cursor = False
+        self.shows_cursor = False  # Once the operator has moved to the list or in it.
 
     @property
     def items(self) -> Sequence[T]:
@@ -172,8 +147,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
     def show(self, items: Sequence[T]) -> None:
         """Show other items, and keep the cursor on its item; equal items change nothing.
 
-        If that item has gone, the cursor keeps its place, at most at the end. A cursor on the first
-        line stays there, since new items come first.
+        A cursor on the first line stays there, since new items come first.
         """
         if items == self._items:
             return
@@ -255,12 +229,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return size.width <= self._width and size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
-        """Lay out the items and return the number of lines.
-
-        Args:
-            is_changed: True if widths have changed: all items are laid out again, else only new
-                objects.
-        """
+        """Lay out the items, or (if `is_changed` is False) new objects only; return the lines."""
         known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
         self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
         self._laid_out = self._items  # Keeps the objects alive, whose ids are the keys above.
@@ -316,20 +285,14 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
 
     def action_press(self, key: str) -> None:
-        """Move the cursor by one of KEYS, at most to the first or last item, and show it.
-
-        While the cursor has not been shown, `down` shows it where it is.
-        """
+        """Move the cursor by one of KEYS and show it; `down` first shows it where it is."""
         page, count = max(self.size.height - 1, 1), len(self._items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
         way = by.get(key, -count if key.endswith("home") else count)
         self._move(way)
 
     def move_to(self, number: int) -> None:
-        """Move the cursor to an item by its number, show it, and scroll to it.
-
-        A number outside goes to the first or last item.
-        """
+        """Move the cursor to an item by its number, at most the last one, and scroll to it."""
         self._move(number - self.cursor)
 
     def _move(self, by: int) -> None:

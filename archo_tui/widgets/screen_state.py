@@ -13,17 +13,12 @@ NONE_RECORDED = "-- none recorded"  # The text of an empty list in a replay.
 
 @dataclass(frozen=True)
 class ScreenState(View):
-    """The station's view, with what only a screen needs.
+    """The station's view, with what only a screen needs."""
 
-    Attributes:
-        keys: The key of each command by its id, as a person reads it.
-        blocked: The ids of the commands that cannot run now.
-        has_never_sent_goal: True if this user has never sent a goal, in earlier sessions either.
-    """
-
+    # By the command's id, as a person reads it.
     keys: Mapping[str, str] = field(default_factory=dict)
-    blocked: frozenset[str] = frozenset()
-    has_never_sent_goal: bool = False
+    blocked: frozenset[str] = frozenset()  # The ids of the commands that cannot run now.
+    has_never_sent_goal: bool = False  # This user, in earlier sessions either.
 
     def advice(self, alarm: Alarm) -> str:
         """Return the text of an alarm, with the key of the command that helps if it can run now."""

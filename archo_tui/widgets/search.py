@@ -14,10 +14,7 @@ from archo_tui.widgets.field import Field
 
 
 class SearchLine(Horizontal):
-    """The line `/ brake   2 of 14` below a list: the search field, and how many rows it leaves.
-
-    The line is hidden unless its search is open or has a text.
-    """
+    """The line `/ brake   2 of 14` below a list, hidden unless its search is open or has a text."""
 
     DEFAULT_CSS = """
         SearchLine { display: none; height: 1; dock: bottom; }
@@ -46,24 +43,14 @@ class SearchLine(Horizontal):
 
 
 class Search(Field):
-    """The search field of a list: enter keeps the filter, escape clears it; both focus the list.
-
-    Attributes:
-        line: The line with this field, for the panel to compose.
-    """
+    """The search field of a list: enter keeps the filter, escape clears it; both focus the list."""
 
     keys = ("enter", "Keep filter"), ("esc", "Clear")
 
     def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
-        """Create the field, hidden.
-
-        Args:
-            target: The widget that gets the focus when the field is left.
-            changed: Called when the search text has changed.
-        """
         super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
         self._target = target
-        self.line = SearchLine(self)
+        self.line = SearchLine(self)  # For the panel to compose.
 
     def open(self) -> None:
         """Show the field with the text of the last search, and focus it."""
@@ -76,12 +63,7 @@ class Search(Field):
         return harmless(self.value.strip())
 
     def show_count(self, shown: int, total: int) -> str:
-        """Show `2 of 14` beside the field; return `/ brake: 2 of 14`, or "" while nothing is typed.
-
-        Args:
-            shown: The number of rows that the search leaves.
-            total: The number of rows without the search.
-        """
+        """Show `2 of 14` beside the field; return `/ brake: 2 of 14`, or "" if nothing is typed."""
         self.line.show_count(shown, total)
         return f"/ {self.search_text}: {shown} of {total}" if self.search_text else ""
 
@@ -101,9 +83,6 @@ class Search(Field):
                 self.screen.set_class(is_open, f"-search-{panel.id}")
 
     def matches(self, *texts: str) -> bool:
-        """Return True if one of the texts contains the typed text, in any case.
-
-        Without a typed text the result is always True.
-        """
+        """Return True if nothing is typed, or one of the texts contains it, in any case."""
         wanted = self.value.strip().casefold()
         return not wanted or any(wanted in text.casefold() for text in texts)

@@ -30,11 +30,7 @@ STYLES[marked_tone(EDGE)] = "$foreground on $shade"
 
 
 def aligned(spans: Spans, width: int) -> Spans:
-    """Return spans in one line: the first at the left end, the others at the right end.
-
-    Blanks around the texts are dropped. Two cells separate the others, one if space is short; what
-    is too long is not cut.
-    """
+    """Return spans in one line, the first at the left end, the others at the right; uncut."""
     (left, tone), *numbers = spans
     left, texts = left.rstrip(), [(text.strip(), of) for text, of in numbers]
     room = width - cell_len(left) - sum(cell_len(text) for text, _ in texts)
@@ -50,12 +46,7 @@ def content(spans: Spans) -> Content:
 
 
 def rich_style(tone: str, variables: Mapping[str, str]) -> Style:
-    """Return a tone as a Rich style: its colour of the theme, and bold.
-
-    Args:
-        tone: A key of STYLES. The background and `reverse` of a marked tone are left out.
-        variables: The colours of the theme, by name.
-    """
+    """Return a tone as a Rich style: its colour of the theme, and bold, but no background."""
     words = STYLES[tone].split()
     named = next((variables[word[1:]] for word in words if word.startswith("$")), None)
     colour = None if named is None else Color.parse(named).rich_color

@@ -21,7 +21,7 @@ _HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
 class TimeLine(Panel, can_focus=True):
     """Panel 9 of a replay, two rows without a border: a line with the position, and text.
 
-    A click on the line moves the position. The panel's keys are the commands of a replay.
+    A click on the line moves the position.
     """
 
     number, title_text = 9, "Time line"
@@ -61,10 +61,7 @@ class TimeLine(Panel, can_focus=True):
         return max(self.size.width - _LEFT_WIDTH - 7, 1)
 
     def on_click(self, event: events.Click) -> None:
-        """Move the position to where the line was clicked; a click beside the line does nothing.
-
-        The panel is shown again at once.
-        """
+        """Move the position to where the line was clicked, and have the panel shown at once."""
         place = event.x - _LEFT_WIDTH + 3
         if event.y == 0 and 0 <= place < self._cells:
             whole = self._player.end - self._player.start
@@ -73,24 +70,13 @@ class TimeLine(Panel, can_focus=True):
 
 
 def _last_marks(marks: list[TimelineMark], here: float) -> str:
-    """Return the text of the last mark up to a Unix time, or "".
-
-    The mark may lie up to 0.05 s after that time; marks up to 0.05 s before the mark are named,
-    too.
-    """
+    """Return the text of the last mark up to a Unix time, with those less than 0.05 s before it."""
     past = [mark for mark in marks if mark.time <= here + _TOGETHER]
     return ", ".join(mark.text for mark in past if past[-1].time - mark.time < _TOGETHER)
 
 
 def draw_time_line(player: Player, here: float, marks: list[TimelineMark], cells: int) -> Content:
-    """Return `━━┼━━━●──┼────`: the past, the position, the rest, and a `┼` for each mark.
-
-    Args:
-        player: Has the beginning and the end of the recording.
-        here: The position, in Unix time.
-        marks: The marks to draw; those outside of the recording are left out.
-        cells: The cells of the line.
-    """
+    """Return `━━┼━━━●──┼────`: the past, the position (in Unix time), the rest, and the marks."""
     whole = max(player.end - player.start, 1e-9)
 
     def cell_of(time: float) -> int:

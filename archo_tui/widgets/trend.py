@@ -16,10 +16,9 @@ _MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """Return a bar for each 5 s that have samples, the newest at the right end, and the range in %.
+    """Return a bar for each 5 s that have samples, the newest at the right end, and the range.
 
-    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as fit into `width` cells. A bar shows
-    the last sample of its 5 s. Without samples the text is "".
+    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`; a bar shows the last sample of its 5 s.
     """
     cells: dict[int, float] = {}
     for at, percentage in samples:
@@ -36,12 +35,7 @@ def sparkline(samples: Samples, width: int) -> str:
 def time_left_text(samples: Samples, *, charging: bool) -> str:
     """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s.
 
-    If it goes otherwise in the last 5 s, these count. The text is "" with less than 3 s of samples,
-    or if the charge does not go that way.
-
-    Args:
-        samples: Pairs of monotonic time in s and charge in %, oldest first.
-        charging: True to estimate when the battery is full, False when it is empty.
+    If it goes otherwise in the last 5 s, these count; "" without a trend, or with less than 3 s.
     """
     seconds = _seconds_to_end(samples, charging)
     if seconds is None:

@@ -9,10 +9,7 @@ from archo_tui.words.state import no_data_text
 
 
 def timeline(alarm: Alarm) -> str:
-    """Return when an alarm began and when it was over, its state and, if given, its reason.
-
-    An example is `since 12:04:31, over at 12:05:02, unacknowledged`. A shelved one says until when.
-    """
+    """Return `since 12:04:31, over at 12:05:02, unacknowledged`, and the reason if given."""
     text, state = f"since {time_of_day(alarm.since)}", alarm.state.value
     if alarm.until is not None:
         text += f", over at {time_of_day(alarm.until)}"

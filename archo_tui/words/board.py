@@ -21,32 +21,19 @@ _FAILED = ("✗", BAD)
 
 
 class Mark(NamedTuple):
-    """The marks at a number of the board, and their tone.
+    """The marks at a number of the board, and their tone."""
 
-    Attributes:
-        before: The cell before the number: an arrow if the robot goes there, else a space.
-        behind: The cell behind it: its place in the queue, or else how the last goal there ended,
-            or a space.
-        tone: The tone of both cells.
-    """
-
-    before: str = " "
-    behind: str = " "
+    before: str = " "  # An arrow if the robot goes there.
+    behind: str = " "  # The place in the queue, or else how the last goal there ended.
     tone: str = OLD
 
 
 class Grid(NamedTuple):
-    """The layout of the numbers in columns and pages.
+    """The layout of the numbers in columns and pages."""
 
-    Attributes:
-        numbers: All numbers of the board.
-        columns: The numbers in each row.
-        rows: The rows of a page.
-    """
-
-    numbers: range
+    numbers: range  # All of the board.
     columns: int
-    rows: int
+    rows: int  # Of a page.
 
     @property
     def digits(self) -> int:
@@ -69,23 +56,16 @@ class Grid(NamedTuple):
         return -(-len(self.numbers) // self.page_size)
 
     def at(self, first: int, column: int, row: int) -> int | None:
-        """Return the index in `numbers` of a cell, or None if the cell is empty or outside.
-
-        Args:
-            first: The index in `numbers` with which the page begins.
-            column: The column, from 0.
-            row: The row on the page, from 0.
-        """
+        """Return the index in `numbers` of a cell on the page that begins at `first`, or None."""
         place = first + row * self.columns + column
         inside = 0 <= column < self.columns and 0 <= row < self.rows
         return place if inside and place < len(self.numbers) else None
 
 
 def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
-    """Return the numbers that a goal can take, limits included.
+    """Return the numbers that a goal can take.
 
-    None means that the goal is not one whole number, that a limit is unknown, that no number is
-    within the limits, or that there are too many numbers for a board.
+    None if it is not one whole number within known limits, or if there are none or too many.
     """
     fields = snapshot.forms.get(kind.id, ())
     if len(fields) != 1 or fields[0].type not in INTEGERS:
@@ -100,13 +80,7 @@ def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
 def fit_grid(numbers: range, width: int, rows: int) -> Grid:
     """Return the layout with as many columns as fit: a multiple of ten, else five, else fewer.
 
-    It has no more columns than numbers. There is one page if all numbers fit in `rows` and are not
-    more than PAGE; else a row of each page is left for its number.
-
-    Args:
-        numbers: All numbers of the board; at least one.
-        width: The width of the board, in cells.
-        rows: The height of the board, in lines.
+    If the numbers need several pages, a row of each is left for the page's number.
     """
     fitting = max(width // Grid(numbers, 1, 1).cell_width, 1)
     columns = fitting // 10 * 10 if fitting >= 10 else 5 if fitting >= 5 else fitting
@@ -118,13 +92,7 @@ def fit_grid(numbers: range, width: int, rows: int) -> Grid:
 
 
 def marks(snapshot: Snapshot, kind: GoalKind, queue: Sequence[QueuedGoal]) -> Mapping[int, Mark]:
-    """Return the marks of a board by number; numbers without a mark are left out.
-
-    Args:
-        snapshot: The state of the robot, with its current goal and its history.
-        kind: The goal of the board; other goals leave no marks.
-        queue: The goals that wait, the next one first.
-    """
+    """Return the marks of a board by number; `queue` has the next goal first."""
     found: dict[int, Mark] = {}
     path = next(iter(kind.form))
     latest = True

@@ -14,12 +14,7 @@ GLYPHS = {
 
 
 def diagnostic_line(status: Diagnostic, now: float) -> str:
-    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a status that is silent.
-
-    Args:
-        status: The status, with its level now.
-        now: Monotonic time in seconds.
-    """
+    """Return `✗ ERROR base: left motor (sn 12): too hot`, with the age of a silent status."""
     head = f"{GLYPHS[status.level]} {status.level.value:<5} {status.part}"
     if status.is_silent_at(now):
         return f"{head}: {status.message} (old, {age_text(now - status.received)})"

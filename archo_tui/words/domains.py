@@ -8,15 +8,7 @@ _NAMED = 4  # Nodes of a domain that are named.
 
 
 def domains_text(found: Mapping[int, Sequence[str]], first: int, last: int) -> str:
-    """Return a line for each domain with nodes, and how to operate the robot there.
-
-    At most four nodes of a domain are named. Without any node, say that none was found.
-
-    Args:
-        found: The names of the nodes by domain.
-        first: The first domain that was looked at.
-        last: The last one.
-    """
+    """Return a line for each domain with nodes, and how to operate the robot there."""
     if not found:
         return (
             f"no node in the domains {first} to {last}, as far as this computer's discovery "

@@ -14,7 +14,7 @@ _OPEN = (Code.HELD, Code.TIMEOUT, Code.NOT_CONFIRMED)  # It may still be done.
 def event_text(event: Event) -> str:
     """Return an event as text, such as `WARN dashboard: Low battery: 18.0% (x 12)`.
 
-    A log line with line feeds has several lines. The count is that of all equal events so far.
+    A log line with line feeds has several lines.
     """
     count = f" (x {event.count})" if event.count > 1 else ""
     return f"{event.level} {event.source}: {event.text}{count}"
@@ -26,11 +26,7 @@ def one_line_text(event: Event) -> str:
 
 
 def outcome_glyph(event: Event) -> str:
-    """Return a glyph for how something ended, or for how grave a log line is.
-
-    `✓` is done, `✗` failed or an error, `▲` open or a warning, `·` none of these, such as a goal
-    that was accepted.
-    """
+    """Return `✓` for done, `✗` failed or an error, `▲` open or a warning, `·` anything else."""
     if event.level in _GRAVITY:
         return _GRAVITY[event.level]
     if event.code in ("", Code.ACCEPTED):  # The end of a goal is an event of its own.
@@ -41,15 +37,7 @@ def outcome_glyph(event: Event) -> str:
 
 
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
-    """Return True if a node of one of the user's own files, or a launch file, logged the event.
-
-    What one of these files printed during its import counts, too.
-
-    Args:
-        event: The event; its source is a logger's name (`lamp`, `lamp.motor`), or a node's name
-            followed by ` stdout`.
-        hosted: The nodes of this process.
-    """
+    """Return True if the user's own file, or a launch file, logged or printed the event."""
     if event.source == LAUNCH:
         return True
     source = event.source.removesuffix(" stdout")

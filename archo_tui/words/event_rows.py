@@ -22,43 +22,26 @@ _ECHO_TIME = 1.0  # Seconds between what was done and what a node logs of it.
 
 
 class EventRow(NamedTuple):
-    """A row of the list of events.
+    """A row of the list of events."""
 
-    Attributes:
-        text: The line, without its time.
-        events: The events that it stands for; the first one gives the row its glyph.
-        time: The Unix time of the last event that the line tells of.
-    """
-
-    text: str
-    events: tuple[Event, ...]
-    time: float
+    text: str  # Without its time.
+    events: tuple[Event, ...]  # It stands for these; the first one gives the row its glyph.
+    time: float  # Unix time of the last of them.
 
 
 class _Act(NamedTuple):
-    """A STOP, a release, or something that failed: what nodes may warn of in the same words.
+    """A STOP, a release, or something that failed: what nodes may warn of in the same words."""
 
-    Attributes:
-        time: The Unix time of its event.
-        words: The stems of the words of that event, its command and its code.
-        event: The event.
-    """
-
-    time: float
-    words: frozenset[str]
+    time: float  # Unix, s.
+    words: frozenset[str]  # Their stems, with those of its command and its code.
     event: Event
 
 
 def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventRow]:
     """Return the rows for events, oldest first, in which each outcome is said once.
 
-    An answer is shown without the words that its request has already, and a confirmed STOP and its
-    release are one row, in the place of the release. A node's warning that only repeats a STOP, its
-    release, or what has just failed, is part of that row.
-
-    Args:
-        events: The events, oldest first.
-        hosted: The nodes of this process; what those of the user's own files log keeps its row.
+    A confirmed STOP and its release are one row, in the release's place; a warning that only
+    repeats what was done is part of that row.
     """
     warned = sorted(filter(_is_warned, events), key=lambda event: event.time)
     acts = [_Act(e.time, _words(f"{e.text} {e.command} {e.code}"), e) for e in warned]
@@ -86,11 +69,10 @@ def event_rows(events: Sequence[Event], hosted: Sequence[Hosted]) -> list[EventR
 
 
 def without_repeats(text: str) -> str:
-    """Return a text without the first words of its answer that its request has, too.
+    """Return `reset encoder: zero` for `reset encoder: Encoder reset to zero`.
 
-    `reset encoder: Encoder reset to zero` becomes `reset encoder: zero`; what stands before the
-    colon is the request. Another form of a word counts as the same. If the whole answer repeats,
-    the request alone is left. If `and`, `or` or `but` would begin the rest, the text stays.
+    The first words of the answer go if the request, before the colon, has them in any form; the
+    text stays if `and`, `or` or `but` would begin the rest.
     """
     title, _, answer = text.partition(": ")
     known, words = {_stem(word) for word in title.split()}, answer.split()
@@ -146,10 +128,9 @@ def _stop_text(stop: Event, release: Event) -> str:
 
 
 def _is_warned(event: Event) -> bool:
-    """Return True if nodes may warn of what an event tells in the same words.
+    """Return True for a STOP, its release, and what failed.
 
-    That is a STOP, its release, and what failed. Setting a parameter is left out: it brings
-    warnings that are news, as of a battery that is low because of its new `low_battery_threshold`.
+    Setting a parameter is left out: it brings warnings that are news.
     """
     if event.level not in OWN_LEVELS:
         return False
@@ -158,15 +139,7 @@ def _is_warned(event: Event) -> bool:
 
 
 def _repeated_act(event: Event, acts: Sequence[_Act], hosted: Sequence[Hosted]) -> Event | None:
-    """Return the event that a warning only repeats, or None if it has any word besides.
-
-    That event happened within a second of the warning.
-
-    Args:
-        event: Any event; None is returned if it is no warning, or of a user's own file.
-        acts: What nodes may warn of, in the order of time.
-        hosted: The nodes of this process.
-    """
+    """Return the act, within a second, that a warning only repeats; None if it has news."""
     if event.level != "WARN" or is_of_own_file(event, hosted):
         return None
     words = _words(event.text)
@@ -183,10 +156,7 @@ def _words(text: str) -> frozenset[str]:
 
 
 def _stem(word: str) -> str:
-    """Return a word without ending, capitals and punctuation: `releas` of `Released;`.
-
-    A word of which three letters or fewer would be left keeps its ending.
-    """
+    """Return a word without ending, capitals and punctuation: `releas` of `Released;`."""
     word = word.strip(",:;()").rstrip(".").rstrip(",:;()").casefold()  # Not the point of `.5`.
     stem = _ENDING.sub("", word)
     return stem if len(stem) > 3 else word

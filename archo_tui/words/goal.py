@@ -29,23 +29,15 @@ NO_ESTIMATE = "-- s left"  # In the place of a time that is not known.
 
 def goal_line(
     snapshot: Snapshot,
-    now: float,
-    ask: str,
-    width: int | None = None,
+    now: float,  # monotonic, s
+    ask: str,  # How a goal is given, said while there is none.
+    width: int | None = None,  # Where the details have no column of their own; None: unlimited.
     *,
-    says_time_left: bool = True,
+    says_time_left: bool = True,  # False where the rows of the journey say it.
 ) -> Spans:
-    """Return the state of the last goal in a line; if there was none, what `no_goal_line` returns.
+    """Return the state of the last goal in a line, or how to give one.
 
-    The line may be wider than `width`: it is not cut.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time, in s.
-        ask: How a goal is given, said while there is none.
-        width: The cells available; the details begin in a column of their own if they fit. None
-            means unlimited.
-        says_time_left: False leaves out the time left, which stands in the rows of the journey.
+    The line is not cut to `width`.
     """
     goal = snapshot.goal
     if goal is None:
@@ -98,15 +90,7 @@ def goal_line(
 
 
 def goal_strip(goal: Goal | None, width: int) -> Spans:
-    """Return the progress of a goal as a bar with the robot on it, and the share in percent.
-
-    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a line of less than 60
-    cells leaves out what stands at both ends of the bar.
-
-    Args:
-        goal: The current goal; None, or one whose way is not known, draws an empty bar.
-        width: The cells of the whole line; fewer than 12 count as 12.
-    """
+    """Return `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`, or an empty bar."""
     length = known_length(goal)
     if goal is None or length is None:
         return (("─" * max(width - 8, 4), EDGE), ("     -- ", OLD))
@@ -120,21 +104,14 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
 
 
 def known_length(goal: Goal | None) -> float | None:
-    """Return the length of a goal's way in the goal's unit, or None if its progress is not known.
-
-    None for no goal, for a refused one, before the first feedback, if the feedback does not tell
-    it, and for a length of 0.
-    """
+    """Return the length of a goal's way in its unit; None if its progress is not known."""
     if goal is None or goal.remaining is None or goal.phase in (Phase.SENT, Phase.REFUSED):
         return None
     return goal.length or None
 
 
 def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
-    """Return the texts before and behind the bar: the distance driven, and the one left.
-
-    Their width is the same at each moment of the way.
-    """
+    """Return the distance driven and the one left, of the same width at each moment of the way."""
     unit, wide = _unit_suffix(goal), len(f"{length:.1f}")
     left = length * (1 - goal.fraction())
     target = f" {goal.name}" if goal.kind.noun and goal.target else ""
@@ -142,21 +119,13 @@ def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
 
 
 def goal_history(
-    history: tuple[Goal, ...],
+    history: tuple[Goal, ...],  # The newest first.
     width: int,
-    waiting: Sequence[str] = (),
-    held: str = "",
-    keys: str = "",
+    waiting: Sequence[str] = (),  # The next one first.
+    held: str = "",  # Why the queue is held.
+    keys: str = "",  # `n continue   k skip`
 ) -> Spans:
-    """Return the goals that wait in a line; if none waits, those that ended, as many as fit.
-
-    Args:
-        history: The goals that ended, newest first; the newest is shown in any case.
-        width: The cells available.
-        waiting: The goals in the queue, the next one first.
-        held: Why the queue is held; "" if it is not.
-        keys: What can be done with a held queue, such as `n continue   k skip`.
-    """
+    """Return the goals that wait in a line; if none waits, those that ended, as many as fit."""
     if waiting:
         return _queue_line(waiting, held, width, keys)
     if not history:
@@ -171,10 +140,7 @@ def goal_history(
 
 
 def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spans:
-    """Return `then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`, cut to a width.
-
-    The keys are left out first.
-    """
+    """Return `then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`, cut to a width."""
     after = f" ({held})" if held else ""
     keys = f"   {keys}" if held and keys else ""
     if len(after + keys) + _MIN_QUEUE_WIDTH > width:
@@ -188,12 +154,7 @@ def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spa
 
 
 def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
-    """Return how to give a goal while there is none, or why the first of the robot file cannot be.
-
-    Args:
-        snapshot: The state of the robot.
-        ask: How to give one, as the front end says it; "" leaves it out.
-    """
+    """Return how to give the first goal of the robot file, or why it cannot be given."""
     if not snapshot.file.goals:
         return (("the robot file names no goal", OLD),)
     kind = snapshot.file.goals[0]
@@ -204,10 +165,7 @@ def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
 
 
 def keys_to_press(kind: GoalKind, go_key: str) -> str:
-    """Return which keys give a goal on the screen.
-
-    An example is `Press g, type the shelf, press enter.`.
-    """
+    """Return `Press g, type the shelf, press enter.`."""
     labels = [given.label or path for path, given in kind.form.items()]
     what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
     what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
@@ -215,10 +173,7 @@ def keys_to_press(kind: GoalKind, go_key: str) -> str:
 
 
 def running_word(goal: Goal) -> str:
-    """Return a goal's state and name: `MOVING to 12`, or `RUNNING fibonacci 10`.
-
-    `to` is said if the goal leads somewhere. A goal of another client has its name in parentheses.
-    """
+    """Return a goal's state and name: `MOVING to 12`, or `RUNNING fibonacci 10`."""
     if not goal.mine:
         return f"{goal.word} ({goal.name})"
     if goal.kind.noun:
@@ -227,11 +182,7 @@ def running_word(goal: Goal) -> str:
 
 
 def activity(goal: Goal) -> str:
-    """Return what a running goal does, to be put in a sentence: `on its way to shelf 12`.
-
-    It is `running fibonacci` for a goal that leads nowhere, `carrying out ...` for one of another
-    client.
-    """
+    """Return what a running goal does, to be put in a sentence: `on its way to shelf 12`."""
     if not goal.mine:
         return f"carrying out {goal.name}"
     return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
@@ -251,12 +202,7 @@ def _unit_suffix(goal: Goal) -> str:
 def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
 
-    Without distances it gives the robot's own feedback, or says that it is unreadable or missing.
-
-    Args:
-        goal: The goal.
-        now: Monotonic time, in s.
-        says_time_left: True appends `, about 12 s left`.
+    Without distances it gives the robot's feedback, or says that it is unreadable or missing.
     """
     time_left = time_left_text(goal, now) if says_time_left else ""
     time_left = f", {time_left}" if time_left else ""
@@ -276,10 +222,7 @@ def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
 
 
 def time_left_text(goal: Goal, now: float) -> str:
-    """Return the estimated rest of a goal's time, `about 1.5 s left`, or `-- s left`.
-
-    "" for a goal without a remaining way.
-    """
+    """Return `about 1.5 s left`, `-- s left` if unknown, "" without a remaining way."""
     if goal.unreadable or goal.feedback or goal.remaining is None:
         return ""
     left = goal.seconds_left(now)
@@ -287,10 +230,7 @@ def time_left_text(goal: Goal, now: float) -> str:
 
 
 def _cancelled_details(goal: Goal) -> str:
-    """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`.
-
-    If that is not known, the message stands alone.
-    """
+    """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`."""
     if goal.remaining is None:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
@@ -298,10 +238,7 @@ def _cancelled_details(goal: Goal) -> str:
 
 
 def _arrival_details(goal: Goal) -> str:
-    """Return the robot's message, the length of the way, and how long it took: `18.0 m in 24 s`.
-
-    If the length is not known, return the message, or without one how long it took.
-    """
+    """Return the robot's message, the length of the way, and how long it took: `18.0 m in 24 s`."""
     took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
         return goal.message or f"in {took}"
@@ -310,10 +247,7 @@ def _arrival_details(goal: Goal) -> str:
 
 
 def ended_text(goal: Goal) -> str:
-    """Return a goal that ended in a few words: `✓ 12 arrived 12:03:58`.
-
-    A goal of another client has `another client` in place of its name.
-    """
+    """Return a goal that ended in a few words: `✓ 12 arrived 12:03:58`."""
     at, name = time_of_day(goal.time), goal.target if goal.kind.noun and goal.target else goal.name
     if not goal.mine:
         glyph = "✓" if goal.phase == Phase.ARRIVED else "?" if goal.phase == Phase.DISPUTED else "✗"

@@ -13,23 +13,14 @@ SILENT = "silent"
 
 
 class ResourceRow(NamedTuple):
-    """A topic, service or action as a row of the Graph panel.
-
-    Attributes:
-        resource: What the graph tells of it.
-        rate: `1.0 Hz` or SILENT for a topic; "" if the console does not subscribe to it, or does
-            not know its rate yet.
-    """
+    """A topic, service or action as a row of the Graph panel."""
 
     resource: Resource
-    rate: str = ""
+    rate: str = ""  # `1.0 Hz` or SILENT for a topic; "" if unknown.
 
     @property
     def who(self) -> str:
-        """Return the nodes that offer the resource, without their leading slash, or `no publisher`.
-
-        `?` stands for the unknown node of a service or an action.
-        """
+        """Return the nodes that offer the resource, `no publisher`, or `?` for an unknown node."""
         names = ", ".join(node.lstrip("/") for node in self.resource.nodes)
         return names or ("no publisher" if self.resource.kind == TOPIC else "?")
 
@@ -62,11 +53,7 @@ class ResourceRow(NamedTuple):
 
 
 def topic_lines(info: TopicInfo) -> Spans:
-    """Return the mismatches of a topic, then its publishers and subscribers, each with its QoS.
-
-    Types are shown only if they differ. A last line says that there is no publisher, or that all
-    fit if there are both and no mismatch.
-    """
+    """Return the mismatches of a topic, then its publishers and subscribers, each with its QoS."""
     parts = {"from": info.publishers, "to": info.subscriptions}
     ends = [end for side in parts.values() for end in side]
     width = max((len(_end_name(end)) for end in ends), default=0)

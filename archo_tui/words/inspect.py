@@ -6,22 +6,13 @@ from typing import Any, Protocol
 
 
 class Counted(Protocol):
-    """The statistics of counted messages: see `Inspection`.
-
-    Attributes:
-        count: The number of messages.
-        size: Their bytes in all.
-        kept: How many of them were sent before.
-        kept_size: The bytes of these.
-        least: The shortest time between two of them, in s; None with fewer than two.
-        greatest: The longest time between two of them, in s; None with fewer than two.
-    """
+    """The statistics of counted messages: see `Inspection`."""
 
     count: int
-    size: int
-    kept: int
-    kept_size: int
-    least: float | None
+    size: int  # Bytes of all.
+    kept: int  # Messages that were sent before.
+    kept_size: int  # Bytes of these.
+    least: float | None  # Between two messages, in s; None with fewer than two.
     greatest: float | None
 
     @property
@@ -32,13 +23,7 @@ class Counted(Protocol):
 def rate_text(
     counted: Counted, seconds: float, known_rate: float | None
 ) -> tuple[str, dict[str, Any]]:
-    """Return how often messages came and how large they are: a text, and the same as JSON values.
-
-    Args:
-        counted: The messages; at least one.
-        seconds: How long they were counted.
-        known_rate: The rate in Hz if they are too few to tell it; None if it is not known.
-    """
+    """Return how often messages came and their size: a text, and the same as JSON values."""
     count = counted.count - counted.kept
     bytes_per_second = (counted.size - counted.kept_size) / seconds
     rate = known_rate if counted.rate is None else counted.rate

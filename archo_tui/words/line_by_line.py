@@ -25,10 +25,7 @@ _WIDTH = 80  # Enough cells for any text in full.
 
 
 def spans_to_text(spans: Spans) -> str:
-    """Return spans as a text with a comma for each gap, and without a glyph at its beginning.
-
-    An example is `MOVING to 12, 9.0 m left of 18.0 m`. A gap is two spaces or more.
-    """
+    """Return `MOVING to 12, 9.0 m left of 18.0 m`, a comma for each gap."""
     parts = (part for text, _ in spans for part in re.split(" {2,}", text.strip()))
     return without_glyph(", ".join(filter(None, parts)))
 
@@ -39,11 +36,7 @@ def without_glyph(text: str) -> str:
 
 
 def battery_text(snapshot: Snapshot, now: float) -> str:
-    """Return the battery as `GOOD, 87.5 %, 24.1 V`; unknown values are left out.
-
-    If none was received, the reason follows the word. Of old values the charge stays, and their age
-    stands in place of the voltage. If a value is unreadable, the word stands alone.
-    """
+    """Return the battery as `GOOD, 87.5 %, 24.1 V`, or why it is not known."""
     found = snapshot.battery
     _, word, _ = battery_word(snapshot)
     if found.received is None:
@@ -74,15 +67,7 @@ def motion_text(snapshot: Snapshot, now: float) -> str:
 
 
 def goal_text(snapshot: Snapshot, now: float, ask: str) -> str:
-    """Return the goal's state, with the goal's name if the words of the screen lack it.
-
-    Examples are `MOVING to 12, 9.0 m left of 18.0 m` and `LOST, shelf 12, nothing heard for 3.0 s`.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time, in s.
-        ask: How a goal is given, said while there is none.
-    """
+    """Return the goal's state, as `LOST, shelf 12, nothing heard for 3.0 s`, or `ask`."""
     text, found = spans_to_text(goal_line(snapshot, now, ask)), snapshot.goal
     text = text.replace(f", {NO_ESTIMATE}", "")  # Dashes are for the eye.
     if found is None or found.phase in (Phase.SENT, Phase.MOVING):

@@ -11,20 +11,14 @@ from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age_text
 
 
 class NodeRow(NamedTuple):
-    """A node as a row of the Nodes panel.
+    """A node as a row of the Nodes panel."""
 
-    Attributes:
-        state: What the graph and its topics tell of it.
-        hosted: What this process knows of it; None for a node of another process.
-        second: Monotonic time of the last tick, in s; 0 if the node was never heard, so that its
-            row does not change each second.
-        is_lost: True while no message of the robot arrives.
-    """
-
-    state: NodeState
-    hosted: Hosted | None
+    state: NodeState  # What the graph and its topics tell of it.
+    hosted: Hosted | None  # None for a node of another process.
+    # Monotonic time of the last tick, in s; 0 for a node never heard, so that its row does not
+    # change each second.
     second: float
-    is_lost: bool = False
+    is_lost: bool = False  # No message of the robot arrives.
 
     @property
     def name(self) -> str:
@@ -39,11 +33,7 @@ class NodeRow(NamedTuple):
         return crashed or (hosted is not None and hosted.life == Life.UP and bool(hosted.error))
 
     def word(self) -> tuple[str, str, str]:
-        """Return glyph, text and tone of the node's state.
-
-        The text is "" for a node that is up, in contact and not silent, unless a restart of it has
-        failed; a managed node that is not active has another glyph then.
-        """
+        """Return glyph, text and tone of the node's state; no text if all is well."""
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error}", STRONG
@@ -68,14 +58,7 @@ class NodeRow(NamedTuple):
         return f"{self.name.lstrip('/')} {self.state.lifecycle}".rstrip()
 
     def details(self, now: float, snapshot: Snapshot) -> str:
-        """Return the node's state, rate and count of parameters in lines for a dialog.
-
-        Its traceback comes last, if it has one.
-
-        Args:
-            now: Monotonic time, in s.
-            snapshot: The state of the robot, whose parameters are counted.
-        """
+        """Return the node's state, rate and count of parameters in lines, its traceback last."""
         glyph, word, _ = self.word()
         heard, rate = self.state.heard, self.state.rate
         often = "--" if rate is None else f"{rate:.1f} Hz"
@@ -97,10 +80,7 @@ class NodeRow(NamedTuple):
 
 
 def graph_lines(info: NodeInfo) -> Spans:
-    """Return what a node publishes, subscribes to, serves and calls, each with its type.
-
-    Kinds of which it has none are left out; if it has none at all, a line says so.
-    """
+    """Return what a node publishes, subscribes to, serves and calls, each with its type."""
     parts = {
         "topics published": info.publishes,
         "topics subscribed": info.subscribes,

@@ -34,8 +34,7 @@ def elsewhere_text(snapshot: Snapshot) -> str:
 def no_data_text(snapshot: Snapshot) -> str:
     """Return that no data has come from the robot yet, and the likely cause; "" once some has.
 
-    Data are a reading of battery, motion, pose or a gauge, and a diagnostic. For a robot whose file
-    names no topic, a node on the graph counts as data.
+    If its file names no topic, a node on the graph counts as data.
     """
     topics = snapshot.file.topics
     heard = (snapshot.battery.received, snapshot.motion.received, snapshot.pose.received)
@@ -70,10 +69,7 @@ def thousands(value: int | None) -> str:
 
 
 def age_text(seconds: float) -> str:
-    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`.
-
-    It has at most five characters up to 999 hours. A negative one is `0.0 s`.
-    """
+    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`; a negative one as `0.0 s`."""
     if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
     if seconds < 600:
@@ -109,13 +105,8 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
 def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
     """Return the battery as `▲ LOW       18.0 % 21.3 V`, each number in a span of its own.
 
-    Old values are dimmed, with their age in place of the voltage. If a value is unreadable, glyph
-    and word stand alone.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time, in s.
-        width: The cells available; the age of old values is shown if it fits.
+    Old values are dimmed, with their age in place of the voltage; an unreadable value leaves glyph
+    and word alone.
     """
     glyph, word, tone = battery_word(snapshot)
     battery = snapshot.battery
@@ -132,14 +123,7 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
 
 
 def charge_bar(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
-    """Return the charge as a bar with eighths of a cell, and a mark where it counts as low.
-
-    Args:
-        percentage: The charge, in %; None draws an empty bar.
-        threshold: The charge that is marked on the bar as low, in %; None marks nothing.
-        width: The width of the bar, in cells.
-        tone: The tone of the filled part.
-    """
+    """Return the charge, in %, as a bar with a mark where it counts as low."""
     filled = 0.0 if percentage is None else percentage / 100 * width
     whole, rest = int(filled), filled - int(filled)
     cells = ["█"] * whole
@@ -156,10 +140,7 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
 
 
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`.
-
-    Unknown ones are `--`; old ones are dimmed. Empty if the robot file names neither.
-    """
+    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`."""
     motion, parts = snapshot.motion, []
     count = motion_unit(snapshot, "count")
     if count is not None:
@@ -171,10 +152,7 @@ def motion_line(snapshot: Snapshot, now: float) -> Spans:
 
 
 def speed_text(snapshot: Snapshot) -> str:
-    """Return the speed, with a time factor if there is one: `0.80 m/s x 7.5`.
-
-    An unknown speed is `--`; "" if the robot file names none.
-    """
+    """Return the speed as `0.80 m/s x 7.5`; "" if the robot file names none."""
     unit = motion_unit(snapshot, "speed")
     if unit is None:
         return ""
@@ -188,14 +166,7 @@ def time_factor_text(snapshot: Snapshot) -> str:
 
 
 def motion_unit(snapshot: Snapshot, name: str) -> str | None:
-    """Return the unit of a reading of the motion, or None if the robot file has no such reading.
-
-    A reading without a unit has "".
-
-    Args:
-        snapshot: The state of the robot.
-        name: "count" or "speed".
-    """
+    """Return the unit of "count" or "speed"; None if the robot file lacks it."""
     types = {} if snapshot.file.motion is None else snapshot.file.motion.types
     fields = [getattr(given, name) for given in types.values()]
     return next((field.unit for field in fields if field is not None), None)
@@ -204,13 +175,7 @@ def motion_unit(snapshot: Snapshot, name: str) -> str | None:
 def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """Return the robot's state, such as IDLE, MOVING, STOPPED, or why it is not known.
 
-    A STOP that is not confirmed goes before all else. Behind IDLE, MOVING, `not reported` and STOP
-    CONFIRMED, the line says if the service of STOP is missing.
-
-    Args:
-        snapshot: The state of the robot.
-        now: Monotonic time, in s.
-        width: The cells available; texts about a STOP are shortened to them.
+    A STOP that is not confirmed goes before all else.
     """
     motion, described = snapshot.motion, snapshot.file.motion
     if snapshot.open_stop is not None:
@@ -246,11 +211,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
 
 
 def gauge_line(reading: GaugeReading, now: float) -> Spans:
-    """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own.
-
-    It is `--` before the first number. A value beyond a limit and one that is no number are marked;
-    an old one has its age.
-    """
+    """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own."""
     name, unit = reading.gauge.title, reading.gauge.unit
     if reading.received is None:
         return (name, OLD), (f" -- {unit}".rstrip(), OLD)
@@ -265,10 +226,7 @@ def gauge_line(reading: GaugeReading, now: float) -> Spans:
 
 
 def pose_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return where the robot is as `x 1.2  y 0.4  90°  map`; an old pose with its age.
-
-    It is empty if the robot file names no pose, and `pose --` before the first.
-    """
+    """Return where the robot is as `x 1.2  y 0.4  90°  map`; empty if no pose is named."""
     pose = snapshot.pose
     if snapshot.file.pose is None:
         return ()

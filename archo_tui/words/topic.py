@@ -19,15 +19,7 @@ _LAST_DATE = 2e11  # No later one can be written as a date.
 
 
 def summary(view: TopicView, *, is_frozen: bool) -> Spans:
-    """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary.
-
-    That is a fault, a frozen view, fields that are left out, or that no message has come yet, or
-    only one that was sent before.
-
-    Args:
-        view: The topic.
-        is_frozen: True if newer messages are not shown.
-    """
+    """Return `11.3 Hz   0.7 kB/s   0.1 s old`, and what is wrong or out of the ordinary."""
     texts = []
     if view.rate is not None:
         texts.append(f"{view.rate:.1f} Hz")
@@ -47,11 +39,7 @@ def summary(view: TopicView, *, is_frozen: bool) -> Spans:
 
 
 def value_text(field: FieldView) -> str:
-    """Return what stands behind the name of a field: `12.3 m`, or `4 CHARGING` for a constant.
-
-    A message within the message has "". An array has its type, and one of bytes its first bytes,
-    too. The row that stands for further elements says how to show them.
-    """
+    """Return what stands behind the name of a field: `12.3 m`, or `4 CHARGING` for a constant."""
     if field.kind is FieldKind.GROUP:
         return ""
     if field.kind is FieldKind.ARRAY:
@@ -76,22 +64,14 @@ def _value_text(field: FieldView) -> str:
 
 
 def number_text(value: float, digits: int = 7) -> str:
-    """Return a number in few characters.
-
-    Args:
-        value: An int is shown with grouped digits, a float is rounded; inf and nan stay.
-        digits: The significant digits of a float.
-    """
+    """Return a number in few characters: an int with grouped digits, a float rounded."""
     if isinstance(value, int):
         return thousands(value)
     return str(value) if not math.isfinite(value) else f"{value:.{digits}g}"
 
 
 def range_text(field: FieldView) -> str:
-    """Return `0.12 .. 9.8, 3 nan`: the range of an array, or of a number's values so far.
-
-    What is not known is left out; "" if nothing is.
-    """
+    """Return `0.12 .. 9.8, 3 nan`: the range of an array, or of a number's values so far."""
     parts = []
     if field.least is not None and field.greatest is not None:
         parts.append(f"{_short(field.least)} .. {_short(field.greatest)}")
@@ -101,28 +81,13 @@ def range_text(field: FieldView) -> str:
 
 
 def element_range(array: str, length: int) -> str:
-    """Return `ranges: 0 .. 359`, the indices of an array's elements, or that it is empty.
-
-    Args:
-        array: Its path, of which the last name is shown.
-        length: How many elements it has.
-    """
+    """Return `ranges: 0 .. 359`, the indices of an array's elements, or that it is empty."""
     name = array.rpartition(".")[2]
     return f"{name}: 0 .. {length - 1}" if length else f"{name}: it is empty"
 
 
 def element_index(typed: str, array: str, length: int) -> int:
-    """Return the index of an element of an array that somebody typed.
-
-    Args:
-        typed: The text; spaces around it are ignored.
-        array: The path of the array.
-        length: How many elements it has.
-
-    Raises:
-        ValueError: The text is no index of the array; the error's line says what was typed, and
-            what is allowed.
-    """
+    """Return the index that somebody typed; a ValueError says what is allowed."""
     text = typed.strip()
     if _INDEX.fullmatch(text) and int(text) < length:
         return int(text)
@@ -134,19 +99,13 @@ def element_index(typed: str, array: str, length: int) -> int:
 
 
 def _short(value: float) -> str:
-    """Return a number with four significant digits, or as a whole number if it is a large one.
-
-    Large ones are those from 10,000 to a billion; larger ones have four digits and an exponent.
-    """
+    """Return a number with four digits, or from 10,000 to a billion as a whole number."""
     is_long = 1e4 <= abs(value) < 1e9
     return number_text(round(value) if is_long else value, digits=4)
 
 
 def time_text(seconds: float) -> str:
-    """Return a Unix time as the local time of day, `12:04:31.250`.
-
-    A time before 1973 or after the year 8307 has no date here: it is written in seconds.
-    """
+    """Return a Unix time as the local time, `12:04:31.250`, or in seconds without a date."""
     if not _FIRST_DATE <= seconds <= _LAST_DATE:
         return f"{seconds:.3f} s"
     return f"{datetime.fromtimestamp(seconds):%H:%M:%S.%f}"[:-3]
@@ -155,9 +114,7 @@ def time_text(seconds: float) -> str:
 def sparkline(curve: Curve) -> str:
     """Return a bar for each column of a curve, scaled from its least to its greatest value.
 
-    A column without values is a space; "" if none has any. If all values are equal, all bars are
-    the lowest. Of a column's two values, the least and the greatest, the one that differs more from
-    the column before is drawn.
+    Of a column's least and greatest, the one that differs more from the column before is drawn.
     """
     known = [value for both in curve if both is not None for value in both]
     if not known:
