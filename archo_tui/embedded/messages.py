@@ -13,7 +13,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
-from . import absent
 from . import fields as rules
 from .fixed_array import Truths
 from .idl import Field, InterfaceError, Section
@@ -172,15 +171,6 @@ def _is_dynamic(kind: FieldType) -> bool:
     return kind.is_array and kind.fixed_size is None
 
 
-class _ServiceType(type):
-    """The metaclass of service classes, whose attribute `Event` the engine leaves out.
-
-    Reading `Event` raises AttributeError.
-    """
-
-    Event = absent.Attribute()
-
-
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
     """Return a new service class with `Request` and `Response`.
 
@@ -198,7 +188,7 @@ def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> t
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
     }
-    return _holder(type_name, parts, _ServiceType)
+    return _holder(type_name, parts)
 
 
 def make_action(
@@ -250,7 +240,7 @@ def _wrapped_service(
         "Request": _wrapped(f"{type_name}_Request", load, request),
         "Response": _wrapped(f"{type_name}_Response", load, response),
     }
-    return _holder(type_name, parts, _ServiceType)
+    return _holder(type_name, parts)
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
@@ -280,7 +270,7 @@ def _base(member: type[Message]) -> str:
     return f"{package}/{name}"
 
 
-def _holder(type_name: str, parts: dict[str, Any], kind_of: type[type] = type) -> type:
+def _holder(type_name: str, parts: dict[str, Any]) -> type:
     package, kind, name = type_name.split("/")
     told = f"{'Action' if kind == 'action' else 'Service'} classes can not be instantiated"
 
@@ -288,7 +278,7 @@ def _holder(type_name: str, parts: dict[str, Any], kind_of: type[type] = type) -
         raise NotImplementedError(told)
 
     where = {"__module__": f"{package}.{kind}", "__type_name__": type_name, "__init__": refuse}
-    return kind_of(name, (), {**where, **parts})
+    return type(name, (), {**where, **parts})
 
 
 def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None]:

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -134,7 +132,6 @@ class ServiceEnd(Destroyable):
 
     _node: Node
     _service_name: str
-    configure_introspection = absent.Attribute()
 
     @property
     def service_name(self) -> str:

@@ -14,8 +14,6 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time
 from rclpy.utilities import get_default_context
 
-from archo_tui.embedded import absent
-
 __all__ = [
     "Clock",
     "ClockType",
@@ -53,8 +51,6 @@ class Clock:
         steady = self._clock_type == ClockType.STEADY_TIME
         now = _time_source.monotonic_ns() if steady else _time_source.time_ns()
         return Time(nanoseconds=now, clock_type=self._clock_type)
-
-    create_jump_callback = absent.Attribute()
 
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Block until that time on this clock; a time that has passed returns True at once.

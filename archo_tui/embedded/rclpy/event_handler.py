@@ -23,8 +23,6 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.logging import get_logger
 from rclpy.qos import qos_policy_name_from_kind
 
-from archo_tui.embedded import absent
-
 __all__ = [
     "EventHandler",
     "IncompatibleTypeInfo",
@@ -167,7 +165,9 @@ def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallback
     for name in ("deadline", "liveliness"):
         if getattr(callbacks, name):
             where = f"{type(callbacks).__name__}({name}=...)"
-            raise UnsupportedEventTypeError(absent.message(where))
+            raise UnsupportedEventTypeError(
+                f"the embedded engine has no {where}: real ROS 2 has it"
+            )
 
 
 def _make_handlers(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:

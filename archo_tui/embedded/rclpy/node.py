@@ -52,8 +52,6 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
 
-from archo_tui.embedded import absent
-
 MsgT = TypeVar("MsgT")
 NamesAndTypes = list[tuple[str, list[str]]]
 _DESCRIBES_TYPES = "start_type_description_service"
@@ -319,7 +317,7 @@ class Node(NodeParameters, Destroyable):
             qos_profile: The profile, copied, or the depth of a default one.
             callback_group: The group of the callbacks of events; None means the node's default one.
             event_callbacks: The callbacks of events; None means the default ones.
-            qos_overriding_options: Must be None: this engine has no such options.
+            qos_overriding_options: No effect: None, as this engine has no such options.
             publisher_class: The class of the publisher.
 
         Raises:
@@ -329,10 +327,8 @@ class Node(NodeParameters, Destroyable):
             RuntimeError: The class is a service or an action.
             TypeError: The QoS is neither a profile nor a depth.
             ValueError: The depth is negative, or the name has an unknown name in braces.
-            NotImplementedError: An argument is given that must be None.
             InvalidHandle: The node is destroyed.
         """
-        absent.check_arguments("create_publisher", qos_overriding_options=qos_overriding_options)
         self._use()
         check_is_valid_msg_type(msg_type)
         name = self._validated(topic)
@@ -366,9 +362,9 @@ class Node(NodeParameters, Destroyable):
             qos_profile: The profile, copied, or the depth of a default one.
             callback_group: The group of the callback; None means the node's default one.
             event_callbacks: The callbacks of events; None means the default ones.
-            qos_overriding_options: Must be None: this engine has no such options.
+            qos_overriding_options: No effect: None, as this engine has no such options.
             raw: True hands serialized bytes to the callback.
-            content_filter_options: Must be None: this engine has no such options.
+            content_filter_options: No effect: None, as this engine has no such options.
 
         Raises:
             InvalidTopicNameException: The name is not allowed.
@@ -378,14 +374,8 @@ class Node(NodeParameters, Destroyable):
                 two arguments.
             TypeError: The QoS is neither a profile nor a depth.
             ValueError: The depth is negative, or the name has an unknown name in braces.
-            NotImplementedError: An argument is given that must be None.
             InvalidHandle: The node is destroyed.
         """
-        absent.check_arguments(
-            "create_subscription",
-            qos_overriding_options=qos_overriding_options,
-            content_filter_options=content_filter_options,
-        )
         self._use()
         check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
@@ -497,10 +487,6 @@ class Node(NodeParameters, Destroyable):
             raise ValueError("frequency must be > 0")
         timer = self.create_timer(1.0 / frequency, _nothing, self._rate_group, clock=clock)
         return Rate(timer, context=self._context)
-
-    create_guard_condition = absent.Attribute()
-    destroy_guard_condition = absent.Attribute()
-    guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate and wake its sleepers; return False if the rate is another node's.

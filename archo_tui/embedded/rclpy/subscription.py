@@ -15,7 +15,6 @@ from rclpy._type_checks import takes_info
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 
-from archo_tui.embedded import absent
 from archo_tui.embedded.cdr import encode
 
 if TYPE_CHECKING:
@@ -110,10 +109,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         graph = self._node._graph
         with graph.lock:
             return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
-
-    is_cft_enabled = absent.Attribute()
-    set_content_filter = absent.Attribute()
-    get_content_filter = absent.Attribute()
 
     def destroy(self) -> None:
         """Leave the topic; messages that are still queued are dropped.

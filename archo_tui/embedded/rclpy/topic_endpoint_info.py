@@ -8,8 +8,6 @@ from typing import Any
 
 from rclpy.qos import QoSProfile, as_profile, qos_profile_unknown
 
-from archo_tui.embedded import absent
-
 
 class TopicEndpointTypeEnum(IntEnum):
     """The two sides of a topic, and INVALID for none."""
@@ -29,7 +27,6 @@ class TopicEndpointInfo:
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
     endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes.
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
-    topic_type_hash = absent.Attribute()
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set an attribute; a dict makes a QoSProfile, as in rclpy.

@@ -28,8 +28,6 @@ from rclpy.qos import (
 from rclpy.task import Future, wait_for
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -120,8 +118,6 @@ class ClientGoalHandle:
 
 class ActionClient:
     """A client of an action: it sends goals and receives their status, feedback and results."""
-
-    configure_introspection = absent.Attribute()
 
     def __init__(
         self,

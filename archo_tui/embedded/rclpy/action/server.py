@@ -25,8 +25,6 @@ from rclpy.qos import (
 from rclpy.service import DeferredService, RequestHeader, Service
 from rclpy.task import Future
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -196,8 +194,6 @@ class ActionServer:
     A goal that `execute_callback` leaves active is aborted. An exception of the callback is logged,
     and the goal's result is then an empty one.
     """
-
-    configure_introspection = absent.Attribute()
 
     def __init__(
         self,
