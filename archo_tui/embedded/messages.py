@@ -14,7 +14,6 @@ from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
 from . import fields as rules
-from .fixed_array import Truths
 from .idl import Field, InterfaceError, Section
 from .idl_types import TYPE_CODES, FieldType
 
@@ -94,8 +93,7 @@ class Message(metaclass=_MessageType):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return False
-        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__field_types__)
-        return all(_alike(*pair) for pair in pairs)
+        return all(getattr(self, name) == getattr(other, name) for name in self.__field_types__)
 
     __hash__ = None  # type: ignore[assignment]  # mutable, as rosidl's
 
@@ -106,11 +104,6 @@ class Message(metaclass=_MessageType):
             f"{field}={list(value) if type(value) is array else value!r}" for field, value in values
         )
         return f"{package}.{kind}.{name}({inside})"
-
-
-def _alike(one: Any, other: Any) -> bool:
-    same = one == other
-    return same.all() if isinstance(same, Truths) else bool(same)
 
 
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
@@ -146,9 +139,7 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
                 f"{section.path}:{field.line}: {name} has more than {MOST_ELEMENTS:_} elements "
                 f"with {field.name}: it would take the memory of this process"
             )
-        check = rules.scalar_check(field.name, field.type.base, field.type.string_bound, nested)
-        if field.type.is_array:
-            check = rules.array_check(field.name, field.type, check)
+        check = rules.check_of(field.name, field.type, nested)
         slot = f"_{field.name}"
         body[field.name] = property(attrgetter(slot), _setter(slot, check))
         inits.append((field.name, slot, check, _default(field, nested)))
