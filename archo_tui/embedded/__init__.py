@@ -104,15 +104,6 @@ def install(
 
     Both finders are put in front of all others in `sys.meta_path`. A second call does nothing,
     whatever its arguments are.
-
-    Args:
-        packages: Interface packages by name (`{"archo_interfaces": Path("interfaces")}`), besides
-            those in `share/` and on AMENT_PREFIX_PATH.
-        own: The user's packages by name, whose files are taken before any other's.
-
-    Raises:
-        RuntimeError: Another `rclpy` has been imported already; one name must not have two meanings
-            in one process.
     """
     if is_installed():
         return

@@ -27,11 +27,6 @@ def check_of(name: str, kind: FieldType, message_class: Any) -> Check:
     """Return the check of a field, which returns what the message keeps.
 
     Numbers of an array become an array.array. A wrong value raises AssertionError.
-
-    Args:
-        name: The field, for the error.
-        kind: The type of the field.
-        message_class: The class of a nested message; None for a primitive.
     """
     fits, said = _element(kind, message_class)
     if not kind.is_array:

@@ -50,16 +50,6 @@ class Message(metaclass=_MessageType):
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # Slot, type, nested class.
 
     def __init__(self, **values: Any) -> None:
-        """Create a message from fields by name; a field that is not given has its default.
-
-        Values are always checked: rosidl's argument `check_fields` is accepted and has no effect.
-
-        Raises:
-            AssertionError: A field is unknown, or a value is wrong.
-            TypeError: An array of numbers is given a value with an element that is no number, or no
-                iterable at all.
-            OverflowError: An element for an array of integers is out of range.
-        """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
             if name in values:  # Converted, unlike in an assignment: [1, 2] is two floats.
@@ -78,12 +68,7 @@ class Message(metaclass=_MessageType):
         return dict(cls.__field_types__)
 
     def __received__(self) -> Any:
-        """Return a copy that shares nothing, as if sent and received: float32 is rounded.
-
-        Raises:
-            AssertionError: A list has been filled with a wrong value, or to a wrong length, since
-                it was assigned.
-        """
+        """Return a copy that shares nothing, as if sent and received: float32 is rounded."""
         new = object.__new__(type(self))
         for slot, copy in self.__copiers__:
             value = getattr(self, slot)
@@ -107,16 +92,7 @@ class Message(metaclass=_MessageType):
 
 
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
-    """Return a new message class.
-
-    Args:
-        type_name: Its type, as `package/msg/Name`.
-        section: Its fields and constants.
-        resolve: Returns the class of a nested type.
-
-    Raises:
-        InterfaceError: A new message would have more than MOST_ELEMENTS values.
-    """
+    """Return a new message class."""
     package, kind, name = type_name.split("/")
     body: dict[str, Any] = {
         "__slots__": tuple(f"_{field.name}" for field in section.fields),
@@ -166,14 +142,6 @@ def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> t
     """Return a new service class with `Request` and `Response`.
 
     Creating an instance of the class raises NotImplementedError.
-
-    Args:
-        type_name: Its type, as `package/srv/Name`.
-        sections: The request's and the response's section.
-        resolve: Returns the class of a nested type.
-
-    Raises:
-        InterfaceError: As `make_message` raises it.
     """
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
@@ -189,15 +157,6 @@ def make_action(
 
     `Impl` holds the services and messages that an action consists of on the graph. Creating an
     instance of the class raises NotImplementedError.
-
-    Args:
-        type_name: Its type, as `package/action/Name`.
-        sections: The goal's, the result's and the feedback's section.
-        resolve: Returns the class of a nested type.
-        load: Returns the class of a type such as `action_msgs/srv/CancelGoal`.
-
-    Raises:
-        InterfaceError: As `make_message` raises it.
     """
     parts: dict[str, Any] = {
         part: make_message(f"{type_name}_{part}", section, resolve)
@@ -235,14 +194,7 @@ def _wrapped_service(
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
-    """Return a new message class for one of the services and topics that an action consists of.
-
-    Args:
-        type_name: The type of the new class.
-        load: Returns the class of a type by its name.
-        members: The type of each field by the field's name: a message class or its type name,
-            `bool`, or `int` for an int8.
-    """
+    """Return a new message class for one of the services and topics that an action consists of."""
     primitives = {bool: "bool", int: "int8"}
     classes = {
         name: load(member) if isinstance(member, str) else member

@@ -18,15 +18,7 @@ _NAMESPACE_MAX = 245  # RMW_NAMESPACE_MAX_LENGTH
 
 
 class Remap(NamedTuple):
-    """A remapping rule `[node:]from:=to`.
-
-    Attributes:
-        node: The only node that the rule holds for; None for every node.
-        match: The name to replace; `__node` and `__name` stand for the node's own name, `__ns` for
-            its namespace.
-        replacement: The name to take instead.
-        kind: `rostopic` or `rosservice` if the rule holds for topics or services only, else None.
-    """
+    """A remapping rule `[node:]from:=to`."""
 
     node: str | None
     match: str
@@ -52,13 +44,7 @@ def validate_namespace(namespace: str) -> None:
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check the name of a topic or service as a program writes it (`x`, `~/x`, `/x`).
-
-    Raises:
-        InvalidTopicNameException: The name is not valid.
-        InvalidServiceNameException: The name is not valid, and `is_service` is True.
-        TypeError: The name is not a str.
-    """
+    """Check the name of a topic or service as a program writes it (`x`, `~/x`, `/x`)."""
     problem = topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -67,12 +53,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> None:
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check the name of a topic or service as it is on the graph, expanded.
-
-    Raises:
-        InvalidTopicNameException: The name is not valid.
-        InvalidServiceNameException: The name is not valid, and `is_service` is True.
-    """
+    """Check the name of a topic or service as it is on the graph, expanded."""
     problem = full_topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -99,9 +80,6 @@ def topic_problem(name: str) -> Problem:
     """Return ROS's error text and an index for a topic's or service's unexpanded name, or None.
 
     The index is that of the wrong character.
-
-    Raises:
-        TypeError: The name is not a str.
     """
     if not isinstance(name, str):
         raise TypeError(f"a name is a str, not {type(name).__name__}")
@@ -178,10 +156,6 @@ def expand(name: str, node: str, namespace: str) -> str:
 
     `~`, `{node}`, `{ns}` and `{namespace}` are replaced, and a relative name is put under the
     namespace. The result is not checked.
-
-    Raises:
-        ValueError: The name is not valid, or has another name in braces.
-        TypeError: The name is not a str.
     """
     problem = topic_problem(name)
     if problem:
@@ -204,16 +178,6 @@ def remapped(
 
     Both sides of a rule are expanded as names that the node uses. Rules for another node, for the
     other kind of name, or for the node's own name do not fit.
-
-    Args:
-        full_name: The expanded name.
-        node: The node's name.
-        namespace: The node's namespace.
-        rules: The rules in their order.
-        is_service: True for the name of a service, False for a topic's.
-
-    Raises:
-        ValueError: A rule cannot be expanded.
     """
     kind = "rosservice" if is_service else "rostopic"
     for rule in rules:
@@ -227,13 +191,7 @@ def remapped(
 
 
 def renamed(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
-    """Return the name or namespace that the first fitting rule gives a node, or None.
-
-    Args:
-        rules: The rules in their order.
-        node: The node's name before remapping.
-        *matches: What is replaced: `__node` and `__name`, or `__ns`.
-    """
+    """Return the name or namespace that the first fitting rule gives a node, or None."""
     for rule in rules:
         if rule.match in matches and rule.node in (None, node):
             return rule.replacement

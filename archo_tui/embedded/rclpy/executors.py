@@ -184,10 +184,6 @@ class Executor:
         """Run callbacks until the executor or the context is shut down, or a callback raises.
 
         What a callback raises is raised here.
-
-        Raises:
-            ExternalShutdownException: The context was shut down while a single-threaded executor
-                waited.
         """
         while self._context.ok() and not self._is_shutdown:
             self.spin_once()
@@ -196,13 +192,6 @@ class Executor:
         """Run one callback or task; return without one when the time is up or at `shutdown()`.
 
         What the callback raises is raised here.
-
-        Args:
-            timeout_sec: The longest wait in s; None or negative means no limit.
-
-        Raises:
-            ExternalShutdownException: The context was shut down; a MultiThreadedExecutor returns
-                instead. For a shutdown before the call, rclpy raises RCLError.
         """
         raise NotImplementedError
 
@@ -220,17 +209,6 @@ class Executor:
 
         The entity's callback group is taken until the task has been called. Entity and node are
         None for a task of `create_task`.
-
-        Args:
-            timeout_sec: The longest wait in s; None or negative means no limit.
-            nodes: The nodes to wait for; None means all.
-            condition: Checked before each wait; True ends the waiting.
-
-        Raises:
-            TimeoutException: Nothing became ready in time.
-            ShutdownException: The executor was shut down.
-            ExternalShutdownException: The context was shut down.
-            ConditionReachedException: The condition was fulfilled.
         """
         return next(self._wait_for_ready_callbacks(timeout_sec, nodes, condition))
 
@@ -255,14 +233,6 @@ class Executor:
         """Run callbacks until the future ends, the time is up, or context or executor is shut down.
 
         A future ends when it is done or cancelled. What a callback raises is raised here.
-
-        Args:
-            future: The future.
-            timeout_sec: The longest time in s; None or negative means no limit.
-
-        Raises:
-            ExternalShutdownException: The context was shut down while a single-threaded executor
-                waited.
         """
         deadline = _time_source.deadline_ns(timeout_sec)
         future._when_done(self.wake)
@@ -282,13 +252,6 @@ class Executor:
 
         Unlike in rclpy, work that is ready is run even if the future is done already. What the
         callback raises is raised here.
-
-        Args:
-            future: The future, whose cancelling does not end the wait.
-            timeout_sec: The longest wait in s; None or negative means no limit.
-
-        Raises:
-            ExternalShutdownException: The context of a single-threaded executor was shut down.
         """
         raise NotImplementedError
 
@@ -301,10 +264,6 @@ class Executor:
         """Run a piece of work, release its callback group, and raise what the work raises.
 
         The coroutine of an `async def` becomes a task, which holds the group until it ends.
-
-        Args:
-            work: The function, or the task if there is no entity.
-            entity: The entity whose work it is.
         """
         if entity is None:
             self._run_task(work)  # type: ignore[arg-type]
@@ -390,14 +349,7 @@ class Executor:
     def _wait_for_work(
         self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
     ) -> tuple[Work, Entity | None]:
-        """Block until there is a piece of work, and take it; the caller holds the condition.
-
-        Raises:
-            ConditionReachedException: `stop()` returned True.
-            TimeoutException: The time is up.
-            ShutdownException: The executor was shut down.
-            ExternalShutdownException: The context was shut down.
-        """
+        """Block until there is a piece of work, and take it; the caller holds the condition."""
         deadline = _time_source.deadline_ns(timeout_sec)
         while True:
             if stop():
@@ -440,11 +392,7 @@ class Executor:
         return None
 
     def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
-        """Take the next piece of work of this round or else of the next, or return None.
-
-        Args:
-            nodes: The nodes whose work is taken, that of others stays; None means all.
-        """
+        """Take the next piece of work of this round or else of the next, or return None."""
         others: list[Entity] = []  # Entities of nodes that are not spun now.
         found: tuple[Work, Entity | None] | None = None
         while found is None:
@@ -541,16 +489,6 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
     _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
-        """Create the executor.
-
-        Args:
-            num_threads: The size of the pool; None means one for each core; 1 gives a warning.
-            context: The context; None means the default one.
-
-        Raises:
-            ValueError: The number of threads is below one.
-            RuntimeError: The context has not begun, or has ended.
-        """
         super().__init__(context=context)
         if num_threads is None:
             cores = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 2))
@@ -584,12 +522,7 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
             self.wake()
 
     def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
-        """End all spinning, remove the nodes, and wait for callbacks that run; return True.
-
-        Args:
-            timeout_sec: Has no effect: the wait has no limit.
-            wait_for_threads: False does not wait for the callbacks.
-        """
+        """End all spinning, remove the nodes, and wait for callbacks that run; return True."""
         result = super().shutdown(timeout_sec)
         self._executor.shutdown(wait=wait_for_threads)
         return result

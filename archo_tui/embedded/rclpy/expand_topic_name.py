@@ -6,13 +6,7 @@ from rclpy._names import expand, namespace_problem, node_name_problem, topic_pro
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
-    """Return the fully qualified form of a topic's name as a node uses it, without remapping.
-
-    Raises:
-        ValueError: The topic's name, the node's or the namespace is not valid, or the topic's has
-            another name in braces than `{node}`, `{ns}` and `{namespace}`.
-        TypeError: The topic's name is not a str.
-    """
+    """Return the fully qualified form of a topic's name as a node uses it, without remapping."""
     for what, name, problem in (
         ("topic name", topic_name, topic_problem(topic_name)),
         ("node name", node_name, node_name_problem(node_name)),

@@ -51,12 +51,7 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
-        """Send a copy of `response` to the client of a request.
-
-        Raises:
-            TypeError: The response or the header is of another type.
-            InvalidHandle: The service is destroyed, perhaps by its own callback.
-        """
+        """Send a copy of `response` to the client of a request."""
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
         if not isinstance(header, RequestHeader):

@@ -100,11 +100,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
-        """Return how many publishers match in type and QoS.
-
-        Raises:
-            InvalidHandle: The subscription is destroyed.
-        """
+        """Return how many publishers match in type and QoS."""
         self._use()
         graph = self._node._graph
         with graph.lock:

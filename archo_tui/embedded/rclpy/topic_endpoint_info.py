@@ -29,12 +29,7 @@ class TopicEndpointInfo:
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute; a dict makes a QoSProfile, as in rclpy.
-
-        Raises:
-            AttributeError: There is no such attribute.
-            AssertionError: The value is of another type.
-        """
+        """Set an attribute; a dict makes a QoSProfile, as in rclpy."""
         if name not in _TYPES:
             raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
         if name == "endpoint_gid":

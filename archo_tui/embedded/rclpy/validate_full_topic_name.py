@@ -6,11 +6,6 @@ from rclpy import _names
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """Return True for a valid topic or service name on the graph, expanded.
-
-    Raises:
-        InvalidTopicNameException: The name is not valid.
-        InvalidServiceNameException: The name is not valid, and `is_service` is True.
-    """
+    """Return True for a valid topic or service name on the graph, expanded."""
     _names.validate_full_topic_name(name, is_service=is_service)
     return True
