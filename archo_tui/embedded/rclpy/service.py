@@ -31,8 +31,6 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     A full queue drops the oldest request.
     """
 
-    _rank = 5
-
     def __init__(
         self,
         node: Node,
