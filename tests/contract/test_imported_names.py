@@ -119,6 +119,13 @@ LEFT_OUT = {
     "rclpy.qos": "QoSCompatibility qos_check_compatible",
     "rclpy.qos_overriding_options": "QoSOverridingOptions QoSPolicyKind QosCallbackResult",
     "rclpy.service_introspection": "ServiceIntrospectionState",
+    "rclpy.expand_topic_name": "expand_topic_name",
+    "rclpy.topic_or_service_is_hidden": "topic_or_service_is_hidden",
+    "rclpy.validate_full_topic_name": "validate_full_topic_name",
+    "rclpy.validate_namespace": "validate_namespace",
+    "rclpy.validate_node_name": "validate_node_name",
+    "rclpy.validate_parameter_name": "validate_parameter_name",
+    "rclpy.validate_topic_name": "validate_topic_name",
     "rclpy.wait_for_message": "wait_for_message",
     "rclpy.waitable": "NumberOfEntities Waitable",
 }

@@ -90,9 +90,8 @@ class Node(NodeParameters, Destroyable):
         self._remaps = own.remaps + everybodys.remaps
         name = _names.renamed(self._remaps, node_name, "__node", "__name") or node_name
         space = _names.renamed(self._remaps, node_name, "__ns") or namespace or "/"
-        _names.validate_node_name(name)
         space = space if space.startswith("/") else f"/{space}"
-        _names.validate_namespace(space)
+        _names.check_node(name, space)
         self._name, self._namespace = name, space
         self._full_name = f"{'' if space == '/' else space}/{name}"
         self._graph = self._context._graph
@@ -213,9 +212,9 @@ class Node(NodeParameters, Destroyable):
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
         """Return a name expanded and remapped."""
-        _names.validate_topic_name(name, is_service=is_service)
+        _names.check_topic(name, _names.topic_problem(name), is_service=is_service)
         full = self._resolved(name, is_service=is_service)
-        _names.validate_full_topic_name(full, is_service=is_service)
+        _names.check_topic(full, _names.full_topic_problem(full), is_service=is_service)
         return full
 
     @property
