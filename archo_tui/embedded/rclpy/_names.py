@@ -131,7 +131,7 @@ def expand(name: str, node: str, namespace: str) -> str:
 def remapped(
     full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
 ) -> str:
-    """Return the name that the first fitting rule gives a topic or service, else `full_name`.""""""
+    """Return the name that the first fitting rule gives a topic or service, else `full_name`."""
     kinds = (None, "rosservice" if is_service else "rostopic")
     for rule in rules:
         fits = rule.node in (None, node) and rule.kind in kinds and rule.match[:2] != "__"
