@@ -48,6 +48,8 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
         raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
     if name == ROS2:
         _activate_ros2(hosting)
+        if distribution():
+            os.environ.setdefault("ROS_DISTRO", distribution())  # Launch files ask for it.
         return
     try:
         embedded.install(interface_packages(), own)
