@@ -1,4 +1,4 @@
-"""The handlers that tell an endpoint's callbacks of events."""
+"""The kinds of events of an endpoint with the data of each, and what tells its callbacks."""
 
 from __future__ import annotations
 
@@ -6,15 +6,78 @@ import threading
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy._entity import Destroyable, Entity
-from rclpy._event_infos import QoSRequestedIncompatibleQoSInfo, QoSSubscriptionMatchedInfo
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSPolicyKind, QoSProfile
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+class QoSPublisherEventType(IntEnum):
+    """The kinds of events of a publisher."""
+
+    RCL_PUBLISHER_OFFERED_DEADLINE_MISSED = 0
+    RCL_PUBLISHER_LIVELINESS_LOST = 1
+    RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS = 2
+    RCL_PUBLISHER_INCOMPATIBLE_TYPE = 3
+    RCL_PUBLISHER_MATCHED = 4
+
+
+class QoSSubscriptionEventType(IntEnum):
+    """The kinds of events of a subscription."""
+
+    RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED = 0
+    RCL_SUBSCRIPTION_LIVELINESS_CHANGED = 1
+    RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS = 2
+    RCL_SUBSCRIPTION_MESSAGE_LOST = 3
+    RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE = 4
+    RCL_SUBSCRIPTION_MATCHED = 5
+
+
+class QoSSubscriptionMatchedInfo(NamedTuple):
+    """The numbers of endpoints that have matched in all, and that match now.
+
+    A `..._change` counts since the last callback; `current_count_change` is negative if fewer match
+    now. QoSPublisherMatchedInfo is this class, too.
+    """
+
+    total_count: int = 0
+    total_count_change: int = 0
+    current_count: int = 0
+    current_count_change: int = 0
+
+
+class QoSRequestedIncompatibleQoSInfo(NamedTuple):
+    """The numbers of endpoints with incompatible QoS, and the policy in which the last one differs.
+
+    `total_count_change` counts since the last callback. QoSOfferedIncompatibleQoSInfo is this
+    class, too.
+    """
+
+    total_count: int = 0
+    total_count_change: int = 0
+    last_policy_kind: QoSPolicyKind = QoSPolicyKind.INVALID
+
+
+class QoSMessageLostInfo(NamedTuple):
+    """The lost messages: all, and those since the last callback; here no message is ever lost."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+class IncompatibleTypeInfo(NamedTuple):
+    """The endpoints of another type in all and since the last callback; here none is reported."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
+QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 
 
 class Endpoint(Destroyable):

@@ -7,8 +7,8 @@ from enum import IntEnum
 from typing import Any
 
 from rclpy import _event_handlers as handlers
-from rclpy._event_handlers import EventHandler
-from rclpy._event_infos import (
+from rclpy._event_handlers import (
+    EventHandler,
     IncompatibleTypeInfo,
     QoSMessageLostInfo,
     QoSOfferedIncompatibleQoSInfo,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
 
 from rclpy.qos import QoSProfile, as_profile, qos_profile_unknown
 
@@ -28,20 +27,6 @@ class TopicEndpointInfo:
     endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes.
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute; a dict makes a QoSProfile, as in rclpy."""
-        if name not in _TYPES:
-            raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
-        if name == "endpoint_gid":
-            value = list(value)
-        if name == "qos_profile" and isinstance(value, dict):
-            value = QoSProfile(**value)
-        fits = isinstance(value, _TYPES[name])
-        assert fits
-        if name == "endpoint_type":
-            value = TopicEndpointTypeEnum(value)
-        object.__setattr__(self, name, value)
-
     def __str__(self) -> str:
         qos, gid = self.qos_profile, ".".join(f"{byte:02x}" for byte in self.endpoint_gid)
         depth = f" ({qos.depth})" if qos.history.name == "KEEP_LAST" else ""
@@ -63,13 +48,3 @@ class TopicEndpointInfo:
                 f"  Liveliness lease duration: {qos.liveliness_lease_duration}",
             )
         )
-
-
-_TYPES: dict[str, type] = {
-    "node_name": str,
-    "node_namespace": str,
-    "topic_type": str,
-    "endpoint_type": int,
-    "endpoint_gid": list,
-    "qos_profile": QoSProfile,
-}
