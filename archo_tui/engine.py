@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from archo_tui import embedded
 from archo_tui.errors import ArchoError
+from archo_tui.ros_release import distribution
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -180,16 +181,3 @@ def _discovery_range() -> str:
     if os.environ.get(_LOCALHOST_ONLY) == "1":
         return "LOCALHOST"
     return os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() or "SUBNET"
-
-
-def distribution() -> str:
-    """Return the name of the ROS 2 release, such as `jazzy`, or "" if it is not known."""
-    sourced = os.environ.get("ROS_DISTRO")
-    if sourced:
-        return sourced
-    # By the name of its folder, since importlib.metadata imports 25 modules.
-    spec = importlib.util.find_spec("rclpy")
-    installed = Path((spec and spec.origin) or "").parent.parent
-    for found in installed.glob("ros_*_rclpy-*.dist-info"):
-        return found.name.split("_")[1]
-    return ""

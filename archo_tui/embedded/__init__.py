@@ -18,7 +18,6 @@ from typing import Any
 
 from .import_hook import InterfaceFinder
 
-RELEASE = "kilted"  # The release of ROS 2 whose rclpy this is a part of.
 HERE = Path(__file__).parent
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from archo_tui import embedded, engine
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process, user_errors
 from archo_tui.launch.stand_ins import ament_index
@@ -23,13 +22,14 @@ from archo_tui.launch.stand_ins.sources import load_launch_file, loaded_files
 from archo_tui.launch.stand_ins.visiting import visit, visit_delayed
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
+from archo_tui.ros_release import EMBEDDED_RELEASE, distribution
 
 _own_folders: list[Path] = []  # Of the packages, whose modules a launch file may import.
 
 
 def main() -> None:
     """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
-    os.environ.setdefault("ROS_DISTRO", engine.distribution() or embedded.RELEASE)
+    os.environ.setdefault("ROS_DISTRO", distribution() or EMBEDDED_RELEASE)
     child_process.serve(evaluate, lambda frame, seconds: {"error": _hang(frame, seconds)})
 
 

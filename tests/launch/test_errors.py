@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import engine
+from archo_tui import ros_release
 from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
 from archo_tui.launch.workspace import Workspace
@@ -160,7 +160,7 @@ def test_the_release_of_the_engine_is_in_the_environment(
         """
     file = str(launcher.write(text))
     plan = evaluate(file, Workspace.below(WORKSPACE), launcher.prefix, {})
-    assert [note.text for note in plan.notes] == [engine.distribution() or "kilted"]
+    assert [note.text for note in plan.notes] == [ros_release.distribution() or "kilted"]
     assert "ROS_DISTRO" not in plan.environment
 
 
