@@ -94,7 +94,7 @@ class MainScreen(Base[None]):
         size: Size,
         time_line: Panel | None = None,
         *,
-        # The goal's field has the focus at first, where it is in sight.
+        # True: the goal's field has the focus at first, where it is in sight.
         starts_in_field: bool = False,
     ) -> None:
         """Create the screen; with a `time_line`, that of a replay, it is read-only."""
@@ -269,7 +269,6 @@ class MainScreen(Base[None]):
 
     @property
     def _is_wide(self) -> bool:
-        """True if the terminal has room for three columns."""
         return self.size.width >= _WIDE and self.size.height >= _TALL
 
     def _fit(self) -> None:
@@ -371,10 +370,7 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show a new view in header, banner, panels and footer.
-
-        Until a view with nodes has come, or 0.3 s have passed, views are only kept.
-        """
+        """Show a new view in header, banner, panels and footer."""
         self._view, self._commands = view, commands
         if not self._is_filled:
             if view.snapshot.nodes:

@@ -62,9 +62,9 @@ class Kind(NamedTuple):
     condition: Callable[[Situation], Found]
     delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
     off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
-    graver: str = ""  # Replaces it: it may have the same cause.
-    is_reported: bool = False  # By the robot: as last known, and not raised, without contact.
-    is_silence: bool = False  # It is this process's own after a suspension.
+    graver: str = ""  # The alarm that replaces it: both may have one cause.
+    is_reported: bool = False  # By the robot: without contact it stays as it is.
+    is_silence: bool = False  # About silence: after a suspension it is our own.
     has_text: bool = False  # Behind its name stands any text, not a node or topic.
     holds: Holds | None = None
     remedy: Remedy | None = None
@@ -180,7 +180,7 @@ class Alarm(NamedTuple):
 
     name: str  # Its kind's, and the node, topic, gauge or part if there may be several.
     text: str  # The situation, and what to do.
-    since: UnixTime  # It was raised.
+    since: UnixTime  # When it was raised.
     state: AlarmState = AlarmState.UNACKNOWLEDGED
     until: UnixTime | None = None  # None while its condition holds.
     shelved_until: UnixTime | None = None  # For people; None if it is not shelved.

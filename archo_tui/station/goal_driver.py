@@ -39,7 +39,7 @@ class GoalDriver:
         on_ended: Callable[[asyncio.Future[Outcome] | None, Goal], None],
     ) -> None:
         self.queue = GoalQueue()
-        self.frontend: Frontend | None = None
+        self.frontend: Frontend | None = None  # None: no goal may be driven yet.
         self._robot, self._clock = robot, clock
         self._on_changed, self._on_ended = on_changed, on_ended
         self._snapshot = Snapshot()

@@ -24,8 +24,8 @@ _KEPT = 3600  # Samples, and ended goals.
 _HOLDS = 1.5
 
 
-def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:  # monotonic, s
-    """Return the value of each quantity; None for one that is old, or that is not reported now."""
+def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
+    """Return each quantity at a monotonic time; None if it is old, or not reported now."""
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
     pose = snapshot.pose._replace(x=None, y=None) if snapshot.pose.is_old(now) else snapshot.pose
     return {
@@ -131,7 +131,6 @@ class History:
         return found
 
     def _columns_filled(self, span: float, count: int, now: float) -> Iterator[tuple[int, range]]:
-        """Yield the index of each sample of the last `span` seconds, and the columns it fills."""
         width = span / count
         newest = int(now // width)
         oldest = newest - count + 1

@@ -16,10 +16,7 @@ _MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """Return a bar for each 5 s that have samples, the newest at the right end, and the range.
-
-    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`; a bar shows the last sample of its 5 s.
-    """
+    """Return a bar for each 5 s that have samples, the newest at the right end, and the range."""
     cells: dict[int, float] = {}
     for at, percentage in samples:
         cells[int(at // _BAR_SECONDS)] = percentage
