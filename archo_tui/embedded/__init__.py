@@ -8,46 +8,72 @@ from __future__ import annotations
 
 import importlib.machinery
 import importlib.util
+import opcode
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
-from . import absent
 from .import_hook import InterfaceFinder
 
 RELEASE = "kilted"  # The release of ROS 2 whose rclpy this is a part of.
 HERE = Path(__file__).parent
 
 
-class RclpyLoader(importlib.machinery.SourceFileLoader):
-    """The loader of those modules of rclpy that re-export names, or whose names are incomplete.
+# Where a name is looked for that a module lacks: rclpy's modules have what they import, too, and
+# programs import it from there, as in `from rclpy.node import ReentrantCallbackGroup`.
+_HOMES = (
+    *("rclpy.callback_groups", "rclpy.qos", "rclpy.parameter", "rclpy.clock", "rclpy.executors"),
+    *("rclpy.task", "rclpy.context", "rclpy.event_handler", "rclpy.exceptions", "rclpy.node"),
+    *("rclpy.logging", "rclpy.duration", "rclpy.type_support", "rclpy.utilities", "rclpy.signals"),
+    *("rclpy.constants", "rcl_interfaces.msg", "action_msgs.msg"),
+)
 
-    A module gets the `__getattr__` of `absent.lookup_in`: it finds the re-exported names, and
-    raises ImportError for those that the engine leaves out.
+
+def _absent(name: str) -> str:
+    return f"the embedded engine has no {name}: if real ROS 2 has it, use archo-tui --engine ros2"
+
+
+def _lookup(module: str, name: str) -> Any:
+    """Return what another module of rclpy has by a name, as the `__getattr__` of a module.
+
+    ImportError is raised in a `from` import, whose error would else not be shown.
     """
+    homes = () if name.startswith("_") else map(importlib.import_module, _HOMES)
+    for home in homes:
+        if name in vars(home):
+            return vars(home)[name]
+    frame = sys._getframe(1)
+    is_import = frame.f_code.co_code[frame.f_lasti] == opcode.opmap["IMPORT_FROM"]
+    raise (ImportError if is_import else AttributeError)(_absent(f"{module}.{name}"))
+
+
+class RclpyLoader(importlib.machinery.SourceFileLoader):
+    """The loader of rclpy's modules, in which names are looked up that they lack."""
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__getattr__ = absent.lookup_in(module.__name__)  # type: ignore[method-assign]
         super().exec_module(module)
+        module.__getattr__ = partial(_lookup, module.__name__)  # type: ignore[method-assign]
 
 
 class RclpyFinder:
     """The import finder that makes `import rclpy` mean the embedded package.
 
-    A module of rclpy that the engine leaves out raises ImportError, which says that real ROS 2 has
-    it.
+    A module that the engine lacks raises ImportError, which names real ROS 2.
     """
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        absent.check_module(fullname)
-        if not absent.answers_for(fullname):
+        if fullname.partition(".")[0] != "rclpy":
             return None
         folder = HERE.joinpath(*fullname.split("."))
         is_package = folder.is_dir()
         file = folder / "__init__.py" if is_package else folder.with_suffix(".py")
+        if not file.is_file():
+            raise ImportError(_absent(fullname), name=fullname)
         return importlib.util.spec_from_file_location(
             fullname,
             file,
@@ -78,15 +104,6 @@ def install(
 
     Both finders are put in front of all others in `sys.meta_path`. A second call does nothing,
     whatever its arguments are.
-
-    Args:
-        packages: Interface packages by name (`{"archo_interfaces": Path("interfaces")}`), besides
-            those in `share/` and on AMENT_PREFIX_PATH.
-        own: The user's packages by name, whose files are taken before any other's.
-
-    Raises:
-        RuntimeError: Another `rclpy` has been imported already; one name must not have two meanings
-            in one process.
     """
     if is_installed():
         return

@@ -37,9 +37,6 @@ def decode(data: bytes, message_class: Any) -> Any:
     """Return the message of a class that CDR bytes hold, little- or big-endian.
 
     Bytes after the message are ignored.
-
-    Raises:
-        CdrError: The bytes are not a message of that class.
     """
     if data[:4] not in (_LITTLE, _BIG):
         raise CdrError("unknown encapsulation")

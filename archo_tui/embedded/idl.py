@@ -57,19 +57,7 @@ def is_package_name(name: str) -> bool:
 
 
 def parse(path: Path, package: str) -> list[Section]:
-    """Parse an interface file.
-
-    Args:
-        path: The file, which ends in .msg, .srv or .action.
-        package: The package in which types without a package are looked for, as ROS does.
-
-    Returns:
-        One section for .msg, two for .srv, three for .action.
-
-    Raises:
-        InterfaceError: The file or its name is not valid; the text names file and line.
-        OSError: The file cannot be read.
-    """
+    """Parse an interface file."""
     if not _is_message(path.stem):
         raise InterfaceError(
             f"{path}:1: {path.stem} is not a name of an interface: capitals, letters and digits, "
@@ -115,15 +103,7 @@ class _Reader:
         return Section(self._path, tuple(self._fields.values()), tuple(self._constants.values()))
 
     def take(self, line: str, number: int) -> None:
-        """Parse a line, and keep its field or constant; ignore a blank line and a comment.
-
-        Args:
-            line: The line, without tabs.
-            number: Its number in the file.
-
-        Raises:
-            ValueError: The line is not valid; the text says what is wrong.
-        """
+        """Parse a line, and keep its field or constant; ignore a blank line and a comment."""
         line = line.partition("#")[0].rstrip()  # within quotes, too
         if not line:
             return

@@ -29,13 +29,6 @@ class FieldType(NamedTuple):
     """The type of a field in an interface file.
 
     `str()` of it is rosidl's notation, such as `sequence<double, 3>`.
-
-    Attributes:
-        base: A primitive type, or `package/Name`.
-        string_bound: The longest string, in characters; None for no bound.
-        is_array: True for an array of any form.
-        fixed_size: The length of an array of fixed size, else None.
-        upper_bound: The most elements of an array; None for no bound, or a fixed size.
     """
 
     base: str

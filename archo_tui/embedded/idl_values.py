@@ -22,9 +22,6 @@ def read(text: str, kind: FieldType) -> object:
 
     A byte is an int, an array a list. Escapes such as `\n` are decoded in a single text, but not
     in an array of texts.
-
-    Raises:
-        ValueError: The text is no value of that type, or the type is a message.
     """
     if "/" in kind.base:
         raise ValueError(f"{kind.base} takes no default")
@@ -88,11 +85,7 @@ def _text(text: str, bound: int | None) -> str:
 
 
 def _unescaped(text: str) -> str:
-    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file.
-
-    Raises:
-        ValueError: An escape is not valid.
-    """
+    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # "\d" stays as written.

@@ -37,13 +37,6 @@ class InterfaceFinder:
     def __init__(
         self, share: Path, packages: Mapping[str, Path], own: Mapping[str, Path] | None = None
     ) -> None:
-        """Create the finder, without installing it.
-
-        Args:
-            share: A folder of packages, asked after those given by name.
-            packages: Further packages by name.
-            own: The user's packages by name, whose files are taken before any other's.
-        """
         self._share = share
         self._packages, self._own = dict(packages), dict(own or {})
         self._classes: dict[str, Any] = {}
@@ -62,24 +55,12 @@ class InterfaceFinder:
         return [p for p in candidates if p is not None and _has_interfaces(p)]
 
     def names(self, package: str, kind: str) -> list[str]:
-        """Return the sorted names of the interfaces that a package has in all its folders.
-
-        Args:
-            package: The package's name; an unknown one has no interfaces.
-            kind: `msg`, `srv` or `action`.
-        """
+        """Return the sorted names of the interfaces that a package has in all its folders."""
         found = (path.stem for f in self.folders(package) for path in f.glob(f"{kind}/*.{kind}"))
         return sorted(set(found))
 
     def load(self, type_name: str) -> Any:
-        """Return the class of "package/kind/Name", made at the first call.
-
-        Raises:
-            InterfaceError: The file is not valid, or a nested message's is not valid or missing;
-                the text names file and line.
-            ImportError: There is no such interface.
-            OSError: A file cannot be read.
-        """
+        """Return the class of "package/kind/Name", made at the first call."""
         with self._lock:
             if type_name not in self._classes:
                 self._making.append(type_name)
@@ -104,12 +85,7 @@ class InterfaceFinder:
         return make_action(type_name, sections, self._resolve, self.load)
 
     def check(self, package: str) -> None:
-        """Make every class of a package, so that a file that is not valid is found.
-
-        Raises:
-            InterfaceError: As `load` raises it, for the first file that is not valid.
-            OSError: A file cannot be read.
-        """
+        """Make every class of a package, so that a file that is not valid is found."""
         for kind in KINDS:
             for name in self.names(package, kind):
                 self.load(f"{package}/{kind}/{name}")
@@ -181,12 +157,7 @@ def packages_in(folder: Path) -> list[Path]:
 
 
 def name_of(package: Path) -> str:
-    """Return the name in the package.xml of an interface package.
-
-    Raises:
-        InterfaceError: package.xml cannot be read, or its name is not valid or one that the engine
-            itself needs (`NEEDED`); the text names file and line.
-    """
+    """Return the name in the package.xml of an interface package."""
     from xml.etree import ElementTree  # Slow to import, and needed for the user's packages only.
 
     file = package / "package.xml"

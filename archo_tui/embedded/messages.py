@@ -13,9 +13,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
-from . import absent
 from . import fields as rules
-from .fixed_array import Truths
 from .idl import Field, InterfaceError, Section
 from .idl_types import TYPE_CODES, FieldType
 
@@ -52,16 +50,6 @@ class Message(metaclass=_MessageType):
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # Slot, type, nested class.
 
     def __init__(self, **values: Any) -> None:
-        """Create a message from fields by name; a field that is not given has its default.
-
-        Values are always checked: rosidl's argument `check_fields` is accepted and has no effect.
-
-        Raises:
-            AssertionError: A field is unknown, or a value is wrong.
-            TypeError: An array of numbers is given a value with an element that is no number, or no
-                iterable at all.
-            OverflowError: An element for an array of integers is out of range.
-        """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
             if name in values:  # Converted, unlike in an assignment: [1, 2] is two floats.
@@ -80,12 +68,7 @@ class Message(metaclass=_MessageType):
         return dict(cls.__field_types__)
 
     def __received__(self) -> Any:
-        """Return a copy that shares nothing, as if sent and received: float32 is rounded.
-
-        Raises:
-            AssertionError: A list has been filled with a wrong value, or to a wrong length, since
-                it was assigned.
-        """
+        """Return a copy that shares nothing, as if sent and received: float32 is rounded."""
         new = object.__new__(type(self))
         for slot, copy in self.__copiers__:
             value = getattr(self, slot)
@@ -95,8 +78,7 @@ class Message(metaclass=_MessageType):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return False
-        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__field_types__)
-        return all(_alike(*pair) for pair in pairs)
+        return all(getattr(self, name) == getattr(other, name) for name in self.__field_types__)
 
     __hash__ = None  # type: ignore[assignment]  # mutable, as rosidl's
 
@@ -109,22 +91,8 @@ class Message(metaclass=_MessageType):
         return f"{package}.{kind}.{name}({inside})"
 
 
-def _alike(one: Any, other: Any) -> bool:
-    same = one == other
-    return same.all() if isinstance(same, Truths) else bool(same)
-
-
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
-    """Return a new message class.
-
-    Args:
-        type_name: Its type, as `package/msg/Name`.
-        section: Its fields and constants.
-        resolve: Returns the class of a nested type.
-
-    Raises:
-        InterfaceError: A new message would have more than MOST_ELEMENTS values.
-    """
+    """Return a new message class."""
     package, kind, name = type_name.split("/")
     body: dict[str, Any] = {
         "__slots__": tuple(f"_{field.name}" for field in section.fields),
@@ -147,9 +115,7 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
                 f"{section.path}:{field.line}: {name} has more than {MOST_ELEMENTS:_} elements "
                 f"with {field.name}: it would take the memory of this process"
             )
-        check = rules.scalar_check(field.name, field.type.base, field.type.string_bound, nested)
-        if field.type.is_array:
-            check = rules.array_check(field.name, field.type, check)
+        check = rules.check_of(field.name, field.type, nested)
         slot = f"_{field.name}"
         body[field.name] = property(attrgetter(slot), _setter(slot, check))
         inits.append((field.name, slot, check, _default(field, nested)))
@@ -172,33 +138,16 @@ def _is_dynamic(kind: FieldType) -> bool:
     return kind.is_array and kind.fixed_size is None
 
 
-class _ServiceType(type):
-    """The metaclass of service classes, whose attribute `Event` the engine leaves out.
-
-    Reading `Event` raises AttributeError.
-    """
-
-    Event = absent.Attribute()
-
-
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
     """Return a new service class with `Request` and `Response`.
 
     Creating an instance of the class raises NotImplementedError.
-
-    Args:
-        type_name: Its type, as `package/srv/Name`.
-        sections: The request's and the response's section.
-        resolve: Returns the class of a nested type.
-
-    Raises:
-        InterfaceError: As `make_message` raises it.
     """
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
     }
-    return _holder(type_name, parts, _ServiceType)
+    return _holder(type_name, parts)
 
 
 def make_action(
@@ -208,15 +157,6 @@ def make_action(
 
     `Impl` holds the services and messages that an action consists of on the graph. Creating an
     instance of the class raises NotImplementedError.
-
-    Args:
-        type_name: Its type, as `package/action/Name`.
-        sections: The goal's, the result's and the feedback's section.
-        resolve: Returns the class of a nested type.
-        load: Returns the class of a type such as `action_msgs/srv/CancelGoal`.
-
-    Raises:
-        InterfaceError: As `make_message` raises it.
     """
     parts: dict[str, Any] = {
         part: make_message(f"{type_name}_{part}", section, resolve)
@@ -250,18 +190,11 @@ def _wrapped_service(
         "Request": _wrapped(f"{type_name}_Request", load, request),
         "Response": _wrapped(f"{type_name}_Response", load, response),
     }
-    return _holder(type_name, parts, _ServiceType)
+    return _holder(type_name, parts)
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
-    """Return a new message class for one of the services and topics that an action consists of.
-
-    Args:
-        type_name: The type of the new class.
-        load: Returns the class of a type by its name.
-        members: The type of each field by the field's name: a message class or its type name,
-            `bool`, or `int` for an int8.
-    """
+    """Return a new message class for one of the services and topics that an action consists of."""
     primitives = {bool: "bool", int: "int8"}
     classes = {
         name: load(member) if isinstance(member, str) else member
@@ -280,7 +213,7 @@ def _base(member: type[Message]) -> str:
     return f"{package}/{name}"
 
 
-def _holder(type_name: str, parts: dict[str, Any], kind_of: type[type] = type) -> type:
+def _holder(type_name: str, parts: dict[str, Any]) -> type:
     package, kind, name = type_name.split("/")
     told = f"{'Action' if kind == 'action' else 'Service'} classes can not be instantiated"
 
@@ -288,7 +221,7 @@ def _holder(type_name: str, parts: dict[str, Any], kind_of: type[type] = type) -
         raise NotImplementedError(told)
 
     where = {"__module__": f"{package}.{kind}", "__type_name__": type_name, "__init__": refuse}
-    return kind_of(name, (), {**where, **parts})
+    return type(name, (), {**where, **parts})
 
 
 def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None]:

@@ -45,15 +45,7 @@ class ParameterFileError(YamlError):
 
 
 class Override(NamedTuple):
-    """A value for one parameter, from a parameter file or from `-p`.
-
-    Attributes:
-        pattern: The nodes it is for, as written: `node` and `/node` mean the same node, but are two
-            to rcl.
-        name: The parameter.
-        value: The value; a list for an array.
-        where: Its place, as `file:line` or `-p name:=value`, for errors.
-    """
+    """A value for one parameter, from a parameter file or from `-p`."""
 
     pattern: str
     name: str
@@ -62,12 +54,7 @@ class Override(NamedTuple):
 
 
 def read(path: Path) -> list[Override]:
-    """Return all overrides of a parameter file, in the file's order.
-
-    Raises:
-        YamlError: The file is not valid; the text names file and line.
-        OSError: The file cannot be read.
-    """
+    """Return all overrides of a parameter file, in the file's order."""
     text = bounded_yaml.read(path)
     overrides: list[Override] = []
     for root in bounded_yaml.documents(text, path):
@@ -141,11 +128,7 @@ def _double(text: str) -> float | None:
 
 
 def value_of(text: str) -> Any:
-    """Return the value of the text behind `-p name:=`: a scalar, or a list such as `[1, 2]`.
-
-    Raises:
-        ValueError: The text is empty, a map, a list of lists or of mixed types, or no YAML.
-    """
+    """Return the value of the text behind `-p name:=`: a scalar, or a list such as `[1, 2]`."""
     try:
         node = bounded_yaml.compose(text, Path("-p"))
     except YamlError as error:
@@ -157,13 +140,7 @@ def value_of(text: str) -> Any:
 
 
 def matches(pattern: str, node: str) -> bool:
-    """Return True if the pattern of a parameter file means a node.
-
-    Args:
-        pattern: A name in which `*` stands for one level and `**` for any number of levels, none
-            included; a slash in front may be left out.
-        node: The fully qualified name of the node.
-    """
+    """Return True if the pattern of a parameter file means a node."""
     pattern = pattern if pattern.startswith("/") else f"/{pattern}"
     regex = ""
     for token in pattern.split("/")[1:]:
@@ -225,16 +202,7 @@ def _parameters(
 
 
 def _value(text: _Text, node: yaml.Node, name: str = "it") -> Any:
-    """Return the value of a parameter: a scalar, or a list of scalars of one type.
-
-    Args:
-        text: The file, whose lines tell a `!!str` tag.
-        node: The value's node.
-        name: What an error calls the parameter.
-
-    Raises:
-        ParameterFileError: The value is left out, nested, or of mixed types.
-    """
+    """Return the value of a parameter: a scalar, or a list of scalars of one type."""
     where = _where(text.path, node)
     if isinstance(node, yaml.ScalarNode):
         if node.style in ("'", '"', "|"):

@@ -8,16 +8,18 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import LAUNCH, Event, Hosted, logger_node
 
 _GRAVITY = {"WARN": "▲", "ERROR": "✗", "FATAL": "✗"}
+_INDENT = " " * len("12:04:31 ")
 _OPEN = (Code.HELD, Code.TIMEOUT, Code.NOT_CONFIRMED)  # It may still be done.
 
 
 def event_text(event: Event) -> str:
     """Return an event as text, such as `WARN dashboard: Low battery: 18.0% (x 12)`.
 
-    A log line with line feeds has several lines.
+    The further lines of a log line are indented: none looks like a line of the console.
     """
     count = f" (x {event.count})" if event.count > 1 else ""
-    return f"{event.level} {event.source}: {event.text}{count}"
+    text = event.text.replace("\n", f"\n{_INDENT}")
+    return f"{event.level} {event.source}: {text}{count}"
 
 
 def one_line_text(event: Event) -> str:

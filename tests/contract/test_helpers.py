@@ -12,15 +12,13 @@ from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidTopicNameException, ROSInterruptException
+from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
-from rclpy.validate_topic_name import validate_topic_name
 from std_msgs.msg import Int32
 
 from tests.support.ros import Ros
@@ -195,10 +193,7 @@ def test_init_returns_what_ends_it_again() -> None:
         context.try_shutdown()  # else its logging is that of the tests behind this one
 
 
-def test_names_are_checked_expanded_and_arguments_sorted_out() -> None:
-    assert expand_topic_name("~/x", "node", "/ns") == "/ns/node/x"
-    with pytest.raises(InvalidTopicNameException):
-        validate_topic_name("a b")
+def test_ros_arguments_are_sorted_out() -> None:
     words: list[Any] = ["a", "--ros-args", "-r", "x:=y", "--", "b"]
     assert remove_ros_args(words) == ["a", "b"]
 

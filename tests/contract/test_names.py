@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,17 +14,11 @@ from rclpy.exceptions import (
     InvalidNodeNameException,
     InvalidServiceNameException,
     InvalidTopicNameException,
-    NameValidationException,
     NotInitializedException,
 )
-from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_default_context
-from rclpy.validate_full_topic_name import validate_full_topic_name
-from rclpy.validate_namespace import validate_namespace
-from rclpy.validate_node_name import validate_node_name
-from rclpy.validate_topic_name import validate_topic_name
 from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
 
@@ -230,40 +223,12 @@ def test_an_invalid_name_is_an_error_of_its_kind_wherever_it_is_given(name: str,
             count(name)
     with pytest.raises(ValueError, match=said):
         node.get_publishers_info_by_topic(name)
-    with pytest.raises(ValueError, match=said):
-        expand_topic_name(name, "node", "/")
     with pytest.raises(RCLError, match=said):
         node.resolve_topic_name(name)
     with pytest.raises(RCLError, match=said):
         node.resolve_service_name(name)
     with pytest.raises(TypeError):
         node.count_publishers(3)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("validate", "name", "index"),
-    [
-        (validate_topic_name, "ab?", 2),
-        (validate_topic_name, "a/9b", 2),
-        (validate_full_topic_name, "/a/9b", 3),
-        (validate_full_topic_name, "/a//b", 3),
-        (validate_full_topic_name, "/a{b}", 2),
-        (validate_full_topic_name, "a", 0),
-        (validate_namespace, "/a/9b", 3),
-        (validate_namespace, "/a//b", 3),
-        (validate_namespace, "/a/", 2),
-        (validate_namespace, "/" + "a" * 300, 244),
-        (validate_node_name, "ab.c", 2),
-        (validate_node_name, "a" * 300, 254),
-        (validate_full_topic_name, "/" + "a" * 300, 246),
-    ],
-)
-def test_the_character_that_is_wrong_is_pointed_at(
-    validate: Callable[[str], bool], name: str, index: int
-) -> None:
-    with pytest.raises(NameValidationException) as caught:
-        validate(name)
-    assert str(caught.value).splitlines()[2] == " " * (3 + index) + "^"
 
 
 @pytest.mark.parametrize("rule", ["a b:=c", "a:=b c", "x?:=y", "/:=/b", "a"])

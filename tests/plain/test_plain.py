@@ -322,6 +322,6 @@ def test_a_line_feed_in_a_log_line_and_none_are_printed_as_on_ros_2(tmp_path: Pa
         "\n        self.get_logger().info(None)\n"
     )
     done = shell(f"archo --plain --only --node {tmp_path}/server.py </dev/null")
-    said = "INFO server: Incoming request\na: 2 b: 3\n"
+    said = "INFO server: Incoming request\n         a: 2 b: 3\n"
     assert done.stdout.decode()[9:].startswith(said), done
     assert "INFO server: None\n" in done.stdout.decode(), done

@@ -20,7 +20,9 @@ from archo_tui.robot.goals.machine import (
     feedback_changes,
     found,
     is_missed,
+    refusal,
 )
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.period import Period
 from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, Snapshot
 from archo_tui.words.goal import goal_line
@@ -96,6 +98,43 @@ def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> N
     motion = Motion(received=NOW, period=0.2)
     seen = phases(fed(accepted(), NOW), NOW + 2.9, NOW + 3.1, motion=motion)
     assert seen == [Phase.MOVING, Phase.LOST]
+
+
+def test_a_robot_whose_motion_is_slow_is_silent_after_three_of_its_periods() -> None:
+    motion = Motion(received=NOW, period=2.0)
+    seen = phases(accepted(), NOW + 5.9, NOW + 6.1, motion=motion)
+    assert seen == [Phase.MOVING, Phase.LOST]
+    lost = accepted().tick(NOW + 6.1, motion, NEVER, is_served=True).goal
+    assert lost.lost == NOW + 6.1
+    assert accepted().fire(Event.CANCEL, NOW + 1.0).goal.lost is None
+
+
+@pytest.mark.parametrize(
+    ("phase", "code", "words"),
+    [
+        (None, None, ""),
+        (Phase.MOVING, Code.REFUSED, "a goal is already running: cancel it first"),
+        (Phase.CANCELLING, Code.REFUSED, "a goal is already running: cancel it first"),
+        (Phase.UNKNOWN, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
+        (Phase.LOST, Code.REFUSED, "nothing is heard of the goal to shelf 3"),
+    ],
+)
+def test_a_goal_beside_another_one_of_ours_is_not_sent(
+    phase: Phase | None, code: Code | None, words: str
+) -> None:
+    ours = None if phase is None else sent().goal._replace(phase=phase)
+    found = refusal(sent(), ours, is_served=True, has_ended=False)
+    assert (None if found is None else found.code) is code
+    assert found is None or found.text.startswith(words)
+
+
+def test_a_goal_is_not_sent_to_nobody_nor_from_a_console_that_ends() -> None:
+    unserved = refusal(sent(), None, is_served=False, has_ended=False)
+    assert unserved is not None
+    assert unserved.code is Code.NOT_OFFERED
+    ends = refusal(sent(), None, is_served=True, has_ended=True)
+    assert ends is not None
+    assert ends.text == "not sent: the console ends"
 
 
 def test_only_a_goal_that_never_sent_feedback_is_found_again_by_the_wheels() -> None:

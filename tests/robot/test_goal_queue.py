@@ -124,6 +124,33 @@ def test_the_next_one_waits_until_the_one_before_was_seen_to_end() -> None:
     assert (sent, waiting.stage(2)) == ("3", Stage.SETTLED)
 
 
+def test_it_goes_on_until_all_are_driven_or_held() -> None:
+    sent = GoalQueue().submit([target(0), target(7)], Snapshot(file=ARCHO))
+    accepted = sent.hand_over().answered(YES)
+    aborted = Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED))
+    held, _ = look(accepted, aborted)
+    queues = (GoalQueue(), sent, accepted, held, held.resume(0), held.skip())
+    assert [queue.is_going for queue in queues] == [False, True, True, False, True, False]
+    only = GoalQueue().submit([target(0)], Snapshot(file=ARCHO)).hand_over()
+    assert only.is_going
+    assert only.answered(YES).is_going
+    assert not look(only.answered(YES), ARRIVED)[0].is_going
+
+
+def test_an_alarm_does_not_take_the_place_of_another_reason() -> None:
+    refused = queue(7)._replace(underway=())._hold("refused")
+    held, _ = look(refused, ARRIVED, [Alarm(LOW_BATTERY, "", 0.0)])
+    assert held.hold_reason == "refused"
+    going, sent = look(queue(7), ARRIVED)
+    assert (going.hold_reason, sent) == ("", "7")
+
+
+def test_without_a_goal_on_its_way_there_is_nothing_to_drop_or_call_off() -> None:
+    waiting = queue(7)
+    assert waiting.drop() == waiting
+    assert waiting.call_off() == waiting
+
+
 def running(number: int, *, mine: bool) -> Goal:
     return Goal(SHELF, {"shelf_number": 1}, Phase.MOVING, 0.0, 0.0, mine=mine, number=number)
 

@@ -42,21 +42,7 @@ def init(
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
 ) -> InitContextManager:
-    """Begin to use rclpy: begin a context.
-
-    Args:
-        args: The command line; None means the program's own. ROS arguments behind `--ros-args` hold
-            for every node of the context.
-        context: The context; None means the default one.
-        domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
-        signal_handler_options: Noted in the result only: this engine installs no handlers.
-
-    Returns:
-        A context manager that shuts the context down at the end of a `with`.
-
-    Raises:
-        RuntimeError: The context was begun before; for other errors see `Context.init`.
-    """
+    """Begin to use rclpy: begin a context."""
     context = context or get_default_context()
     if signal_handler_options is None:
         is_default = context is get_default_context()
@@ -87,14 +73,6 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     """Shut a context down, and also the global executor.
 
     In rclpy the global executor goes on if another context than its own is shut down.
-
-    Args:
-        context: The context; None means the default one, which is forgotten: `init` begins a new
-            one.
-        uninstall_handlers: Has no effect: there are no handlers.
-
-    Raises:
-        RuntimeError: The context has not begun, or has ended; the global executor goes on.
     """
     utilities.shutdown(context=context)
     _reset_executor()
@@ -121,9 +99,6 @@ def get_global_executor() -> Executor:
 
     The first call makes a single-threaded one of the default context, which lasts until `shutdown`
     or `try_shutdown`.
-
-    Raises:
-        RuntimeError: The default context has not begun.
     """
     process = _process.current()
     if process.executor is None:
@@ -137,14 +112,6 @@ def spin(node: Node, executor: Executor | None = None) -> None:
     """Run callbacks until the context is shut down or a callback raises; then remove the node.
 
     What the callback raises is raised here.
-
-    Args:
-        node: The node, added to the executor, whose other nodes are run as well.
-        executor: The executor; None means the global one.
-
-    Raises:
-        ExternalShutdownException: The context was shut down while a single-threaded executor
-            waited.
     """
     executor = executor or get_global_executor()
     executor.add_node(node)
@@ -162,14 +129,6 @@ def spin_once(
 
     The callback may be that of another node. The node is added to the executor, and removed again
     afterwards unless it was there before. What the callback raises is raised here.
-
-    Args:
-        node: The node.
-        executor: The executor; None means the global one.
-        timeout_sec: The longest wait in s; None or negative means no limit.
-
-    Raises:
-        ExternalShutdownException: The context of a single-threaded executor was shut down.
     """
     executor = executor or get_global_executor()
     added = executor.add_node(node)
@@ -190,16 +149,6 @@ def spin_until_future_complete(
 
     A future ends when it is done or cancelled. The node is added to the executor, and removed again
     afterwards unless it was there before. What a callback raises is raised here.
-
-    Args:
-        node: The node.
-        future: The future.
-        executor: The executor; None means the global one.
-        timeout_sec: The longest time in s; None or negative means no limit.
-
-    Raises:
-        ExternalShutdownException: The context was shut down while a single-threaded executor
-            waited.
     """
     executor = executor or get_global_executor()
     added = executor.add_node(node)

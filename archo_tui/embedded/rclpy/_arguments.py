@@ -46,19 +46,7 @@ class Arguments(NamedTuple):
 
 
 def parse(args: Sequence[str] | None) -> Arguments:
-    """Parse the ROS arguments of a command line, and read the parameter files that it names.
-
-    ROS arguments stand between `--ros-args` and `--` or the end. `--enable-stdout-logs` and the
-    flags of external libraries' logs have no effect; unlike in rcl, `--log-level` with a logger's
-    name counts for all loggers, and `--enclave` and `--log-file-name` are unknown.
-
-    Args:
-        args: The whole command line; None means an empty one.
-
-    Raises:
-        RCLInvalidROSArgsError: An argument, or a file that it names, is not valid.
-        UnknownROSArgsError: An argument is unknown.
-    """
+    """Parse the ROS arguments of a command line, and read the parameter files that it names."""
     remaps: list[Remap] = []
     overrides: list[Override] = []  # From files and single options, in their order.
     unknown: list[str] = []
@@ -107,15 +95,7 @@ def _next(words: Any, option: str) -> str:
 
 
 def _split(text: str, what: str) -> tuple[str | None, str, str]:
-    """Split `[node:]left:=right` into its three parts; the node is None if it is left out.
-
-    Args:
-        text: The argument.
-        what: What the argument is, for the error.
-
-    Raises:
-        RCLInvalidROSArgsError: The text has another form.
-    """
+    """Split `[node:]left:=right` into its three parts; the node is None if it is left out."""
     left, sign, right = text.partition(":=")
     if not sign or not left:
         raise _invalid(f"{what} is not 'name:=value': {text!r}")

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -64,8 +62,6 @@ class Entity(Destroyable):
     A new entity joins its callback group. Leaving a `with` destroys the entity.
     """
 
-    # The order in a round: actions, timers, subscriptions, clients, services.
-    _rank = 1
     callback: Any = None
     _taken_by: Entity | None = None  # An entity that takes the work of several.
 
@@ -134,7 +130,6 @@ class ServiceEnd(Destroyable):
 
     _node: Node
     _service_name: str
-    configure_introspection = absent.Attribute()
 
     @property
     def service_name(self) -> str:
@@ -151,7 +146,7 @@ class ServiceEnd(Destroyable):
 class QueueEntity(Entity):
     """An entity with a queue of received items; a full queue drops its oldest item.
 
-    Its executor takes one item a round, so that no full queue keeps another entity waiting. A
+    Its executor takes one item a turn, so that no full queue keeps another entity waiting. A
     `size` of None means no bound. An item that comes after `destroy()` is dropped.
     """
 

@@ -37,8 +37,6 @@ class EventHandler(Entity):
     types, which Fast DDS does not report either.
     """
 
-    _rank = 0
-
     def __init__(
         self,
         endpoint: Endpoint,

@@ -102,13 +102,7 @@ class Graph:
             self.changed.notify_all()
 
     def add_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
-        """Put a service or client into its table, and wake those who wait for the graph.
-
-        Args:
-            table: `services` or `clients` of this graph.
-            name: The service's name on the graph.
-            item: The service or client.
-        """
+        """Put a service or client into its table, and wake those who wait for the graph."""
         with self.changed:
             table[name].append(item)
             self.changed.notify_all()

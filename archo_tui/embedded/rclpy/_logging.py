@@ -15,24 +15,14 @@ _rosout: dict[str, Publish] = {}
 
 
 def configure(stdout_logs: bool, level: int) -> None:
-    """Set whether log lines are written to standard error, and the level of the root logger.
-
-    Args:
-        stdout_logs: False writes none, for the whole process.
-        level: The level; 0 leaves it as it is.
-    """
+    """Set whether log lines are written to standard error, and the level of the root logger."""
     global _stdout_logs, _default_level
     _stdout_logs = stdout_logs
     _default_level = level or _default_level
 
 
 def set_level(name: str, level: int) -> None:
-    """Set the level of a logger and of its children that have none of their own.
-
-    Args:
-        name: The logger; "" for the root, from which all others inherit.
-        level: The level; with 0 a logger inherits again, and the root logs everything.
-    """
+    """Set the level of a logger and of its children that have none of their own."""
     global _default_level
     if name:
         _levels[name] = level

@@ -12,20 +12,11 @@ from rclpy.exceptions import (
     InvalidTopicNameException,
 )
 
-_FULL_MAX = 247  # RMW_TOPIC_MAX_NAME_LENGTH
-_NAME_MAX = 255  # RMW_NODE_NAME_MAX_NAME_LENGTH
-_NAMESPACE_MAX = 245  # RMW_NAMESPACE_MAX_LENGTH
-
 
 class Remap(NamedTuple):
-    """A remapping rule `[node:]from:=to`.
+    """A remapping rule `[node:]from:=to`; `kind` is `rostopic` or `rosservice`, or None for both.
 
-    Attributes:
-        node: The only node that the rule holds for; None for every node.
-        match: The name to replace; `__node` and `__name` stand for the node's own name, `__ns` for
-            its namespace.
-        replacement: The name to take instead.
-        kind: `rostopic` or `rosservice` if the rule holds for topics or services only, else None.
+    `match` is the name to replace; `__node`, `__name` and `__ns` stand for the node's own.
     """
 
     node: str | None
@@ -36,162 +27,102 @@ class Remap(NamedTuple):
 
 Problem = tuple[str, int] | None  # What is wrong with a name, and at which character.
 
+# For each kind of name, what is wrong with it by a pattern that finds the wrong character.
+_NODE = (
+    (r"\A\Z", "node name must not be empty"),
+    (r"[^A-Za-z0-9_]", "node name must not contain characters other than alphanumerics or '_'"),
+    (r"\A\d", "node name must not start with a number"),
+    (r"\A.{254}.(?=.)", "node name length should not exceed '255'"),
+)
+_TOPIC = (
+    (r"\A\Z", "topic name must not be empty string"),
+    (r"/\Z", "topic name must not end with a forward slash"),
+    (
+        r"[^A-Za-z0-9_/{}~]",
+        "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'",
+    ),
+    (r"(?<=.)~", "topic name must not have tilde '~' unless it is the first character"),
+    (r"[{}]", "topic name must not have unmatched (unbalanced) curly braces '{}'"),
+    (r"(?:\A|(?<=/))\d", "topic name token must not start with a number"),
+)
 
-def validate_node_name(name: str) -> None:
-    """Raise InvalidNodeNameException unless `name` is valid for a node."""
+
+def _absolute(kind: str, longest: int) -> tuple[tuple[str, str], ...]:
+    return (
+        (r"\A\Z", f"{kind} must not be empty"),
+        (r"\A[^/]", f"{kind} must be absolute, it must lead with a '/'"),
+        (r"/\Z", f"{kind} must not end with a '/'"),
+        (
+            r"[^A-Za-z0-9_/]",
+            f"{kind} must not contain characters other than alphanumerics, '_', or '/'",
+        ),
+        (r"(?<=/)/", f"{kind} must not contain repeated '/'"),
+        (r"(?<=/)\d", f"{kind} must not have a token that starts with a number"),
+        (rf"\A.{{{longest - 1}}}.(?=.)", f"{kind} length should not exceed '{longest}'"),
+    )
+
+
+_FULL_TOPIC, _NAMESPACE = _absolute("topic name", 247), _absolute("namespace", 245)
+
+
+def _problem(rules: tuple[tuple[str, str], ...], name: str) -> Problem:
+    if not isinstance(name, str):
+        raise TypeError(f"a name is a str, not {type(name).__name__}")
+    for pattern, said in rules:
+        found = re.search(pattern, name)
+        if found:
+            return said, found.end() - 1 if len(found[0]) > 1 else found.start()
+    return None
+
+
+def node_name_problem(name: str) -> Problem:
+    """Return what is wrong with a node's name, and the index of a wrong character, or None."""
+    return _problem(_NODE, name)
+
+
+def topic_problem(name: str) -> Problem:
+    """Return what is wrong with a topic or service name as written, with an index, or None."""
+    return _problem(_TOPIC, re.sub(r"\{[^{}/]*\}", lambda found: "_" * len(found[0]), name))
+
+
+def full_topic_problem(name: str) -> Problem:
+    """Return what is wrong with a topic or service name on the graph, with an index, or None."""
+    return _problem(_FULL_TOPIC, name)
+
+
+def namespace_problem(name: str) -> Problem:
+    """Return what is wrong with a namespace, and the index of a wrong character, or None."""
+    return None if name == "/" else _problem(_NAMESPACE, name)
+
+
+def check_node(name: str, namespace: str) -> None:
+    """Raise InvalidNodeNameException or InvalidNamespaceException unless both are valid."""
     problem = node_name_problem(name)
     if problem:
         raise InvalidNodeNameException(name, *problem)
-
-
-def validate_namespace(namespace: str) -> None:
-    """Raise InvalidNamespaceException unless `namespace` is `/` or a valid absolute name."""
     problem = namespace_problem(namespace)
     if problem:
         raise InvalidNamespaceException(namespace, *problem)
 
 
-def validate_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check the name of a topic or service as a program writes it (`x`, `~/x`, `/x`).
-
-    Raises:
-        InvalidTopicNameException: The name is not valid.
-        InvalidServiceNameException: The name is not valid, and `is_service` is True.
-        TypeError: The name is not a str.
-    """
-    problem = topic_problem(name)
-    if problem and is_service:
-        raise InvalidServiceNameException(name, *problem)
+def check_topic(name: str, problem: Problem, *, is_service: bool) -> None:
+    """Raise InvalidTopicNameException or InvalidServiceNameException if there is a problem."""
     if problem:
-        raise InvalidTopicNameException(name, *problem)
-
-
-def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
-    """Check the name of a topic or service as it is on the graph, expanded.
-
-    Raises:
-        InvalidTopicNameException: The name is not valid.
-        InvalidServiceNameException: The name is not valid, and `is_service` is True.
-    """
-    problem = full_topic_problem(name)
-    if problem and is_service:
-        raise InvalidServiceNameException(name, *problem)
-    if problem:
-        raise InvalidTopicNameException(name, *problem)
-
-
-def node_name_problem(name: str) -> Problem:
-    """Return ROS's error text for a node's name and the index of a wrong character, or None."""
-    if not name:
-        return "node name must not be empty", 0
-    bad = re.search(r"[^A-Za-z0-9_]", name)
-    if bad:
-        said = "node name must not contain characters other than alphanumerics or '_'"
-        return said, bad.start()
-    if name[0].isdigit():
-        return "node name must not start with a number", 0
-    if len(name) > _NAME_MAX:
-        return f"node name length should not exceed '{_NAME_MAX}'", _NAME_MAX - 1
-    return None
-
-
-def topic_problem(name: str) -> Problem:
-    """Return ROS's error text and an index for a topic's or service's unexpanded name, or None.
-
-    The index is that of the wrong character.
-
-    Raises:
-        TypeError: The name is not a str.
-    """
-    if not isinstance(name, str):
-        raise TypeError(f"a name is a str, not {type(name).__name__}")
-    if not name:
-        return "topic name must not be empty string", 0
-    if name.endswith("/"):
-        return "topic name must not end with a forward slash", len(name) - 1
-    bad = re.search(r"[^A-Za-z0-9_/{}~]", name)
-    if bad:
-        said = (
-            "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'"
-        )
-        return said, bad.start()
-    if "~" in name[1:]:
-        said = "topic name must not have tilde '~' unless it is the first character"
-        return said, name.index("~", 1)
-    bare = re.sub(r"\{[^{}]*\}", lambda found: " " * len(found[0]), name)
-    brace = re.search(r"[{}]", bare)
-    if brace:
-        said = "topic name must not have unmatched (unbalanced) curly braces '{}'"
-        return said, brace.start()
-    digit = re.search(r"(?:^|/)(\d)", name)
-    return ("topic name token must not start with a number", digit.start(1)) if digit else None
-
-
-def full_topic_problem(name: str) -> Problem:
-    """Return ROS's error text and an index for a topic's or service's expanded name, or None.
-
-    The index is that of the wrong character.
-    """
-    if not name:
-        return "topic name must not be empty", 0
-    if not name.startswith("/"):
-        return "topic name must be absolute, it must lead with a '/'", 0
-    if name.endswith("/"):
-        return "topic name must not end with a '/'", len(name) - 1
-    problem = _tokens_problem(name, "topic name")
-    if problem is None and len(name) > _FULL_MAX:
-        return f"topic length should not exceed '{_FULL_MAX}'", _FULL_MAX - 1
-    return problem
-
-
-def namespace_problem(name: str) -> Problem:
-    """Return ROS's error text for a namespace and the index of the wrong character, or None."""
-    if not name:
-        return "namespace must not be empty", 0
-    if not name.startswith("/"):
-        return "namespace must be absolute, it must lead with a '/'", 0
-    if name == "/":
-        return None
-    if name.endswith("/"):
-        return "namespace must not end with a '/', unless only a '/'", len(name) - 1
-    problem = _tokens_problem(name, "namespace")
-    if problem is None and len(name) > _NAMESPACE_MAX:
-        return f"namespace should not exceed '{_NAMESPACE_MAX}'", _NAMESPACE_MAX - 1
-    return problem
-
-
-def _tokens_problem(name: str, kind: str) -> Problem:
-    bad = re.search(r"[^A-Za-z0-9_/]", name)
-    if bad:
-        said = f"{kind} must not contain characters other than alphanumerics, '_', or '/'"
-        return said, bad.start()
-    if "//" in name:
-        return f"{kind} must not contain repeated '/'", name.index("//") + 1
-    digit = re.search(r"/(\d)", name)
-    if digit:
-        return f"{kind} must not have a token that starts with a number", digit.start(1)
-    return None
+        kind = InvalidServiceNameException if is_service else InvalidTopicNameException
+        raise kind(name, *problem)
 
 
 def expand(name: str, node: str, namespace: str) -> str:
-    """Return the fully qualified form of a topic or service name that a node uses.
-
-    `~`, `{node}`, `{ns}` and `{namespace}` are replaced, and a relative name is put under the
-    namespace. The result is not checked.
-
-    Raises:
-        ValueError: The name is not valid, or has another name in braces.
-        TypeError: The name is not a str.
-    """
+    """Return the fully qualified form of a topic or service name that a node uses."""
     problem = topic_problem(name)
     if problem:
         raise ValueError(f"topic name '{name}' is invalid: {problem[0]}")
+    known = {"{node}": node, "{ns}": namespace, "{namespace}": namespace}
     for found in re.findall(r"\{.*?\}", name):
-        if found not in ("{node}", "{ns}", "{namespace}"):
+        if found not in known:
             raise ValueError(f"topic name '{name}' is invalid: unknown substitution: {found}")
+        name = name.replace(found, known[found])
     base = "" if namespace == "/" else namespace
-    name = name.replace("{node}", node)
-    name = name.replace("{ns}", namespace).replace("{namespace}", namespace)
     if name.startswith("~"):
         return f"{base}/{node}{name[1:]}"
     return name if name.startswith("/") else f"{base}/{name}"
@@ -200,41 +131,16 @@ def expand(name: str, node: str, namespace: str) -> str:
 def remapped(
     full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
 ) -> str:
-    """Return the name that the first fitting rule gives for a topic or service, else `full_name`.
-
-    Both sides of a rule are expanded as names that the node uses. Rules for another node, for the
-    other kind of name, or for the node's own name do not fit.
-
-    Args:
-        full_name: The expanded name.
-        node: The node's name.
-        namespace: The node's namespace.
-        rules: The rules in their order.
-        is_service: True for the name of a service, False for a topic's.
-
-    Raises:
-        ValueError: A rule cannot be expanded.
-    """
-    kind = "rosservice" if is_service else "rostopic"
+    """Return the name that the first fitting rule gives a topic or service, else `full_name`."""
+    kinds = (None, "rosservice" if is_service else "rostopic")
     for rule in rules:
-        if rule.match.startswith("__") or rule.node not in (None, node):
-            continue
-        if rule.kind not in (None, kind):
-            continue
-        if expand(rule.match, node, namespace) == full_name:
+        fits = rule.node in (None, node) and rule.kind in kinds and rule.match[:2] != "__"
+        if fits and expand(rule.match, node, namespace) == full_name:
             return expand(rule.replacement, node, namespace)
     return full_name
 
 
 def renamed(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
-    """Return the name or namespace that the first fitting rule gives a node, or None.
-
-    Args:
-        rules: The rules in their order.
-        node: The node's name before remapping.
-        *matches: What is replaced: `__node` and `__name`, or `__ns`.
-    """
-    for rule in rules:
-        if rule.match in matches and rule.node in (None, node):
-            return rule.replacement
-    return None
+    """Return the name or namespace that the first fitting rule gives a node, or None."""
+    fitting = (r.replacement for r in rules if r.match in matches and r.node in (None, node))
+    return next(fitting, None)

@@ -72,29 +72,7 @@ class NodeParameters:
         descriptor: ParameterDescriptor | None = None,
         ignore_override: bool = False,
     ) -> Parameter[Any]:
-        """Declare a parameter, set it, and return it.
-
-        On-set and post-set callbacks are called, and the change is published on /parameter_events.
-        A declaration with neither a value nor a descriptor is deprecated: it warns, and the
-        parameter's type may change.
-
-        Args:
-            name: The parameter.
-            value: The default, or a `Parameter.Type` to leave the parameter without a value.
-            descriptor: The descriptor, copied; None means an empty one.
-            ignore_override: True takes the default, also if a value was given when the node was
-                started.
-
-        Raises:
-            ParameterAlreadyDeclaredException: The parameter is declared already.
-            InvalidParameterException: The name is empty.
-            InvalidParameterTypeException: The value given at the start has another type.
-            InvalidParameterValueException: A range or a callback refuses the value.
-            ValueError: The value is None or NOT_SET, though the descriptor's typing is static; or
-                it is a Type, though the typing is dynamic; or it is a ParameterValue, and none was
-                given at the start.
-            TypeError: A parameter cannot have such a value, or an argument has another type.
-        """
+        """Declare a parameter, set it, and return it."""
         return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
 
     def declare_parameters(
@@ -104,16 +82,6 @@ class NodeParameters:
 
         If a name is empty or already declared, none is declared; if a value or type is refused,
         those before it stay declared. In rclpy a wrong type, too, declares none.
-
-        Args:
-            namespace: Put before each name, with a dot; "" for nothing.
-            parameters: Tuples (name, value, descriptor), of which the last two may be left out.
-            ignore_override: As for `declare_parameter`.
-
-        Raises:
-            TypeError: A tuple has another form.
-            ParameterAlreadyDeclaredException: A parameter is declared already; a name that is twice
-                in the list is set twice. For other errors see `declare_parameter`.
         """
         prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
         whole = [_checked(place, prefix, given) for place, given in enumerate(parameters)]
@@ -182,12 +150,7 @@ class NodeParameters:
         return self._parameters[name]
 
     def undeclare_parameter(self, name: str) -> None:
-        """Forget a parameter and its descriptor; no callback is called and no event published.
-
-        Raises:
-            ParameterNotDeclaredException: The parameter is not declared.
-            ParameterImmutableException: The parameter is read-only.
-        """
+        """Forget a parameter and its descriptor; no callback is called and no event published."""
         self._require(name)
         if self._descriptors[name].read_only:
             raise ParameterImmutableException(name)
@@ -201,10 +164,6 @@ class NodeParameters:
         """Return a parameter.
 
         An undeclared one is returned without a value if the node allows undeclared parameters.
-
-        Raises:
-            ParameterNotDeclaredException: The parameter is not declared, and must be.
-            ParameterUninitializedException: The parameter has no value, and its type is static.
         """
         if name not in self._parameters and self._allow_undeclared_parameters:
             return Parameter(name)
@@ -244,12 +203,6 @@ class NodeParameters:
 
         A parameter without a value undeclares one that is dynamically typed. For callbacks and
         undeclared parameters see `set_parameters_atomically`.
-
-        Raises:
-            ParameterNotDeclaredException: A parameter is not declared, and must be; those before it
-                stay set.
-            TypeError: An element is no Parameter. Then none is set; in rclpy, those before it stay
-                set.
         """
         _check_are_parameters(parameter_list)
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
@@ -257,16 +210,7 @@ class NodeParameters:
     def set_parameters_atomically(
         self, parameter_list: list[Parameter[Any]]
     ) -> SetParametersResult:
-        """Set all parameters or none, and return if they were set, or why not.
-
-        Pre-set and on-set callbacks are called before, post-set ones after the change has been
-        published on /parameter_events. Where the node allows undeclared parameters, setting one
-        declares it, with dynamic typing.
-
-        Raises:
-            ParameterNotDeclaredException: A parameter is not declared, and must be.
-            TypeError: An element is no Parameter.
-        """
+        """Set all parameters or none, and return if they were set, or why not."""
         _check_are_parameters(parameter_list)
         before = self._pre_set_parameters_callbacks
         if before:  # Each callback gets the request; all that they return is set.
@@ -282,9 +226,6 @@ class NodeParameters:
         """Return a copy of a parameter's descriptor; rclpy returns the descriptor itself.
 
         For an undeclared parameter, where the node allows these, the descriptor is empty.
-
-        Raises:
-            ParameterNotDeclaredException: The parameter is not declared, and must be.
         """
         if name not in self._parameters and self._allow_undeclared_parameters:
             return ParameterDescriptor()
@@ -298,17 +239,7 @@ class NodeParameters:
         descriptor: ParameterDescriptor,
         alternative_value: ParameterValue | None = None,
     ) -> ParameterValue:
-        """Replace a parameter's descriptor by a copy of another, and return the parameter's value.
-
-        If the present value does not fit, the alternative is set. Unlike in rclpy, callbacks are
-        called and /parameter_events tells of it, as for a change. For an undeclared parameter,
-        where the node allows these, nothing changes, and a value that is not set is returned.
-
-        Raises:
-            ParameterNotDeclaredException: The parameter is not declared, and must be.
-            ParameterImmutableException: The parameter is read-only.
-            InvalidParameterValueException: Neither value fits, or a callback refuses both.
-        """
+        """Replace a parameter's descriptor by a copy, and return the parameter's value."""
         if name not in self._parameters:
             if not self._allow_undeclared_parameters:
                 raise ParameterNotDeclaredException(name)
@@ -332,12 +263,7 @@ class NodeParameters:
         return [self.describe_parameter(name) for name in names]
 
     def get_parameter_type(self, name: str) -> int:
-        """Return a declared parameter's type, one of ParameterType's constants.
-
-        Raises:
-            ParameterNotDeclaredException: The parameter is not declared. Unlike in rclpy, this
-                holds also if the node allows undeclared parameters.
-        """
+        """Return a declared parameter's type, one of ParameterType's constants."""
         self._require(name)
         return self._parameters[name].type_.value
 
@@ -349,14 +275,6 @@ class NodeParameters:
         """Return the names of declared parameters, and their prefixes.
 
         A name's prefix is the part before its last dot; each prefix is returned once.
-
-        Args:
-            prefixes: Names, and prefixes whose parameters are listed; [] means all parameters.
-            depth: The number of levels below a prefix, or below the root; 0 means any.
-
-        Raises:
-            TypeError: The arguments are not a list of prefixes and a number.
-            ValueError: The depth is negative.
         """
         if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")
@@ -391,24 +309,11 @@ class NodeParameters:
         return result
 
     def add_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """Add a callback that replaces the list of parameters that are to be set.
-
-        The callback is not called for declarations. If there are several, each gets the original
-        list, and all that they return is set; if they return nothing, setting fails. The callback
-        added last is called first.
-        """
+        """Add a callback that replaces the list of parameters that are to be set."""
         self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """Add a callback that may refuse parameters, also when they are declared.
-
-        The callback gets the list of parameters and returns a SetParametersResult. The first result
-        that is not successful, or of another type, refuses all. The callback added last is called
-        first.
-
-        Raises:
-            TypeError: The callback cannot be called.
-        """
+        """Add a callback that may refuse parameters, also when they are declared."""
         _check_is_callable(callback)
         self._on_set_parameters_callbacks.insert(0, callback)
 
@@ -416,9 +321,6 @@ class NodeParameters:
         """Add a callback that gets the list of parameters after they are set or declared.
 
         The callback added last is called first.
-
-        Raises:
-            TypeError: The callback cannot be called.
         """
         _check_is_callable(callback)
         self._post_set_parameters_callbacks.insert(0, callback)
@@ -447,10 +349,6 @@ class NodeParameters:
         """Check parameters, ask the on-set callbacks, set and publish all, call the post-set ones.
 
         At the first refusal its result is returned, and no parameter is set.
-
-        Args:
-            parameters: The parameters with their new values.
-            new: The new descriptors by name for a declaration, else None.
         """
         for parameter in parameters:
             descriptor = (self._descriptors if new is None else new).get(parameter.name)
@@ -508,17 +406,7 @@ class NodeParameters:
 def _checked(
     place: int, prefix: str, given: tuple[Any, ...]
 ) -> tuple[str, Any, ParameterDescriptor | None]:
-    """Return the full name, value and descriptor of one tuple given to `declare_parameters`.
-
-    Args:
-        place: The tuple's index, for errors.
-        prefix: Put before the name.
-        given: The tuple; what it leaves out is None.
-
-    Raises:
-        TypeError: The tuple has another form.
-        InvalidParameterException: The name is empty.
-    """
+    """Return the full name, value and descriptor of one tuple given to `declare_parameters`."""
     where = f"at index {place} in parameters list"
     if not 1 <= len(given) <= 3:
         raise TypeError(

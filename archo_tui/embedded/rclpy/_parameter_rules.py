@@ -15,12 +15,6 @@ def check(parameter: Parameter[Any], descriptor: ParameterDescriptor, *, declari
     """Return why a descriptor forbids a parameter's value, in rclpy's words, or "".
 
     The ends of a range are always allowed, even if no step leads to them.
-
-    Args:
-        parameter: The parameter with its new value.
-        descriptor: Its descriptor: read-only, type, range and step.
-        declaring: True for a declaration, which may set a read-only parameter, or leave it without
-            a value.
     """
     if descriptor.read_only and not declaring:
         return f"Trying to set a read-only parameter: {parameter.name}."

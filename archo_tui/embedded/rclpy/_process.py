@@ -13,17 +13,7 @@ if TYPE_CHECKING:
 
 
 class Process:
-    """The default context, the global executor and the command line of a program.
-
-    Attributes:
-        arguments: The words that `init` takes where none are given; None means `sys.argv`.
-        domain_id: The domain of its contexts; None means ROS_DOMAIN_ID, or 0.
-        default_context: The context that is meant if none is given; None until it is asked for,
-            and again after a `shutdown` that names no context.
-        executor: The executor that `spin` uses if none is given; None until it is asked for, and
-            again after a `shutdown`.
-        lock: Guards the making of the default context.
-    """
+    """The default context, the global executor and the command line of a program."""
 
     def __init__(
         self, arguments: Sequence[str] | None = None, domain_id: int | None = None

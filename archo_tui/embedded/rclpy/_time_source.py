@@ -30,11 +30,6 @@ class TimeSource(Protocol):
 
         The caller holds the condition again afterwards. The method may return early: the caller
         looks again.
-
-        Args:
-            condition: The condition.
-            idle: Returns True while there is still nothing to do but wait.
-            until_ns: The latest end, on the clock of `monotonic_ns`; None for no end.
         """
 
 
@@ -78,20 +73,12 @@ def time_ns() -> int:
 
 
 def patience_ns(timeout_sec: float | None) -> int | None:
-    """Return the monotonic time, in ns, at which a wait for other nodes ends; None for no limit.
-
-    Args:
-        timeout_sec: The time from now, in s; a negative one ends at once, None is no limit.
-    """
+    """Return the monotonic time, in ns, at which a wait for other nodes ends; None for no limit."""
     return deadline_ns(None if timeout_sec is None else max(timeout_sec, 0.0))
 
 
 def deadline_ns(timeout_sec: float | None) -> int | None:
-    """Return the monotonic time, in ns, at which a timeout ends that begins now; None for no limit.
-
-    Args:
-        timeout_sec: The timeout in s; None and a negative one are no limit.
-    """
+    """Return the monotonic time (ns) at which a timeout from now ends; None for no limit."""
     if timeout_sec is None or timeout_sec < 0:
         return None
     return monotonic_ns() + int(timeout_sec * 1e9)
@@ -100,13 +87,7 @@ def deadline_ns(timeout_sec: float | None) -> int | None:
 def wait_until(
     condition: threading.Condition, holds: Callable[[], bool], until_ns: int | None
 ) -> bool:
-    """Block until `holds()` is true; return False if `until_ns` came first.
-
-    Args:
-        condition: Held by the caller, and notified whenever `holds()` may have changed.
-        holds: Called with the condition held.
-        until_ns: The latest end, on the clock of `monotonic_ns`; None for no end.
-    """
+    """Block until `holds()` is true; return False if `until_ns` came first."""
     while not holds():
         if until_ns is not None and monotonic_ns() >= until_ns:
             return False

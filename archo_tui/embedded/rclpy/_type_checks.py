@@ -14,11 +14,7 @@ def check_action(kind: Any) -> None:
 
 
 def takes_info(callback: Any) -> bool:
-    """Return True if a callback takes a message and its info, False if it can take a message alone.
-
-    Raises:
-        RuntimeError: The callback takes neither one nor two arguments, or is no function.
-    """
+    """Return True if a callback takes a message and its info, and not a message alone."""
     with contextlib.suppress(TypeError):
         signature = inspect.signature(callback)
         for given in (1, 2):

@@ -26,8 +26,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     A full queue drops the oldest response.
     """
 
-    _rank = 4
-
     def __init__(
         self,
         node: Node,
@@ -51,12 +49,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
         The future stays pending for ever when nobody answers. If several nodes offer the service,
         all get the request, and the first response counts.
-
-        Raises:
-            TypeError: The request is of another type.
-            InvalidHandle: The client is destroyed.
-            AssertionError: A list in the request has been filled with a wrong value; found only if
-                a node offers the service.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
@@ -73,17 +65,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         return future
 
     def call(self, request: SrvRequestT, timeout_sec: float | None = None) -> Any:
-        """Call and block until answered, while another thread spins the node.
-
-        Args:
-            request: The request.
-            timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
-
-        Raises:
-            TimeoutError: The time is up; an answer that comes later is dropped.
-            TypeError: The request is of another type.
-            InvalidHandle: The client is destroyed.
-        """
+        """Call and block until answered, while another thread spins the node."""
         future = self.call_async(request)
         if not wait_for(future, timeout_sec):
             future.cancel()
@@ -106,23 +88,12 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         return self._node.context
 
     def get_pending_request(self, sequence_number: int) -> Future[SrvResponseT]:
-        """Return the future of a request that has no answer yet.
-
-        Args:
-            sequence_number: The request's number; a client counts its requests from 1.
-
-        Raises:
-            KeyError: No such request is pending.
-        """
+        """Return the future of a request that has no answer yet."""
         with self._lock:
             return self._pending_requests[sequence_number]
 
     def service_is_ready(self) -> bool:
-        """Return True if a node offers the service with this type.
-
-        Raises:
-            InvalidHandle: The client is destroyed.
-        """
+        """Return True if a node offers the service with this type."""
         self._use()
         return bool(self._node._graph.servers(self._service_name, self.srv_type))
 
@@ -130,10 +101,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         """Block until the service is offered; return False when `timeout_sec` (s) passed before.
 
         None means no limit, a negative timeout no wait.
-
-        Raises:
-            InvalidHandle: The client is destroyed, perhaps by the context's shutdown during the
-                wait.
         """
         self._use()
         graph = self._node._graph

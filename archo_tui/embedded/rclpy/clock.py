@@ -14,8 +14,6 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time
 from rclpy.utilities import get_default_context
 
-from archo_tui.embedded import absent
-
 __all__ = [
     "Clock",
     "ClockType",
@@ -54,22 +52,8 @@ class Clock:
         now = _time_source.monotonic_ns() if steady else _time_source.time_ns()
         return Time(nanoseconds=now, clock_type=self._clock_type)
 
-    create_jump_callback = absent.Attribute()
-
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
-        """Block until that time on this clock; a time that has passed returns True at once.
-
-        Args:
-            until: The time.
-            context: The context whose shutdown ends the sleep; None means the default one.
-
-        Returns:
-            False if during the sleep the context was shut down, or simulated time began or ended.
-
-        Raises:
-            ValueError: The time is of another kind of clock.
-            NotInitializedException: The context has not begun, or has already ended.
-        """
+        """Block until that time on this clock; a time that has passed returns True at once."""
         context = get_default_context() if context is None else context
         if not context.ok():
             raise NotInitializedException
@@ -149,9 +133,6 @@ class ROSClock(Clock):
         """Set the simulated time; while that is active, make due timers ready and wake sleepers.
 
         While simulated time is not active, the time is only kept.
-
-        Raises:
-            TypeError: The argument is no Time.
         """
         if not isinstance(time, Time):
             raise TypeError(

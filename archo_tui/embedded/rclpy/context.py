@@ -42,21 +42,7 @@ class Context:
         initialize_logging: bool = True,
         domain_id: int | None = None,
     ) -> None:
-        """Begin the context, which succeeds only once. Nodes of one domain see each other.
-
-        Args:
-            args: The command line; None means the program's own.
-            initialize_logging: False ignores `--log-level` and `--disable-stdout-logs`, which
-                otherwise hold for the whole process.
-            domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
-
-        Raises:
-            RuntimeError: The context was begun before, or the domain is negative.
-            RCLInvalidROSArgsError: An argument is not valid.
-            UnknownROSArgsError: An argument of ROS is unknown.
-            UnicodeEncodeError: The arguments are not UTF-8.
-            ValueError: ROS_DOMAIN_ID is no number.
-        """
+        """Begin the context, which succeeds only once. Nodes of one domain see each other."""
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
@@ -83,22 +69,13 @@ class Context:
         return self._arguments if self._has_begun else None
 
     def ok(self) -> bool:
-        """Return True between `init` and `shutdown`, else False.
-
-        Raises:
-            InvalidHandle: After `destroy()`.
-        """
+        """Return True between `init` and `shutdown`, else False."""
         if self._is_destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
         return self._ok
 
     def get_domain_id(self) -> int:
-        """Return the domain whose nodes this context's nodes see.
-
-        Raises:
-            RuntimeError: Before `init`.
-            RCLError: After `shutdown`.
-        """
+        """Return the domain whose nodes this context's nodes see."""
         if not self._has_begun:
             raise RuntimeError("Context must be initialized before it can have a domain id")
         if not self._ok:
@@ -109,9 +86,6 @@ class Context:
         """Call a function once when the context is shut down, or at once if it has been.
 
         A bound method is not called if its object is gone by then.
-
-        Raises:
-            TypeError: The argument cannot be called.
         """
         if not callable(callback):
             raise TypeError(f"callback should be a callable, got {type(callback)}")
@@ -128,9 +102,6 @@ class Context:
         """End the context: its nodes leave the graph, then callbacks of `on_shutdown` are called.
 
         Executors of the context stop spinning.
-
-        Raises:
-            RuntimeError: The context has not begun, or has ended.
         """
         with self._lock:
             if not self._ok:

@@ -71,12 +71,7 @@ class Duration:
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
 
     def to_msg(self) -> builtin_interfaces.msg.Duration:
-        """Return the span as builtin_interfaces/Duration.
-
-        Raises:
-            AssertionError: The seconds, as for `Infinite`, do not fit in 32 bits; rclpy does not
-                check them.
-        """
+        """Return the span as builtin_interfaces/Duration."""
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
         return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)
 

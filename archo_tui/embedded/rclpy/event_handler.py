@@ -23,8 +23,6 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.logging import get_logger
 from rclpy.qos import qos_policy_name_from_kind
 
-from archo_tui.embedded import absent
-
 __all__ = [
     "EventHandler",
     "IncompatibleTypeInfo",
@@ -58,18 +56,7 @@ class SubscriptionEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """Set the callbacks, each called with an info such as QoSSubscriptionMatchedInfo.
-
-        Args:
-            deadline: Must be None: this engine has no such events.
-            incompatible_qos: Called when a publisher's QoS does not match.
-            liveliness: Must be None: this engine has no such events.
-            message_lost: Never called: no message is lost.
-            incompatible_type: Never called: publishers of other types are not reported.
-            matched: Called when a matching publisher comes or goes.
-            use_default_callbacks: True logs a warning of incompatible QoS, unless a callback for
-                it is given.
-        """
+        """Set the callbacks, each called with an info such as QoSSubscriptionMatchedInfo."""
         self.deadline = deadline
         self.incompatible_qos = incompatible_qos
         self.liveliness = liveliness
@@ -85,9 +72,6 @@ class SubscriptionEventCallbacks:
 
         Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
         is True.
-
-        Raises:
-            UnsupportedEventTypeError: A callback for deadline or liveliness is given.
         """
         _refuse_timed(self)
         event, qos, kind = QoSSubscriptionEventType, self.incompatible_qos, self.incompatible_type
@@ -118,17 +102,7 @@ class PublisherEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """Set the callbacks, each called with an info such as QoSPublisherMatchedInfo.
-
-        Args:
-            deadline: Must be None: this engine has no such events.
-            liveliness: Must be None: this engine has no such events.
-            incompatible_qos: Called when a subscription's QoS does not match.
-            incompatible_type: Never called: subscriptions of other types are not reported.
-            matched: Called when a matching subscription comes or goes.
-            use_default_callbacks: True logs a warning of incompatible QoS, unless a callback for
-                it is given.
-        """
+        """Set the callbacks, each called with an info such as QoSPublisherMatchedInfo."""
         self.deadline = deadline
         self.liveliness = liveliness
         self.incompatible_qos = incompatible_qos
@@ -143,9 +117,6 @@ class PublisherEventCallbacks:
 
         Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
         is True.
-
-        Raises:
-            UnsupportedEventTypeError: A callback for deadline or liveliness is given.
         """
         _refuse_timed(self)
         event, qos, kind = QoSPublisherEventType, self.incompatible_qos, self.incompatible_type
@@ -167,7 +138,9 @@ def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallback
     for name in ("deadline", "liveliness"):
         if getattr(callbacks, name):
             where = f"{type(callbacks).__name__}({name}=...)"
-            raise UnsupportedEventTypeError(absent.message(where))
+            raise UnsupportedEventTypeError(
+                f"the embedded engine has no {where}: real ROS 2 has it"
+            )
 
 
 def _make_handlers(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:

@@ -32,11 +32,7 @@ def get_logger(name: str) -> RcutilsLogger:
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
-    """Set a logger's level by name, as `RcutilsLogger.set_level`; "" means the root.
-
-    Raises:
-        ValueError: The level is no severity.
-    """
+    """Set a logger's level by name, as `RcutilsLogger.set_level`; "" means the root."""
     _logging.set_level(name, LoggingSeverity(level))
 
 
@@ -46,11 +42,7 @@ def get_logger_level(name: str) -> LoggingSeverity:
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """Return the severity of a word such as `WARN`, in any case.
-
-    Raises:
-        RuntimeError: The word is no severity.
-    """
+    """Return the severity of a word such as `WARN`, in any case."""
     try:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
@@ -66,9 +58,6 @@ def get_logging_directory() -> Path:
     """Return where ROS keeps its logs: ROS_LOG_DIR, else `log` in ROS_HOME, else `~/.ros/log`.
 
     This engine writes nothing there.
-
-    Raises:
-        RuntimeError: No home folder is known.
     """
     home = Path(os.environ.get("ROS_HOME") or "~/.ros")
     found = Path(os.environ.get("ROS_LOG_DIR") or home / "log")

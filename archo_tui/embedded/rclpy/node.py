@@ -52,8 +52,6 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
 
-from archo_tui.embedded import absent
-
 MsgT = TypeVar("MsgT")
 NamesAndTypes = list[tuple[str, list[str]]]
 _DESCRIBES_TYPES = "start_type_description_service"
@@ -84,34 +82,6 @@ class Node(NodeParameters, Destroyable):
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        """Create a node, and put it on the graph.
-
-        The node gets a publisher of /parameter_events, of /rosout, the parameter `use_sim_time` and
-        its parameter services. Unlike in rclpy, `start_type_description_service` is False.
-
-        Args:
-            node_name: The name, unless a remapping gives another.
-            context: The context; None means the default one.
-            cli_args: ROS arguments of this node alone, which win against the context's.
-            namespace: The namespace, unless a remapping gives another; None and "" mean `/`, which
-                is put in front if it is missing.
-            use_global_arguments: False ignores the context's arguments.
-            enable_rosout: False publishes no log lines.
-            rosout_qos_profile: The QoS of /rosout.
-            start_parameter_services: False offers no parameter services.
-            parameter_overrides: Values that win against the arguments'.
-            allow_undeclared_parameters: True lets parameters be set that are not declared.
-            automatically_declare_parameters_from_overrides: True declares every parameter that the
-                arguments or overrides give a value, with a dynamic type.
-            enable_logger_service: True offers the services of levels of loggers.
-
-        Raises:
-            NotInitializedException: The context has not begun.
-            InvalidNodeNameException: The name is not allowed.
-            InvalidNamespaceException: The namespace is not allowed.
-            RCLInvalidROSArgsError: An argument in `cli_args` is not valid.
-            UnknownROSArgsError: An argument in `cli_args` is unknown.
-        """
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
             raise NotInitializedException("cannot create node")
@@ -120,9 +90,8 @@ class Node(NodeParameters, Destroyable):
         self._remaps = own.remaps + everybodys.remaps
         name = _names.renamed(self._remaps, node_name, "__node", "__name") or node_name
         space = _names.renamed(self._remaps, node_name, "__ns") or namespace or "/"
-        _names.validate_node_name(name)
         space = space if space.startswith("/") else f"/{space}"
-        _names.validate_namespace(space)
+        _names.check_node(name, space)
         self._name, self._namespace = name, space
         self._full_name = f"{'' if space == '/' else space}/{name}"
         self._graph = self._context._graph
@@ -217,19 +186,11 @@ class Node(NodeParameters, Destroyable):
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return a topic's name on the graph: expanded, and remapped unless `only_expand`.
-
-        Raises:
-            RCLError: The name cannot be one on the graph.
-        """
+        """Return a topic's name on the graph: expanded, and remapped unless `only_expand`."""
         return self._resolve(topic, only_expand)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """Return a service's name on the graph: expanded, and remapped unless `only_expand`.
-
-        Raises:
-            RCLError: The name cannot be one on the graph.
-        """
+        """Return a service's name on the graph: expanded, and remapped unless `only_expand`."""
         return self._resolve(service, only_expand, is_service=True)
 
     def _resolve(self, name: str, only_expand: bool, *, is_service: bool = False) -> str:
@@ -243,29 +204,17 @@ class Node(NodeParameters, Destroyable):
         return full
 
     def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
-        """Return a name expanded, and remapped unless `only_expand` is True.
-
-        Raises:
-            InvalidHandle: The node is destroyed.
-            ValueError: The name, or a remapping rule, cannot be expanded.
-        """
+        """Return a name expanded, and remapped unless `only_expand` is True."""
         self._use()
         full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
         return _names.remapped(full, self._name, self._namespace, rules, is_service=is_service)
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
-        """Return a name expanded and remapped.
-
-        Raises:
-            InvalidTopicNameException: The name is not valid.
-            InvalidServiceNameException: The name is not valid, and `is_service` is True.
-            ValueError: The name has an unknown name in braces.
-            InvalidHandle: The node is destroyed.
-        """
-        _names.validate_topic_name(name, is_service=is_service)
+        """Return a name expanded and remapped."""
+        _names.check_topic(name, _names.topic_problem(name), is_service=is_service)
         full = self._resolved(name, is_service=is_service)
-        _names.validate_full_topic_name(full, is_service=is_service)
+        _names.check_topic(full, _names.full_topic_problem(full), is_service=is_service)
         return full
 
     @property
@@ -311,28 +260,7 @@ class Node(NodeParameters, Destroyable):
         qos_overriding_options: None = None,
         publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
-        """Create a publisher.
-
-        Args:
-            msg_type: The class of its messages.
-            topic: The topic's name.
-            qos_profile: The profile, copied, or the depth of a default one.
-            callback_group: The group of the callbacks of events; None means the node's default one.
-            event_callbacks: The callbacks of events; None means the default ones.
-            qos_overriding_options: Must be None: this engine has no such options.
-            publisher_class: The class of the publisher.
-
-        Raises:
-            InvalidTopicNameException: The name is not allowed.
-            UnsupportedEventTypeError: There is a callback for deadline or liveliness events.
-            AttributeError: The class is no interface.
-            RuntimeError: The class is a service or an action.
-            TypeError: The QoS is neither a profile nor a depth.
-            ValueError: The depth is negative, or the name has an unknown name in braces.
-            NotImplementedError: An argument is given that must be None.
-            InvalidHandle: The node is destroyed.
-        """
-        absent.check_arguments("create_publisher", qos_overriding_options=qos_overriding_options)
+        """Create a publisher."""
         self._use()
         check_is_valid_msg_type(msg_type)
         name = self._validated(topic)
@@ -357,35 +285,7 @@ class Node(NodeParameters, Destroyable):
         raw: bool = False,
         content_filter_options: None = None,
     ) -> Subscription[MsgT]:
-        """Create a subscription.
-
-        Args:
-            msg_type: The class of its messages.
-            topic: The topic's name.
-            callback: Called with the message, or with the message and its info.
-            qos_profile: The profile, copied, or the depth of a default one.
-            callback_group: The group of the callback; None means the node's default one.
-            event_callbacks: The callbacks of events; None means the default ones.
-            qos_overriding_options: Must be None: this engine has no such options.
-            raw: True hands serialized bytes to the callback.
-            content_filter_options: Must be None: this engine has no such options.
-
-        Raises:
-            InvalidTopicNameException: The name is not allowed.
-            UnsupportedEventTypeError: There is a callback for deadline or liveliness events.
-            AttributeError: The class is no interface.
-            RuntimeError: The class is a service or an action, or the callback takes neither one nor
-                two arguments.
-            TypeError: The QoS is neither a profile nor a depth.
-            ValueError: The depth is negative, or the name has an unknown name in braces.
-            NotImplementedError: An argument is given that must be None.
-            InvalidHandle: The node is destroyed.
-        """
-        absent.check_arguments(
-            "create_subscription",
-            qos_overriding_options=qos_overriding_options,
-            content_filter_options=content_filter_options,
-        )
+        """Create a subscription."""
         self._use()
         check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
@@ -406,15 +306,7 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
-        """Create a client of a service.
-
-        Raises:
-            InvalidServiceNameException: The name is not allowed.
-            ValueError: The name has an unknown name in braces.
-            AttributeError: The class is no interface.
-            RuntimeError: The class is a message or an action.
-            InvalidHandle: The node is destroyed.
-        """
+        """Create a client of a service."""
         self._use()
         check_is_valid_srv_type(srv_type)
         name, group = self._validated(srv_name, is_service=True), callback_group
@@ -434,22 +326,7 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Service[Any, Any]:
-        """Create a service.
-
-        Args:
-            srv_type: The class of the service.
-            srv_name: The service's name.
-            callback: Called with the request and an empty response; returns the response.
-            qos_profile: The profile, of which only history and depth count.
-            callback_group: The group of the callback; None means the node's default one.
-
-        Raises:
-            InvalidServiceNameException: The name is not allowed.
-            ValueError: The name has an unknown name in braces.
-            AttributeError: The class is no interface.
-            RuntimeError: The class is a message or an action.
-            InvalidHandle: The node is destroyed.
-        """
+        """Create a service."""
         return self._add_service(Service, srv_type, srv_name, callback, callback_group, qos_profile)
 
     def create_timer(
@@ -463,16 +340,6 @@ class Node(NodeParameters, Destroyable):
         """Create a timer, which first calls back after a full period.
 
         Unlike other entities, a timer can also be made on a destroyed node.
-
-        Args:
-            timer_period_sec: The period in s.
-            callback: Called without arguments, or with a TimerInfo if an argument is annotated so.
-            callback_group: The group of the callback; None means the node's default one.
-            clock: The clock to count; None means the node's own.
-            autostart: False does not tick until `reset()`.
-
-        Raises:
-            RCLError: The period is negative, or the context is shut down.
         """
         if not self._context.ok():
             raise RCLError("failed to create timer: the given context is not valid")
@@ -487,20 +354,11 @@ class Node(NodeParameters, Destroyable):
         return timer
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Return a rate of that frequency (Hz); another thread must spin the node.
-
-        Raises:
-            ValueError: The frequency is not above 0.
-            RCLError: The context is shut down.
-        """
+        """Return a rate of that frequency (Hz); another thread must spin the node."""
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         timer = self.create_timer(1.0 / frequency, _nothing, self._rate_group, clock=clock)
         return Rate(timer, context=self._context)
-
-    create_guard_condition = absent.Attribute()
-    destroy_guard_condition = absent.Attribute()
-    guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate and wake its sleepers; return False if the rate is another node's.
@@ -511,15 +369,7 @@ class Node(NodeParameters, Destroyable):
         return self._destroy(rate._timer)
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        """Block until a node is on the graph; return False if it does not come in time.
-
-        Args:
-            fully_qualified_node_name: The name; a leading slash may be left out.
-            timeout: The longest wait in s. Negative means no limit; rclpy returns False at once.
-
-        Raises:
-            InvalidHandle: This node is destroyed, perhaps during the wait.
-        """
+        """Block until a node is on the graph; return False if it does not come in time."""
         name = f"/{fully_qualified_node_name.lstrip('/')}"
         with self._graph.changed:
             return _time_source.wait_until(
@@ -590,19 +440,11 @@ class Node(NodeParameters, Destroyable):
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 
     def get_node_names(self) -> list[str]:
-        """Return the names of all nodes of the domain, this one included, without namespaces.
-
-        Raises:
-            InvalidHandle: The node is destroyed.
-        """
+        """Return the names of all nodes of the domain, this one included, without namespaces."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """Return `(name, namespace)` of every node of the domain, this one included.
-
-        Raises:
-            InvalidHandle: The node is destroyed.
-        """
+        """Return `(name, namespace)` of every node of the domain, this one included."""
         self._use()
         with self._graph.lock:
             return [(node._name, node._namespace) for node in self._graph.nodes]
@@ -612,11 +454,7 @@ class Node(NodeParameters, Destroyable):
         return [(*names, "/") for names in self.get_node_names_and_namespaces()]
 
     def get_fully_qualified_node_names(self) -> list[str]:
-        """Return `/namespace/name` of every node of the domain, this one included.
-
-        Raises:
-            InvalidHandle: The node is destroyed.
-        """
+        """Return `/namespace/name` of every node of the domain, this one included."""
         self._use()
         with self._graph.lock:
             return [node._full_name for node in self._graph.nodes]
@@ -657,9 +495,6 @@ class Node(NodeParameters, Destroyable):
         """Return the topics that a node publishes, sorted, with their types.
 
         Those of actions are included. `no_demangle` has no effect.
-
-        Raises:
-            NodeNameNonExistentError: No such node is on the graph.
         """
         nodes = self._named(node_name, node_namespace)
         publishers = [publisher for node in nodes for publisher in node._publishers]
@@ -671,9 +506,6 @@ class Node(NodeParameters, Destroyable):
         """Return the topics to which a node subscribes, sorted, with their types.
 
         Those of actions are included. `no_demangle` has no effect.
-
-        Raises:
-            NodeNameNonExistentError: No such node is on the graph.
         """
         nodes = self._named(node_name, node_namespace)
         return _sorted(
@@ -686,9 +518,6 @@ class Node(NodeParameters, Destroyable):
         """Return the services that a node offers, sorted, with their types.
 
         Those of actions are included.
-
-        Raises:
-            NodeNameNonExistentError: No such node is on the graph.
         """
         nodes = self._named(node_name, node_namespace)
         return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
@@ -699,9 +528,6 @@ class Node(NodeParameters, Destroyable):
         """Return the services of which a node is a client, sorted, with their types.
 
         Those of actions are included.
-
-        Raises:
-            NodeNameNonExistentError: No such node is on the graph.
         """
         nodes = self._named(node_name, node_namespace)
         return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
@@ -713,9 +539,6 @@ class Node(NodeParameters, Destroyable):
 
         The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
         has no effect.
-
-        Raises:
-            ValueError: The name is not valid.
         """
         name = self._resolved(topic_name)
         with self._graph.lock:
@@ -729,9 +552,6 @@ class Node(NodeParameters, Destroyable):
 
         The name is expanded and remapped. As from DDS, history is UNKNOWN and depth 0. `no_mangle`
         has no effect.
-
-        Raises:
-            ValueError: The name is not valid.
         """
         name = self._resolved(topic_name)
         with self._graph.lock:

@@ -76,17 +76,6 @@ class Parameter(Generic[AllowableParameterValueT]):
             )
 
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
-        """Create a parameter.
-
-        Args:
-            name: The name, which is not checked.
-            type_: The type; None means that of the value.
-            value: The value, kept without a copy; None means that it is not set.
-
-        Raises:
-            TypeError: No parameter can have the value, or the type is no Type.
-            ValueError: The value is of another type, or an element of a BYTE_ARRAY is not one byte.
-        """
         if type_ is None:
             type_ = Parameter.Type.from_parameter_value(value)
         if not isinstance(type_, Parameter.Type):
@@ -128,11 +117,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @classmethod
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
-        """Return the parameter in a message of rcl_interfaces/Parameter.
-
-        Raises:
-            ValueError: The message's type is unknown.
-        """
+        """Return the parameter in a message of rcl_interfaces/Parameter."""
         kind = Parameter.Type(message.value.type)
         unset = kind == Parameter.Type.NOT_SET
         return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
@@ -142,12 +127,6 @@ def get_parameter_value(string_value: str) -> ParameterValue:
     """Return the value that a text means on a command line: read as YAML, else a string.
 
     A null, a list of mixed types and a text that is not YAML are taken as strings.
-
-    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does.
-
-    Raises:
-        YAMLError: A character of the text can begin nothing in YAML.
-        AssertionError: The text is a map or a date, as in rclpy.
     """
     try:
         value = yaml.safe_load(string_value)
@@ -176,17 +155,6 @@ def parameter_dict_from_yaml_file(
 
     If one parameter is set several times, values for single nodes win against those for all nodes,
     and values for a later node of `target_nodes` against those for an earlier one.
-
-    Args:
-        parameter_file: The path of the file.
-        use_wildcard: True includes what the file has for all nodes (`/**`).
-        target_nodes: The full names of the nodes; a leading slash may be left out. None means no
-            node.
-        namespace: Put before each name, unchanged.
-
-    Raises:
-        RuntimeError: The file is not valid, or sets nothing for these nodes.
-        FileNotFoundError: There is no such file.
     """
     patterns = ["/**"] if use_wildcard else []
     for node in filter(None, target_nodes or ()):
@@ -208,11 +176,7 @@ def parameter_dict_from_yaml_file(
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
-    """Return the Python value of rcl_interfaces/ParameterValue; None for one that is not set.
-
-    Raises:
-        RuntimeError: The type is unknown.
-    """
+    """Return the Python value of rcl_interfaces/ParameterValue; None for one that is not set."""
     kind = parameter_value.type
     if kind not in Parameter.Type.__members__.values():
         raise RuntimeError(f"unexpected parameter type {kind}")

@@ -64,11 +64,7 @@ class AsyncParameterClient:
         return all(client.service_is_ready() for client in self._clients)
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
-        """Block until the remote node offers all six services; return False if it does not in time.
-
-        Args:
-            timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
-        """
+        """Block until the remote node offers all six services; return False if not in time."""
         deadline = _time_source.patience_ns(timeout_sec)
         for client in self._clients:
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
@@ -82,13 +78,7 @@ class AsyncParameterClient:
         depth: int | None = None,
         callback: DoneCallback = None,
     ) -> Future[Any]:
-        """Request the names of parameters.
-
-        Args:
-            prefixes: Names, and prefixes whose parameters are listed; None means all parameters.
-            depth: The number of levels below a prefix, or below the root; None means any.
-            callback: Called with the future when it is done.
-        """
+        """Request the names of parameters."""
         request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
         return self._call(self._list, request, callback)
 
@@ -146,10 +136,6 @@ class AsyncParameterClient:
         """Read a parameter file and request to set what it has for the remote node, one by one.
 
         With `use_wildcard`, also what it has for all nodes is set.
-
-        Raises:
-            FileNotFoundError: There is no such file.
-            RuntimeError: The file is no parameter file, or has nothing for the node.
         """
         return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
 
@@ -168,13 +154,7 @@ class AsyncParameterClient:
         qos_profile: QoSProfile = qos_profile_parameter_events,
         **options: Any,
     ) -> Any:
-        """Subscribe to the changes of all nodes' parameters, and return the subscription.
-
-        Args:
-            callback: Called with each ParameterEvent.
-            qos_profile: The QoS of the subscription.
-            **options: Further arguments of `create_subscription`.
-        """
+        """Subscribe to the changes of all nodes' parameters, and return the subscription."""
         return self.node.create_subscription(
             ParameterEvent, "/parameter_events", callback, qos_profile, **options
         )

@@ -54,16 +54,6 @@ class Publisher(Endpoint, Generic[MsgT]):
         """Send a copy of a message to every matching subscription.
 
         With the durability TRANSIENT_LOCAL a copy is also kept for late joiners.
-
-        Args:
-            msg: The message, or a message as CDR bytes.
-
-        Raises:
-            TypeError: The message is of another type.
-            RMWError: The bytes are no message of the type; rclpy does not check them.
-            InvalidHandle: The publisher is destroyed, or the context was shut down.
-            AssertionError: A list in the message has been filled with a wrong value; found only if
-                a copy is made.
         """
         if isinstance(msg, bytes):
             msg = deserialize_message(msg, self.msg_type)
@@ -93,13 +83,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._keeps = False
 
     def _publish_lazily(self, make: Callable[[], Any], news: Any) -> None:
-        """Send the message that `make()` returns, made only if a subscription needs it.
-
-        Args:
-            make: Returns the message.
-            news: Any object, passed uncopied and instead of the message to the callbacks of
-                subscriptions that follow changes only.
-        """
+        """Send the message that `make()` returns, made only if a subscription needs it."""
         self._use()
         self._has_published = True
         message: Any = None
@@ -111,20 +95,11 @@ class Publisher(Endpoint, Generic[MsgT]):
             subscription._receive(message, self)
 
     def assert_liveliness(self) -> None:
-        """Do nothing: this engine has no liveliness events.
-
-        Raises:
-            InvalidHandle: The publisher is destroyed.
-        """
+        """Do nothing: this engine has no liveliness events."""
         self._use()
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
-        """Return True at once: in one process every message has arrived.
-
-        Raises:
-            InvalidHandle: The publisher is destroyed.
-            TypeError: The timeout is no Duration.
-        """
+        """Return True at once: in one process every message has arrived."""
         self._use()
         if not isinstance(timeout, Duration):
             raise TypeError(f"timeout is a Duration, not {type(timeout).__name__}")
@@ -142,11 +117,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
-        """Return how many subscriptions match in type and QoS.
-
-        Raises:
-            InvalidHandle: The publisher is destroyed.
-        """
+        """Return how many subscriptions match in type and QoS."""
         self._use()
         return len(self._matched)
 

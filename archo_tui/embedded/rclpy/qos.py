@@ -44,11 +44,7 @@ class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> int:
-        """Return the number of the member with a short key, in any case.
-
-        Raises:
-            KeyError: There is no such member.
-        """
+        """Return the number of the member with a short key, in any case."""
         return cls[name.upper()].value
 
 
@@ -167,15 +163,6 @@ class QoSProfile:
         liveliness_lease_duration: Duration = _NO_TIME,
         avoid_ros_namespace_conventions: bool = False,
     ) -> None:
-        """Create a profile; without a `history` it is KEEP_LAST.
-
-        Any other history without a depth has the depth 10.
-
-        Raises:
-            InvalidQoSProfileException: The depth is missing for KEEP_LAST.
-            AssertionError: A value is of another type.
-            ValueError: A number is no member of its policy.
-        """
         if history is None and depth is None:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
         history = HistoryPolicy.KEEP_LAST if history is None else history
@@ -188,13 +175,7 @@ class QoSProfile:
             self.depth = _DEFAULT_DEPTH
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set a policy; a depth of 0 with KEEP_LAST gives a warning, a depth of None becomes 10.
-
-        Raises:
-            AssertionError: The value is of another type.
-            ValueError: A number is no member of its policy.
-            AttributeError: There is no such policy.
-        """
+        """Set a policy; a depth of 0 with KEEP_LAST gives a warning, a depth of None becomes 10."""
         if name not in _TYPES:
             raise AttributeError(f"'QoSProfile' object has no attribute {name!r}")
         taken, kind = _TYPES[name]
@@ -281,22 +262,13 @@ class QoSPresetProfiles(Enum):
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
-        """Return the profile of that name, in any case: the profile itself, not a copy.
-
-        Raises:
-            KeyError: There is no such profile.
-        """
+        """Return the profile of that name, in any case: the profile itself, not a copy."""
         profile: QoSProfile = cls[name.upper()].value
         return profile
 
 
 def as_profile(qos: QoSProfile | int) -> QoSProfile:
-    """Return a copy of a profile, or a default profile with a depth.
-
-    Raises:
-        TypeError: The argument is neither a profile nor a depth.
-        ValueError: The depth is negative.
-    """
+    """Return a copy of a profile, or a default profile with a depth."""
     if isinstance(qos, QoSProfile):
         return copy(qos)
     if isinstance(qos, bool) or not isinstance(qos, int):

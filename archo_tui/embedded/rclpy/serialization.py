@@ -19,14 +19,7 @@ def serialize_message(message: Any) -> bytes:
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
-    """Return the message that CDR bytes hold; bytes after it are ignored.
-
-    Raises:
-        RMWError: The bytes are no such message.
-        TypeError: The first argument is not bytes.
-        AttributeError: `message_type` is no interface.
-        RuntimeError: `message_type` is a service or an action.
-    """
+    """Return the message that CDR bytes hold; bytes after it are ignored."""
     check_is_valid_msg_type(message_type)
     if not isinstance(serialized_message, bytes):
         raise TypeError(f"expected bytes, got {type(serialized_message)}")

@@ -31,8 +31,6 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     A full queue drops the oldest request.
     """
 
-    _rank = 5
-
     def __init__(
         self,
         node: Node,
@@ -51,12 +49,7 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
-        """Send a copy of `response` to the client of a request.
-
-        Raises:
-            TypeError: The response or the header is of another type.
-            InvalidHandle: The service is destroyed, perhaps by its own callback.
-        """
+        """Send a copy of `response` to the client of a request."""
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
         if not isinstance(header, RequestHeader):

@@ -15,7 +15,6 @@ from rclpy._type_checks import takes_info
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 
-from archo_tui.embedded import absent
 from archo_tui.embedded.cdr import encode
 
 if TYPE_CHECKING:
@@ -45,7 +44,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     A full queue drops the oldest message.
     """
 
-    _rank = 2
     _follows_changes = False  # True takes the changes of a status instead of all of it.
 
     def __init__(
@@ -101,19 +99,11 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
-        """Return how many publishers match in type and QoS.
-
-        Raises:
-            InvalidHandle: The subscription is destroyed.
-        """
+        """Return how many publishers match in type and QoS."""
         self._use()
         graph = self._node._graph
         with graph.lock:
             return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
-
-    is_cft_enabled = absent.Attribute()
-    set_content_filter = absent.Attribute()
-    get_content_filter = absent.Attribute()
 
     def destroy(self) -> None:
         """Leave the topic; messages that are still queued are dropped.

@@ -105,12 +105,7 @@ class Future(Generic[T]):
         self._finish(_FINISHED, force=True)
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
-        """Call `callback(self)` when the future is done or cancelled.
-
-        On a future with an executor, the callback becomes a task of the executor. Without one, it
-        is called in the thread that ends the future, where its exception becomes a warning; if the
-        future has ended already, it is called at once, and its exception is raised.
-        """
+        """Call `callback(self)` when the future is done or cancelled."""
         with self._lock:
             if self._state == _PENDING:
                 self._callbacks.append(callback)
@@ -184,15 +179,6 @@ class Task(Future[T]):
         kwargs: dict[str, Any] | None = None,
         executor: Executor | None = None,
     ) -> None:
-        """Create the task; `Executor.create_task` also schedules it.
-
-        Args:
-            handler: A function, a coroutine function, or a coroutine. What a plain function returns
-                is the value, a coroutine too: nobody awaits that.
-            args: Positional arguments of a function.
-            kwargs: Keyword arguments of a function.
-            executor: Runs the task's callbacks, and the task again after an `await`.
-        """
         super().__init__(executor=executor)
         kwargs = kwargs or {}
         if inspect.iscoroutinefunction(handler):
@@ -268,15 +254,7 @@ class Task(Future[T]):
 
 
 def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
-    """Block until the future is done or cancelled, while another thread spins.
-
-    Args:
-        future: The future.
-        timeout_sec: The longest wait in s; None means no limit, a negative one no wait.
-
-    Returns:
-        False if the time passed before.
-    """
+    """Block until the future is done or cancelled, while another thread spins."""
     answered = threading.Condition()
 
     def wake(_: Future[Any]) -> None:

@@ -29,13 +29,6 @@ class Time:
         nanoseconds: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Create a time, the sum of both arguments since the clock's epoch.
-
-        Raises:
-            TypeError: The clock type is no ClockType.
-            ValueError: An argument is negative.
-            OverflowError: The time has more than 64 bits.
-        """
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         if seconds < 0:
@@ -121,15 +114,7 @@ class Time:
     def from_msg(
         cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME
     ) -> Time:
-        """Return the time that a message carries.
-
-        Args:
-            msg: The message.
-            clock_type: The kind of clock that told the time, which a message does not say.
-
-        Raises:
-            TypeError: The message is of another type.
-        """
+        """Return the time that a message carries."""
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

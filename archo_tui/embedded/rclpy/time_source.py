@@ -84,9 +84,6 @@ class TimeSource:
 
         That time is 0 before the first message. The clock tells simulated time only while this
         source's `ros_time_is_active`.
-
-        Raises:
-            ValueError: The clock is no ROSClock.
         """
         if not isinstance(clock, ROSClock):
             raise ValueError("Only clocks with type ROS_TIME can be attached.")

@@ -32,12 +32,7 @@ class TimerInfo:
         actual_call_time: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Set the times, in ns of the timer's clock.
-
-        Raises:
-            TypeError: The clock type is no ClockType.
-            ValueError: A time is negative.
-        """
+        """Set the times, in ns of the timer's clock."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         if expected_call_time < 0 or actual_call_time < 0:
@@ -171,10 +166,6 @@ class Timer(TimedEntity):
 
         Simulated time is usually behind: the next message of /clock then begins a period. When it
         ends, what was left of the period counts as passed, and what had passed as left, as in rcl.
-
-        Args:
-            simulated: True if the new time is simulated.
-            until_ns: The last reading of the time before, in ns.
         """
         if simulated:
             shift_ns = _time_source.time_ns() - _time_source.monotonic_ns()
@@ -201,15 +192,7 @@ class Timer(TimedEntity):
         return self._with_info(expected, now)
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
-        """Return the callback, with a TimerInfo if one of its arguments is annotated so.
-
-        Args:
-            expected: When the callback was due, in ns of `_now_ns`.
-            actual: When it is called, in ns of `_now_ns`.
-
-        Raises:
-            UnboundLocalError: The callback is None.
-        """
+        """Return the callback, with a TimerInfo if one of its arguments is annotated so."""
         if self.callback is None:  # rclpy fails with this name of its own variable.
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
@@ -259,12 +242,7 @@ class Rate:
             self._ticked.notify_all()
 
     def sleep(self) -> None:
-        """Block until the next tick, or until the rate is destroyed.
-
-        Raises:
-            RuntimeError: The rate was destroyed before.
-            ROSInterruptException: The context was shut down, before or during the sleep.
-        """
+        """Block until the next tick, or until the rate is destroyed."""
         if self._is_destroyed and self._context.ok():
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
         with self._ticked:

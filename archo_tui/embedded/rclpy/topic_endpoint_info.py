@@ -8,8 +8,6 @@ from typing import Any
 
 from rclpy.qos import QoSProfile, as_profile, qos_profile_unknown
 
-from archo_tui.embedded import absent
-
 
 class TopicEndpointTypeEnum(IntEnum):
     """The two sides of a topic, and INVALID for none."""
@@ -29,15 +27,9 @@ class TopicEndpointInfo:
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
     endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes.
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
-    topic_type_hash = absent.Attribute()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set an attribute; a dict makes a QoSProfile, as in rclpy.
-
-        Raises:
-            AttributeError: There is no such attribute.
-            AssertionError: The value is of another type.
-        """
+        """Set an attribute; a dict makes a QoSProfile, as in rclpy."""
         if name not in _TYPES:
             raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
         if name == "endpoint_gid":

@@ -16,12 +16,7 @@ _ROS_1 = (
 
 
 def check_for_type_support(msg_or_srv_type: Any) -> None:
-    """Check that a class is an interface, importing the type support of a class of the user's own.
-
-    Raises:
-        AttributeError: The argument is no class of an interface.
-        NoTypeSupportImportedException: A class of the user's own has no type support.
-    """
+    """Raise NoTypeSupportImportedException unless a class is an interface."""
     if hasattr(msg_or_srv_type, "__type_name__") and isinstance(msg_or_srv_type, type):
         return
     try:
@@ -35,13 +30,7 @@ def check_for_type_support(msg_or_srv_type: Any) -> None:
 
 
 def check_is_valid_msg_type(msg_type: Any) -> None:
-    """Check that a class is a message.
-
-    Raises:
-        RuntimeError: The class is a service or an action.
-        AttributeError: The argument is no class of an interface.
-        NoTypeSupportImportedException: The class has no type support.
-    """
+    """Check that a class is a message."""
     check_for_type_support(msg_type)
     if not hasattr(msg_type, "get_fields_and_field_types"):
         raise RuntimeError(
@@ -51,13 +40,7 @@ def check_is_valid_msg_type(msg_type: Any) -> None:
 
 
 def check_is_valid_srv_type(srv_type: Any) -> None:
-    """Check that a class is a service.
-
-    Raises:
-        RuntimeError: The class is a message or an action.
-        AttributeError: The argument is no class of an interface.
-        NoTypeSupportImportedException: The class has no type support.
-    """
+    """Check that a class is a service."""
     check_for_type_support(srv_type)
     if not (hasattr(srv_type, "Request") and hasattr(srv_type, "Response")):
         raise RuntimeError(

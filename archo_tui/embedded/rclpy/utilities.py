@@ -10,11 +10,7 @@ from rclpy.context import Context
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """Return the context that is meant if none is given, made when there is none.
-
-    Args:
-        shutting_down: True forgets the context: the next call makes a new one.
-    """
+    """Return the context that is meant if none is given, made when there is none."""
     process = _process.current()
     with process.lock:
         context = process.default_context or Context()
@@ -26,10 +22,6 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the arguments that are not ROS's; None means those in `sys.argv`.
 
     ROS arguments are parsed, and parameter files that they name are read, to find errors.
-
-    Raises:
-        RCLInvalidROSArgsError: An argument of ROS is not valid.
-        UnknownROSArgsError: An argument of ROS is unknown.
     """
     given = sys.argv if args is None else args
     _arguments.parse(given)

@@ -32,12 +32,7 @@ ACTIVE = (
 
 
 def next_state(state: int, event: str) -> int:
-    """Return the state of a goal after an event; raise RCLError if the state does not allow it.
-
-    Args:
-        state: One of GoalStatus's constants.
-        event: One of this module's constants, such as SUCCEED.
-    """
+    """Return the state of a goal after an event; raise RCLError if the state does not allow it."""
     try:
         return _NEXT[state, event]
     except KeyError:

@@ -28,8 +28,6 @@ from rclpy.qos import (
 from rclpy.task import Future, wait_for
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -83,9 +81,6 @@ class ClientGoalHandle:
 
         The response comes when the goal has ended; for a goal that the server does not know it
         comes at once, with STATUS_UNKNOWN. From then on no feedback is handed on.
-
-        Raises:
-            InvalidHandle: The client is destroyed.
         """
         request = self._client._action_type.Impl.GetResultService.Request(goal_id=self.goal_id)
         future: Future[Any] = self._client._result_client.call_async(request)
@@ -95,11 +90,7 @@ class ClientGoalHandle:
         return future
 
     def cancel_goal_async(self) -> Future[CancelGoal.Response]:
-        """Request to cancel the goal; an empty `goals_canceling` in the response means refused.
-
-        Raises:
-            InvalidHandle: The client is destroyed.
-        """
+        """Request to cancel the goal; an empty `goals_canceling` in the response means refused."""
         info = GoalInfo(goal_id=self.goal_id)
         return self._client._cancel_client.call_async(CancelGoal.Request(goal_info=info))
 
@@ -121,8 +112,6 @@ class ClientGoalHandle:
 class ActionClient:
     """A client of an action: it sends goals and receives their status, feedback and results."""
 
-    configure_introspection = absent.Attribute()
-
     def __init__(
         self,
         node: Node,
@@ -136,14 +125,6 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
-        """Create the client.
-
-        Raises:
-            ValueError: The name is not valid.
-            InvalidServiceNameException: The expanded name is too long; rclpy raises ValueError.
-            AttributeError: The class is no action.
-            InvalidHandle: The node is destroyed.
-        """
         check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
@@ -180,7 +161,7 @@ class ActionClient:
         ]
 
         for entity in (*self._clients, *self._subscriptions):
-            entity._rank, entity._is_part_of_action = 0, True
+            entity._is_part_of_action = True
         feedback, self._status = self._subscriptions
         # In rclpy's order, except that a goal's status comes before its result.
         self._together = _Together(
@@ -203,16 +184,6 @@ class ActionClient:
 
         Without a server the future stays pending. Cancelling the future does not cancel the goal:
         only the server's answer is dropped.
-
-        Args:
-            goal: The goal.
-            feedback_callback: Called with each feedback message of the goal, whose `.feedback` is
-                the action's, until the result has come.
-            goal_uuid: The goal's id; None means a random one.
-
-        Raises:
-            TypeError: The goal is of another type.
-            RCLError: The client is destroyed.
         """
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError(
@@ -250,11 +221,7 @@ class ActionClient:
         return _wait(self.send_goal_async(goal, **options)).get_result()
 
     def server_is_ready(self) -> bool:
-        """Return True if the action's three services are offered and both its topics published.
-
-        Raises:
-            RCLError: The client is destroyed.
-        """
+        """Return True if the action's three services are offered and both its topics published."""
         self._use("check if action server is available")
         return all(client.service_is_ready() for client in self._clients) and all(
             subscription.get_publisher_count() for subscription in self._subscriptions
@@ -264,9 +231,6 @@ class ActionClient:
         """Block until the action is offered; return False when `timeout_sec` (s) passed before.
 
         None means no limit, a negative timeout no wait.
-
-        Raises:
-            RCLError: The client is destroyed, perhaps by the context's shutdown during the wait.
         """
         graph = self._node._graph
         with graph.changed:
@@ -284,11 +248,7 @@ class ActionClient:
         """Do nothing: the client lives until `destroy()`."""
 
     def destroy(self) -> None:
-        """Leave the graph; futures that are pending stay pending.
-
-        Raises:
-            ValueError: The client was destroyed before, as in rclpy.
-        """
+        """Leave the graph; futures that are pending stay pending."""
         if self._was_destroyed:
             raise ValueError("list.remove(x): x not in list")
         self._was_destroyed = True
@@ -311,9 +271,6 @@ class ActionClient:
         """Note the statuses of a message, and of all that are queued behind it.
 
         So the handles have them before a result that arrived together with them.
-
-        Args:
-            news: The whole status at first, later a tuple of (goal id, status) that changed.
         """
         self._take_status(news)
         with contextlib.suppress(IndexError):  # The queue is empty.
@@ -337,7 +294,7 @@ class _Together(Entity):
     rclpy does the same.
     """
 
-    _rank, _is_part_of_action = 0, True
+    _is_part_of_action = True
 
     def __init__(
         self, node: Node, callback_group: CallbackGroup, parts: Sequence[QueueEntity]

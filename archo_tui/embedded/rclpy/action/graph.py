@@ -19,11 +19,7 @@ def get_action_names_and_types(node: Node) -> NamesAndTypes:
 def get_action_server_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """Return the actions that a node serves, sorted, with their types.
-
-    Raises:
-        NodeNameNonExistentError: No such node is on the graph.
-    """
+    """Return the actions that a node serves, sorted, with their types."""
     return _actions(
         node.get_publisher_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )
@@ -32,11 +28,7 @@ def get_action_server_names_and_types_by_node(
 def get_action_client_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """Return the actions of which a node is a client, sorted, with their types.
-
-    Raises:
-        NodeNameNonExistentError: No such node is on the graph.
-    """
+    """Return the actions of which a node is a client, sorted, with their types."""
     return _actions(
         node.get_subscriber_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )

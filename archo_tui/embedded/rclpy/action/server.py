@@ -25,8 +25,6 @@ from rclpy.qos import (
 from rclpy.service import DeferredService, RequestHeader, Service
 from rclpy.task import Future
 
-from archo_tui.embedded import absent
-
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -103,23 +101,13 @@ class ServerGoalHandle:
 
         The status is published at once; the callback runs in a later turn of the executor. A
         forgotten goal is executed, too, but has no status.
-
-        Args:
-            execute_callback: The callback; None means the server's.
-
-        Raises:
-            RCLError: The goal is executing already, or has ended; nothing is scheduled.
         """
         if not self.is_cancel_requested:
             self._update(states.EXECUTE)
         self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Publish feedback on this goal; do nothing once the goal is forgotten.
-
-        Raises:
-            TypeError: The feedback is of another type.
-        """
+        """Publish feedback on this goal; do nothing once the goal is forgotten."""
         if not isinstance(feedback, self._server.action_type.Feedback):
             raise TypeError
         if self._destroyed:
@@ -130,27 +118,15 @@ class ServerGoalHandle:
         self._server._feedback.publish(message)
 
     def succeed(self) -> None:
-        """End the goal as SUCCEEDED, and publish that; do nothing once the goal is forgotten.
-
-        Raises:
-            RCLError: The goal is not executing or canceling.
-        """
+        """End the goal as SUCCEEDED, and publish that; do nothing once the goal is forgotten."""
         self._update(states.SUCCEED)
 
     def abort(self) -> None:
-        """End the goal as ABORTED, and publish that; do nothing once the goal is forgotten.
-
-        Raises:
-            RCLError: The goal is not executing or canceling.
-        """
+        """End the goal as ABORTED, and publish that; do nothing once the goal is forgotten."""
         self._update(states.ABORT)
 
     def canceled(self) -> None:
-        """End the goal as CANCELED, and publish that; do nothing once the goal is forgotten.
-
-        Raises:
-            RCLError: No cancel was accepted, or the goal has ended.
-        """
+        """End the goal as CANCELED, and publish that; do nothing once the goal is forgotten."""
         self._update(states.CANCELED)
 
     def destroy(self) -> None:
@@ -197,8 +173,6 @@ class ActionServer:
     and the goal's result is then an empty one.
     """
 
-    configure_introspection = absent.Attribute()
-
     def __init__(
         self,
         node: Node,
@@ -219,34 +193,6 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
-        """Create the server.
-
-        Args:
-            node: The node.
-            action_type: The class of the action.
-            action_name: The action's name.
-            execute_callback: Executes a goal, called with its handle; returns the result.
-            callback_group: The group of the callbacks; None means the node's default one.
-            goal_callback: Called with a goal message; returns a GoalResponse, anything else refuses
-                the goal. A goal with the id of a kept one is refused without a call.
-            handle_accepted_callback: Called with the handle of an accepted goal; by default,
-                executes it.
-            cancel_callback: Called with a goal's handle; returns a CancelResponse.
-            goal_service_qos_profile: The QoS of the goal service.
-            result_service_qos_profile: The QoS of the result service.
-            cancel_service_qos_profile: The QoS of the cancel service.
-            feedback_pub_qos_profile: The QoS of the feedback topic.
-            status_pub_qos_profile: The QoS of the status topic.
-            result_timeout: How long a result is kept after the goal has ended, in s of the node's
-                clock: simulated time does not pass while no clock is published.
-
-        Raises:
-            TypeError: `execute_callback` cannot be called.
-            ValueError: The name is invalid, or the timeout is negative.
-            InvalidServiceNameException: The expanded name is too long; rclpy raises ValueError.
-            AttributeError: The class is no action.
-            InvalidHandle: The node is destroyed.
-        """
         check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
@@ -275,7 +221,7 @@ class ActionServer:
         ) -> Service[Any, Any]:
             full = f"{action_name}/_action/{name}"
             service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
-            service._rank, service._is_part_of_action = 0, True
+            service._is_part_of_action = True
             return service
 
         self._services = [
@@ -338,11 +284,7 @@ class ActionServer:
         """Do nothing: the server lives until `destroy()`."""
 
     def destroy(self) -> None:
-        """Stop offering the action and forget its goals; their results are never sent.
-
-        Raises:
-            ValueError: The server was destroyed before, as in rclpy.
-        """
+        """Stop offering the action and forget its goals; their results are never sent."""
         if self._was_destroyed:
             raise ValueError("list.remove(x): x not in list")
         self._was_destroyed = True
@@ -381,10 +323,6 @@ class ActionServer:
         """Schedule a goal's execution in a later turn of the executor.
 
         While the node has no executor, nothing happens.
-
-        Args:
-            goal_handle: The goal.
-            execute_callback: The callback; None means the server's.
         """
         if self._node.executor is not None:
             callback = execute_callback or self._execute_callback

@@ -28,12 +28,7 @@ class RcutilsLogger:
         self._places: dict[_Where, _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
-        """Return a new logger named `<own name>.<name>`.
-
-        Raises:
-            ValueError: The name is empty or None.
-            TypeError: The name is not a str.
-        """
+        """Return a new logger named `<own name>.<name>`."""
         if not name:
             raise ValueError("Child logger name must not be empty.")
         return RcutilsLogger(self.name + "." + name if self.name else name)
@@ -42,9 +37,6 @@ class RcutilsLogger:
         """Log from this severity on, here and in all loggers below without a level of their own.
 
         UNSET inherits the level again.
-
-        Raises:
-            ValueError: The level is no severity.
         """
         _logging.set_level(self.name, LoggingSeverity(level))
 
@@ -63,21 +55,7 @@ class RcutilsLogger:
         name: str | None = None,
         **filters: Any,
     ) -> bool:
-        """Log a line, and return True; return False if the level or a filter keeps it back.
-
-        Args:
-            message: The line; None is logged, too. A lone surrogate, which /rosout could not carry,
-                becomes U+FFFD.
-            severity: Its severity.
-            name: The logger in whose name it is logged; None means this one.
-            **filters: `once=True`, `skip_first=True`, `throttle_duration_sec` (s) with, if wanted,
-                `throttle_time_source_type` (a Clock).
-
-        Raises:
-            TypeError: A filter is unknown or lacks its duration, or the message is not a str.
-            ValueError: Severity, name or filters differ from the first call at this place in the
-                source; or `severity` is no LoggingSeverity, or the throttle's clock no Clock.
-        """
+        """Log a line, and return True; return False if the level or a filter keeps it back."""
         if not self.is_enabled_for(severity):
             return False
         if type(severity) is not LoggingSeverity:
@@ -170,11 +148,7 @@ _SYSTEM = ROSClock()  # Without a node it is never simulated.
 
 
 def _filter_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Return all options of those filters that are switched on, in the order of the filters.
-
-    Raises:
-        TypeError: An option is unknown, or a throttle lacks its duration.
-    """
+    """Return all options of those filters that are switched on, in the order of the filters."""
     found = {name for name, options in _OPTIONS.items() if any(map(given.get, options))}
     if "throttle" in found and "throttle_duration_sec" not in given:
         raise TypeError(
@@ -198,13 +172,6 @@ class _Place:
     """A place in the source that logs, and what its filters have counted."""
 
     def __init__(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Create the place of a first call; raise ValueError for a throttle without a clock.
-
-        Args:
-            severity: The severity of the call.
-            name: The logger's name.
-            asked: The filters' options, from `_filter_options`.
-        """
         clock = asked.get("throttle_time_source_type", _MACHINE)
         if not isinstance(clock, Clock):
             raise ValueError(

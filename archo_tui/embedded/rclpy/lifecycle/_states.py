@@ -55,16 +55,7 @@ LABELS = {
 def _through(
     state: int, begins: dict[int, int], label: str, ends: int, success: int, failure: int
 ) -> list[Step]:
-    """Return the transitions into an intermediate state, and those that follow its callback.
-
-    Args:
-        state: The intermediate state, in which the callback runs.
-        begins: Each state from which it is entered, with the number of that transition.
-        label: The label of these transitions.
-        ends: The number of the transition after SUCCESS; FAILURE and ERROR have the next two.
-        success: The state after SUCCESS.
-        failure: The state after FAILURE.
-    """
+    """Return the transitions into an intermediate state, and those that follow its callback."""
     error = State.TRANSITION_STATE_ERRORPROCESSING
     if state == error:
         error = State.PRIMARY_STATE_FINALIZED
@@ -133,14 +124,7 @@ class StateMachine:
         return [step for step in STEPS if step.start == self._state]
 
     def trigger_transition(self, transition: int | str) -> Step:
-        """Change to the state to which a transition leads, and return the transition.
-
-        Args:
-            transition: Its number or its label.
-
-        Raises:
-            RCLError: No such transition starts from the current state.
-        """
+        """Change to the state to which a transition leads, and return the transition."""
         for step in self.steps:
             if transition in (step.number, step.label):
                 self._state = step.goal

@@ -76,13 +76,7 @@ class SimpleManagedEntity(ManagedEntity):
         *,
         when_not_enabled: Callable[..., None] | None = None,
     ) -> Any:
-        """Decorate a method so that it runs only while `is_activated`, and returns None.
-
-        Args:
-            wrapped: The method, for a decorator without parentheses.
-            when_not_enabled: Called instead while not `is_activated`, with the method's arguments
-                except the entity; None does nothing.
-        """
+        """Decorate a method so that it runs only while `is_activated`, and returns None."""
 
         def decorate(method: Callable[..., None]) -> Callable[..., None]:
             @wraps(method)

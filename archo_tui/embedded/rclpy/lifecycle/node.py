@@ -46,14 +46,6 @@ class LifecycleNodeMixin(ManagedEntity):
     """
 
     def __init__(self, *, enable_communication_interface: bool = True) -> None:
-        """Create the state machine, and the services and `transition_event` publisher of the node.
-
-        Args:
-            enable_communication_interface: False creates neither services nor publisher.
-
-        Raises:
-            TypeError: The argument is no bool.
-        """
         if not isinstance(enable_communication_interface, bool):
             raise TypeError("enable_communication_interface must be a bool")
         self._state_machine = StateMachine()
@@ -109,20 +101,13 @@ class LifecycleNodeMixin(ManagedEntity):
         """Run `on_shutdown`, change the state by its outcome, and return the outcome.
 
         The state is `finalized` then, unless the outcome is ERROR and `on_error` returns SUCCESS.
-
-        Raises:
-            RCLError: The node is `finalized`, or in the middle of a transition.
         """
         if all(step.label != "shutdown" for step in self._state_machine.steps):
             raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling.
         return self._run_transition("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Add an entity, whose callbacks are called at each transition from now on.
-
-        Raises:
-            TypeError: The argument is no ManagedEntity.
-        """
+        """Add an entity, whose callbacks are called at each transition from now on."""
         if not isinstance(entity, ManagedEntity):
             raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
         self._managed_entities.add(entity)
@@ -175,15 +160,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return _SUCCESS
 
     def _run_transition(self, transition: int | str) -> TransitionCallbackReturn:
-        """Go through a transition with its callback, and return the callback's outcome.
-
-        Each change of state is published. If the callback returns ERROR, or raises, `on_error` is
-        called as well. If the transition does not start from the current state, an error is logged
-        and ERROR returned.
-
-        Args:
-            transition: Its number or its label.
-        """
+        """Go through a transition with its callback, and return the callback's outcome."""
         node: Any = self
         number, label = self._state_machine.current_state
         before = LifecycleState(label, number)
