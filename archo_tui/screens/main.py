@@ -124,7 +124,7 @@ class MainScreen(Base[None]):
         self.everywhere_keys = Content("")  # The footer's, of the keys that work in dialogs, too.
         self.head: list[Content] = []  # The lines at the top, as shown last.
         self.notice: Notice | None = None  # Over the last of these lines, or below them.
-        # Called whenever lines or notice are shown: dialogs.
+        # Of open dialogs: called whenever lines or notice are shown.
         self.on_head: list[Callable[[], None]] = []
         self._notice_line = NoticeLine()
         self._is_laid_out = self._is_filled = False
@@ -411,10 +411,7 @@ class MainScreen(Base[None]):
         return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show the commands' keys, behind those of the field with the focus, if there is one.
-
-        Keys that are text in that field are left out. `everywhere_keys` is updated.
-        """
+        """Show the focused field's keys, and those of the commands that are no text in it."""
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()
         if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.

@@ -158,18 +158,14 @@ _STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
 
 
 class AlarmState(Enum):
-    """The states of ISA-18.2; the value is the word in the list of alarms.
-
-    RETURNED is ISA-18.2's "returned to normal unacknowledged". REPLACED is ours: an alarm of higher
-    priority stands for the same cause.
-    """
+    """The states of ISA-18.2; the value is the word in the list of alarms."""
 
     NORMAL = "normal"
     UNACKNOWLEDGED = "unacknowledged"
     ACKNOWLEDGED = "acknowledged"
-    RETURNED = "over, unacknowledged"
+    RETURNED = "over, unacknowledged"  # ISA-18.2: returned to normal unacknowledged.
     SHELVED = "shelved"
-    REPLACED = "replaced by a graver one"
+    REPLACED = "replaced by a graver one"  # Ours: for the same cause; it may still hold.
 
 
 LAST_KNOWN = " (last known)"

@@ -1,7 +1,4 @@
-"""The driving of goals for the frontend: each event goes to the queue, and its deeds are done here.
-
-No rule is here; see robot/goals/queue.py.
-"""
+"""The driving of goals for the frontend, by the rules of robot/goals/queue.py."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The curves of the last hour, kept as a sample a second, and the goals that ended.
-
-Pure: snapshots and the time come in, columns of a plot come out.
-"""
+"""The curves of the last hour, a sample a second, and the goals that ended. Pure."""
 
 from __future__ import annotations
 

@@ -174,7 +174,7 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Hold the lock that all consoles write the journal under; OSError after a second."""
+    """Hold the journal's lock; OSError if another process does for a second."""
     path = folder / "journal.lock"
     descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
     try:

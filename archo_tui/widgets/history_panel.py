@@ -57,11 +57,7 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
 
 
 def covered_span(history: History, chosen: float, now: float) -> float:
-    """Return how many seconds the plots cover: the chosen span, or less soon after the begin.
-
-    Until it has passed, the result grows in steps, from 20 s; `now` is that of the newest column,
-    monotonic.
-    """
+    """Return the seconds that plots cover: those chosen, or fewer, in steps, after the start."""
     passed = 0.0 if history.begin is None else now - history.begin
     return next((float(step) for step in _STEPS if passed <= step < chosen), chosen)
 

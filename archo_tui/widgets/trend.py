@@ -30,10 +30,7 @@ def sparkline(samples: Samples, width: int) -> str:
 
 
 def time_left_text(samples: Samples, *, charging: bool) -> str:
-    """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s.
-
-    If it goes otherwise in the last 5 s, these count; "" without a trend, or with less than 3 s.
-    """
+    """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s."""
     seconds = _seconds_to_end(samples, charging)
     if seconds is None:
         return ""
