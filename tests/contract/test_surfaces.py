@@ -114,7 +114,7 @@ def test_numbers_are_converted_when_an_array_is_made() -> None:
     message = Float32MultiArray(data=[1, 2])
     assert message.data.tolist() == [1.0, 2.0]
     with pytest.raises(AssertionError, match="each value of type 'float'"):
-        message.data = ["x"]  # type: ignore[list-item]
+        message.data = ["x"]
     with pytest.raises(TypeError):
         Float32MultiArray(data=["x"])
 
