@@ -140,10 +140,7 @@ def _first_line(error: Exception) -> str:
 
 
 def interface_packages() -> dict[str, Path]:
-    """Return the folders of the interface packages besides the engine's own, by name.
-
-    A checkout has `interfaces/`; an installed wheel carries them in the engine's `share/` folder.
-    """
+    """Return the folders of the interface packages besides the engine's own, by name."""
     folder = _CHECKOUT / "interfaces"
     return {"archo_interfaces": folder} if (folder / "package.xml").is_file() else {}
 
