@@ -46,8 +46,6 @@ LONGEST = 30.0  # Seconds that the end waits for answers: longer than any reques
 
 
 class _Sent(NamedTuple):
-    """A command that was given and has no answer yet."""
-
     at: float  # Monotonic time, in s.
     stops: int  # The count of STOPs read by then.
 
@@ -162,10 +160,7 @@ class ArchoApp(KeyedApp):
         timeout: float | None = None,  # Seconds; None means Textual's NOTIFICATION_TIMEOUT.
         markup: bool = True,
     ) -> None:
-        """Show a message in the second row, in place of Textual's box at the bottom.
-
-        Of several, the gravest is shown; the others wait for their turn. Markup is removed.
-        """
+        """Show a message in the second row, without markup, in place of Textual's box."""
         text = Content.from_markup(message).plain if markup else message
         self._notices.add(
             f"{title}: {text}" if title else text, severity, timeout or self.NOTIFICATION_TIMEOUT
@@ -243,7 +238,6 @@ class ArchoApp(KeyedApp):
         return waits
 
     async def _await_command(self, name: str, work: Work) -> None:
-        """Run the work of a command, which counts as waiting for its answer until the work ends."""
         sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
         try:
             await work
@@ -326,11 +320,7 @@ class ArchoApp(KeyedApp):
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question at once, so that the following keys answer it.
-
-        A message is shown in its place while another question is open, or if a STOP was read since
-        the key.
-        """
+        """Show a question at once, or why it is not asked."""
         from archo_tui.screens.confirm import Confirm
 
         if isinstance(self.screen, Confirm):
@@ -371,10 +361,7 @@ class ArchoApp(KeyedApp):
         return self.screen_stack
 
     def write_screenshot(self) -> None:
-        """Save the screen as SVG in the user's folder of downloads, after the next drawing.
-
-        The palette that asked for it has gone by then.
-        """
+        """Save the screen as SVG in the user's folder of downloads, after the next drawing."""
         self.call_after_refresh(self.deliver_screenshot)
 
     def copy_selection(self) -> bool:

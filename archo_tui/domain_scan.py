@@ -37,10 +37,7 @@ async def find_nodes() -> Mapping[int, Sequence[str]]:
 
 
 async def _ask_process() -> Mapping[int, Sequence[str]]:
-    """Start the process, wait for its answer, end it, and return the nodes by domain.
-
-    Raises OSError, TimeoutError, or ValueError for an answer that is missing, too long or no JSON.
-    """
+    """Start the process, wait for its answer, end it, and return the nodes by domain."""
     # The same modules, also those of a zip file.
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = await asyncio.create_subprocess_exec(

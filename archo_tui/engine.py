@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from archo_tui import embedded
 from archo_tui.errors import ArchoError
+from archo_tui.ros_release import distribution
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -48,8 +49,6 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
         raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
     if name == ROS2:
         _activate_ros2(hosting)
-        if distribution():
-            os.environ.setdefault("ROS_DISTRO", distribution())  # Launch files ask for it.
         return
     try:
         embedded.install(interface_packages(), own)
@@ -141,10 +140,7 @@ def _first_line(error: Exception) -> str:
 
 
 def interface_packages() -> dict[str, Path]:
-    """Return the folders of the interface packages besides the engine's own, by name.
-
-    A checkout has `interfaces/`; an installed wheel carries them in the engine's `share/` folder.
-    """
+    """Return the folders of the interface packages besides the engine's own, by name."""
     folder = _CHECKOUT / "interfaces"
     return {"archo_interfaces": folder} if (folder / "package.xml").is_file() else {}
 
@@ -182,16 +178,3 @@ def _discovery_range() -> str:
     if os.environ.get(_LOCALHOST_ONLY) == "1":
         return "LOCALHOST"
     return os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() or "SUBNET"
-
-
-def distribution() -> str:
-    """Return the name of the ROS 2 release, such as `jazzy`, or "" if it is not known."""
-    sourced = os.environ.get("ROS_DISTRO")
-    if sourced:
-        return sourced
-    # By the name of its folder, since importlib.metadata imports 25 modules.
-    spec = importlib.util.find_spec("rclpy")
-    installed = Path((spec and spec.origin) or "").parent.parent
-    for found in installed.glob("ros_*_rclpy-*.dist-info"):
-        return found.name.split("_")[1]
-    return ""

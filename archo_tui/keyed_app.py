@@ -220,7 +220,6 @@ class KeyedApp(TerminalApp):
         self.repeated = before  # Of the key that is being handled.
 
     def _works_everywhere(self, event: events.Event) -> bool:
-        """Return True if an event is the key of a command that works everywhere, in dialogs too."""
         front = self.front
         free = {front.keys[c.id] for c in front.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
@@ -266,7 +265,7 @@ class KeyedApp(TerminalApp):
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
         True for a key that is held down: the same as the last one, within HELD, without a STOP
-        between.
+        between unless it is STOP's own.
         """
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
@@ -353,7 +352,6 @@ class KeyedApp(TerminalApp):
 
     @property
     def _is_changing(self) -> bool:
-        """Return True while the screen in front is being built, or is about to go."""
         if not self.screen_stack or not self.screen.is_mounted:
             return True
         return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
@@ -404,10 +402,7 @@ class KeyedApp(TerminalApp):
         self.call_later(self._release)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """Return True if the action of a key acts now, False if the key is left to others.
-
-        Those are a field, a dialog, or another panel than the command's.
-        """
+        """Return True if the action of a key acts now, False if the key is left to others."""
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":

@@ -20,18 +20,15 @@ def make_folder(file: Path) -> None:
 
 
 def config_file(name: str) -> Path:
-    """Return the path of a file of the operator's choices, such as keymap or theme; make nothing.
+    """Return the path of a file of the operator's choices, such as keymap or theme.
 
-    On Linux it is below XDG_CONFIG_HOME or `~/.config`.
+    Make nothing.
     """
     return _folder(platformdirs.user_config_path) / name
 
 
 def state_file(name: str) -> Path:
-    """Return the path of a file that the console writes, such as its journal; make nothing.
-
-    On Linux it is below XDG_STATE_HOME or `~/.local/state`.
-    """
+    """Return the path of a file that the console writes, such as its journal; make nothing."""
     return _folder(platformdirs.user_state_path) / name
 
 

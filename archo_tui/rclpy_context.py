@@ -26,7 +26,7 @@ class RclpyContext:
         ros_args: Sequence[str],
         domain_id: int | None,  # None means that of the environment.
         *,
-        hosts_files: bool,  # They are often made without a context, so the default one is taken.
+        hosts_files: bool,  # Their nodes often have no context: the default one is taken.
         hosts_programs: bool,  # They run in threads here, whose shutdown ends them alone.
     ) -> None:
         """Initialize rclpy, and patch it for what is hosted; ArchoError for wrong arguments."""

@@ -14,7 +14,7 @@ MAX_BYTES = 1_000_000  # Of a file that is read.
 
 
 def open_regular(path: Path, flags: int) -> int:
-    """Return the descriptor of a file, opened as by `os.open` without waiting; close it.
+    """Return the descriptor, for the caller to close, of a file opened without waiting.
 
     A new file is readable by its owner only. OSError also for what is no regular file; ValueError
     for a NUL character in the path.

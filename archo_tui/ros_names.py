@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-EMBEDDED_RELEASE = "kilted"  # The release of ROS 2 whose rclpy the embedded engine is a part of.
 KINDS = ("msg", "srv", "action")
 # As rosidl names packages and interfaces, of a bounded length: files and peers name any.
 _TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]{0,99})")

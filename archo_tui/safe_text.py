@@ -35,10 +35,7 @@ _HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
 
 
 def safe(text: str) -> str:
-    """Return a line with HIDDEN for each character, line ends too, that a terminal could act on.
-
-    Of many combining marks in a row the first four are kept.
-    """
+    """Return a line with HIDDEN for each character, line ends too, that a terminal could act on."""
     if text.isascii() and text.isprintable():  # Most texts end here: this is fast.
         return text
     return _HEAPED.sub(r"\1", _UNSAFE.sub(HIDDEN, text))
@@ -61,11 +58,7 @@ def _hidden_in_place(found: re.Match[str]) -> str:
 
 
 def is_deceptive(text: str) -> bool:
-    """Return True if a text may look like another text to a person, or is very long.
-
-    It has unseen characters or such as `safe` replaces, or blanks other than single spaces between
-    words.
-    """
+    """Return True if a text may look like another text to a person, or is very long."""
     is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
     return not is_plain or _UNSEEN.search(text) is not None
 

@@ -58,10 +58,7 @@ _LEAST = 0.2  # Seconds of these that a recording gets in any case.
 
 
 class Session:
-    """Everything but the screen: engine, hosted nodes, robot, station, recorders and socket.
-
-    It is a context manager, which calls `start` and `close`.
-    """
+    """Everything but the screen: engine, hosted nodes, robot, station, recorders and socket."""
 
     robot: Robot
     host: Host
@@ -155,10 +152,7 @@ class Session:
         }
 
     def _activate(self) -> dict[str, Path]:
-        """Activate the engine, and return the user's own interface packages, folders by name.
-
-        Mistakes in these packages are kept for `start`, which reports them.
-        """
+        """Activate the engine, and return the user's own interface packages, folders by name."""
         options = self.options
         own: dict[str, Path] = {}
         self._mistakes: list[str] = []  # In the user's interface packages.
@@ -172,7 +166,6 @@ class Session:
         return own
 
     def _read_launch_file(self) -> LaunchFile | None:
-        """Return the user's launch file, evaluated, or None if none was given."""
         if self.options.launch is None:
             return None
         from archo_tui.hosting.launch_file import LaunchFile
@@ -180,10 +173,7 @@ class Session:
         return LaunchFile(*self.options.launch)
 
     def _make_nodes(self) -> None:
-        """Make black box, client, and this process's nodes and programs.
-
-        If one fails, what was made is ended.
-        """
+        """Make black box, client, nodes and programs; end them again if one fails."""
         from rclpy.exceptions import (
             InvalidParameterTypeException,
             InvalidParameterValueException,
@@ -472,7 +462,6 @@ class Session:
         raise ArchoError("--run with --engine ros2 does not work on Windows")
 
     def _user_programs(self) -> list[Program]:
-        """Return the user's programs, those of the launch file last."""
         from archo_tui.hosting.hosted_program import Program
         from archo_tui.hosting.program_file import ProgramFile
 
@@ -509,10 +498,7 @@ class Session:
         return message
 
     def start(self) -> None:
-        """Start the client, the hosted nodes, the watch of the user's files, and the socket.
-
-        What is wrong in the user's files and parameters, but prevents nothing, is told by events.
-        """
+        """Start the client, the hosted nodes, the watch of the user's files, and the socket."""
         declared = {
             hosted.name: set(hosted.node.list_parameters([], 0).names)
             for hosted in self.host.nodes
@@ -546,10 +532,7 @@ class Session:
             self.robot.note("WARN", "console", text)
 
     def _note_own_defaults(self, declared: Mapping[str, set[str]], users: list[Override]) -> None:
-        """Say which parameters of the user's nodes ARCHO's own files do not set.
-
-        Such a node has taken the place of one of ARCHO's own, to which these files belong.
-        """
+        """Say which parameters of the user's nodes ARCHO's own files do not set."""
         for hosted in self.host.nodes:
             own = [o for o in self._own_overrides if matches(o.pattern, hosted.name)]
             given = {o.name for o in users if matches(o.pattern, hosted.name)}

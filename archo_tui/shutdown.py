@@ -33,7 +33,6 @@ async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> No
 
 
 async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
-    """Do what `let_go` does, however long the robot takes."""
     await robot.stop_sending_goals()  # From here on the snapshot has every goal that was sent.
     goal = _ours(robot)
     if goal is None:
@@ -86,10 +85,7 @@ class Shutdown:
         return self._task is not None
 
     def begin(self, code: int) -> None:
-        """Handle the running goal and then end, once; call it on the event loop.
-
-        The exit code above 128 is 128 and the number of a signal.
-        """
+        """Handle the running goal and then end, once; call it on the event loop."""
         if self._task is None:
             self._task = asyncio.create_task(self._end_in_order(code))
 

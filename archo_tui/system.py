@@ -30,10 +30,7 @@ def user_name() -> str:
 
 
 def lock(descriptor: int) -> bool:
-    """Lock a file until it is closed, without waiting; return False if another process holds it.
-
-    On systems without such locks nothing is locked, and the result is True.
-    """
+    """Lock a file until it is closed, without waiting; return False if another process holds it."""
     if sys.platform != "win32":
         with contextlib.suppress(ImportError):
             import fcntl
@@ -46,10 +43,7 @@ def lock(descriptor: int) -> bool:
 
 
 def create_exclusively(path: Path) -> int:
-    """Create a file for writing, never following a link, and return its descriptor; close it.
-
-    OSError also if the path exists.
-    """
+    """Create a file, never following a link, and return its descriptor, to be closed."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
     return os.open(path, flags, 0o666)
 

@@ -112,10 +112,7 @@ class Console(Protocol):
         """Show the outcome of a command that failed; do nothing for one that succeeded."""
 
     def drop_following_keys(self, why: str) -> None:
-        """Drop the keys that follow at once: they were typed for a dialog that closed by itself.
-
-        If any are dropped, `why` is shown.
-        """
+        """Drop the keys that follow at once: they were typed for a dialog that closed by itself."""
 
     def show_message(self, text: str, title: str = "") -> None:
         """Show a notification, as `title: text`."""
@@ -192,7 +189,7 @@ class Command:
     runs_disabled: bool = False  # Run after the reason was shown; not if watching.
     always_tried: bool = False  # Run although the last snapshot disables it; not if watching.
     waits_for_answer: bool = False  # Not run before its answer, or for a held key.
-    resend_after: float = 0.0  # Seconds, of a held key.
+    resend_after: float = 0.0  # Seconds until a held key runs it again.
     verbs: tuple[str, ...] = ()  # Those that it runs, or that print what it shows.
     gives_way: bool = False  # A robot file or a keymap may take its key.
     from_file: str = ""  # `FILE:LINE` of the robot file that defines it.

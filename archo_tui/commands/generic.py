@@ -210,10 +210,7 @@ class WriteRobotFile(Command):
 
 
 class DescribeRobot(Command):
-    """The command that writes a robot file for what is on the graph.
-
-    It listens to the topics for some seconds.
-    """
+    """The command that writes a robot file for what is on the graph."""
 
     id = "describe_robot"
     help = "Describe this robot: write a robot file for what is on the graph"

@@ -50,10 +50,7 @@ def show_topic(
     types: Sequence[str],
     step: Callable[[Console, int], WatchedTopic | None] = lambda *_: None,
 ) -> None:
-    """Open the dialog of a topic, with its live fields, plots, definition and QoS.
-
-    `step` returns the topic below (1) or above (-1), or None.
-    """
+    """Open the dialog of a topic, with its live fields, plots, definition and QoS."""
     from archo_tui.screens.topic import TopicDialog
 
     console.open(TopicDialog(_watched(console, name, types), partial(step, console)))

@@ -70,10 +70,7 @@ _SEARCH_WORDS = {
 
 
 class CommandPalette(Choose):
-    """The command palette: commands, nodes, parameters, topics and themes in one list.
-
-    Rows that a typed text gives, such as `Go to shelf 12`, come before the others.
-    """
+    """The command palette: commands, nodes, parameters, topics and themes in one list."""
 
     empty_text = "no command matches"
 

@@ -23,8 +23,6 @@ class _InParameters(Command):
 
 
 class _SetCommand(_InParameters):
-    """The base of commands that set the selected parameter."""
-
     verbs = ("set",)
 
     def disabled_reason(self, console: Console) -> str:

@@ -62,11 +62,7 @@ class ShowRecordings(Command):
 
 
 async def _open_replay(console: Console, recording: Recording, dialog: RecordingList) -> None:
-    """Load a recording on another thread, and show it in place of the list.
-
-    If it cannot be loaded, or another dialog was opened meanwhile, a notification says so. If the
-    list was closed meanwhile, nothing happens.
-    """
+    """Load a recording on another thread; show it in place of the list, or say why not."""
     try:
         player = await in_daemon(_open, recording, console.station.clock)
     except ArchoError as error:

@@ -185,10 +185,7 @@ class GiveKey(VerbCommand):
 
 
 def _reported_state(console: Console, name: str) -> bool | None:
-    """Return the state, as `motion.moving`, that a toggle inverts.
-
-    None if the robot does not report it, or for `ask`, so that the person is asked each time.
-    """
+    """Return the state that a toggle inverts; None if it is not reported, or for `ask`."""
     if name == "ask":
         return None
     topic, _, reading = name.partition(".")

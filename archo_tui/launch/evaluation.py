@@ -22,14 +22,14 @@ from archo_tui.launch.stand_ins.sources import load_launch_file, loaded_files
 from archo_tui.launch.stand_ins.visiting import visit, visit_delayed
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
-from archo_tui.ros_names import EMBEDDED_RELEASE
+from archo_tui.ros_release import EMBEDDED_RELEASE, distribution
 
 _own_folders: list[Path] = []  # Of the packages, whose modules a launch file may import.
 
 
 def main() -> None:
     """Answer the request of `evaluate.evaluate` or `launch_arguments`, and end the process."""
-    os.environ.setdefault("ROS_DISTRO", EMBEDDED_RELEASE)
+    os.environ.setdefault("ROS_DISTRO", distribution() or EMBEDDED_RELEASE)
     child_process.serve(evaluate, lambda frame, seconds: {"error": _hang(frame, seconds)})
 
 

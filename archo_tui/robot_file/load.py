@@ -14,10 +14,7 @@ _PACKAGE = Path(__file__).parent.parent
 
 
 def default_path() -> Path:
-    """Return the path of ARCHO's robot file, in a checkout or an installed wheel.
-
-    It may not exist.
-    """
+    """Return the path of ARCHO's robot file, which may not exist."""
     paths = [folder / "config" / "robots" / "archo.yaml" for folder in (_PACKAGE.parent, _PACKAGE)]
     return next((path for path in paths if path.is_file()), paths[0])
 
@@ -42,18 +39,12 @@ def parse(text: str, path: Path) -> RobotFile:
 
 
 def _load(path: Path) -> RobotFile:
-    """Read and parse a robot file; an error may quote its control characters unchanged.
-
-    Raises ArchoError, YamlError for what is not YAML, or OSError.
-    """
+    """Do what `load` does; errors, also YamlError and OSError, may quote control characters."""
     return _parse(bounded_yaml.read(path), path)
 
 
 def _parse(text: str, path: Path) -> RobotFile:
-    """Parse and validate a text; an error may quote its control characters unchanged.
-
-    Raises ArchoError, or YamlError for what is not YAML.
-    """
+    """Do what `parse` does; errors, also YamlError, may quote control characters."""
     node = bounded_yaml.compose(text, path)
     if node is None:
         raise ArchoError(f"{path}:1: the file is empty: it describes no robot")

@@ -34,10 +34,7 @@ def not_subscribed(name: str, kind: str, reason: str) -> str:
 
 
 def unknown_field(kind: str, wanted: Iterable[tuple[str, str]], known: Collection[str]) -> str:
-    """Return an error for the first field that a message type lacks, or "" if it has all.
-
-    `wanted` has pairs of the place in the robot file (`FILE:LINE`) and the field's path.
-    """
+    """Return an error for the first of `wanted` (place, path) that a type lacks, or ""."""
     for where, path in wanted:
         if path not in known:
             return f"{where}: {kind} has no field {path}{nearest_hint(path, known)}"

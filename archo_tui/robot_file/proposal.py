@@ -220,7 +220,7 @@ def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
 
 
 def _with_file_names(entry: Entry, namespace: str, used: set[str]) -> Entry:
-    """Return an entry with names as in the robot file, and with an id that is then in `used`."""
+    """Return an entry with the robot file's names, and an unused id, added to `used`."""
     value = entry.value
     if entry.part == "diagnostics":
         return entry._replace(value=_relative(value, namespace))

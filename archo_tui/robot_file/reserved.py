@@ -1,7 +1,4 @@
-"""The console's own words, which no goal or command of a robot file may have as its id.
-
-Otherwise one typed word, or one line of a keymap, would mean two things.
-"""
+"""The console's own words, which no goal or command of a robot file may have as its id."""
 
 from __future__ import annotations
 

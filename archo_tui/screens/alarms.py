@@ -40,9 +40,9 @@ def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
 
 
 class AlarmList(Dialog[None]):
-    """The list of alarms: `a` acknowledges one, `A` all, `s` shelves one; escape closes the list.
+    """The list of alarms: `a` acknowledges one, `A` all, `s` shelves one.
 
-    Enter opens the diagnostics if the alarm is about one of the robot's parts.
+    Escape closes the list.
     """
 
     # With priority, so that what is typed right after `s` goes into the field for the reason.
@@ -62,7 +62,7 @@ class AlarmList(Dialog[None]):
         shelve: Callable[[Alarm, str], None],
         # Called after something was acknowledged, shelved or unshelved.
         on_change: Callable[[], None],
-        forget: Callable[[Diagnostic], None],  # Or says why it cannot.
+        forget: Callable[[Diagnostic], None],  # Or says why not.
     ) -> None:
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve

@@ -24,10 +24,7 @@ _SHOWN = 5  # Recent paths below the field; the arrows reach all.
 
 
 class AskPath(Form):
-    """A dialog with a field for a path, which stays open until the work with the path succeeds.
-
-    The arrows recall the paths that were used before.
-    """
+    """A dialog with a field for a path, which stays open until the work with the path succeeds."""
 
     submit_label = "OK"
 

@@ -37,7 +37,6 @@ class Choice(NamedTuple):
 
 
 def _with_harmless_titles(choices: Sequence[Choice]) -> list[Choice]:
-    """Return copies of the choices, with titles that are safe to print."""
     return [choice._replace(title=harmless(choice.title)) for choice in choices]
 
 
@@ -94,10 +93,7 @@ class ChoiceRows(Rows[Choice]):
 
 
 class Choose(Dialog[None]):
-    """A dialog with a list, and a field that narrows it by typing.
-
-    Enter or a click closes the dialog and runs the chosen row.
-    """
+    """A dialog with a list, and a field that narrows it by typing."""
 
     closes_at_stop = True
     empty_text = "nothing matches"

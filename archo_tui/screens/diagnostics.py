@@ -19,17 +19,12 @@ from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 
 class _Part(NamedTuple):
-    """A row of the list: a part with its level now, and its text."""
-
     status: Diagnostic
     text: str
 
 
 class DiagnosticList(Dialog[None]):
-    """A list of the robot's parts, the worst first, which changes with the robot's reports.
-
-    `f` forgets a part that has long been silent.
-    """
+    """A list of the robot's parts, the worst first, which changes with the robot's reports."""
 
     BINDINGS = [
         Binding("f", "forget", "Forget", priority=True),

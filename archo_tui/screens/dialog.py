@@ -32,10 +32,7 @@ def main_screen(app: App[Any]) -> MainScreen | None:
 
 
 class DialogHead(Vertical):
-    """The lines at the top of a dialog: copies of the main screen's, not dimmed.
-
-    Hidden in a terminal of fewer than 20 rows.
-    """
+    """The lines at the top of a dialog: copies of the main screen's, not dimmed."""
 
     def __init__(self, notice_line: NoticeLine) -> None:
         super().__init__(classes="above")

@@ -24,10 +24,7 @@ from archo_tui.widgets.screen_state import ScreenState
 
 
 class EditParameter(Form):
-    """A dialog with a field for a parameter's value, which stays open until the node accepts it.
-
-    A read-only parameter can only be read.
-    """
+    """A dialog with a field for a parameter's value, which stays open until the node accepts it."""
 
     submit_label = "Set"
 

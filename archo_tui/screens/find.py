@@ -38,10 +38,7 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
 def matching_rows(
     typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
 ) -> Sequence[T]:
-    """Return the rows that every typed word fits, the best first; all if nothing is typed.
-
-    The word that fits worst decides, then the sum over all words.
-    """
+    """Return the rows that every typed word fits, the best first; all if nothing is typed."""
     words = typed.casefold().split()
 
     def rank(row: T) -> tuple[Fit, int]:
@@ -56,7 +53,7 @@ def matching_rows(
 def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:
     """Return the sorted spans of what typed words match in a name; they may overlap.
 
-    None if casefolding changes the name's length.
+    Empty if casefolding changes the name's length.
     """
     lower, found = name.casefold(), []
     if len(lower) != len(name):  # Its letters stand elsewhere.

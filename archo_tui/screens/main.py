@@ -94,7 +94,7 @@ class MainScreen(Base[None]):
         size: Size,
         time_line: Panel | None = None,
         *,
-        # The goal's field has the focus at first, where it is in sight.
+        # True: the goal's field has the focus at first, where it is in sight.
         starts_in_field: bool = False,
     ) -> None:
         """Create the screen; with a `time_line`, that of a replay, it is read-only."""
@@ -124,7 +124,7 @@ class MainScreen(Base[None]):
         self.everywhere_keys = Content("")  # The footer's, of the keys that work in dialogs, too.
         self.head: list[Content] = []  # The lines at the top, as shown last.
         self.notice: Notice | None = None  # Over the last of these lines, or below them.
-        # Called whenever lines or notice are shown: dialogs.
+        # Of open dialogs: called whenever lines or notice are shown.
         self.on_head: list[Callable[[], None]] = []
         self._notice_line = NoticeLine()
         self._is_laid_out = self._is_filled = False
@@ -269,7 +269,6 @@ class MainScreen(Base[None]):
 
     @property
     def _is_wide(self) -> bool:
-        """True if the terminal has room for three columns."""
         return self.size.width >= _WIDE and self.size.height >= _TALL
 
     def _fit(self) -> None:
@@ -371,10 +370,7 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show a new view in header, banner, panels and footer.
-
-        Until a view with nodes has come, or 0.3 s have passed, views are only kept.
-        """
+        """Show a new view in header, banner, panels and footer."""
         self._view, self._commands = view, commands
         if not self._is_filled:
             if view.snapshot.nodes:
@@ -415,10 +411,7 @@ class MainScreen(Base[None]):
         return max(len(self.head) - 1, 0) + is_needed
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show the commands' keys, behind those of the field with the focus, if there is one.
-
-        Keys that are text in that field are left out. `everywhere_keys` is updated.
-        """
+        """Show the focused field's keys, and those of the commands that are no text in it."""
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()
         if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.

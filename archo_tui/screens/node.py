@@ -180,5 +180,4 @@ class NodeDialog(Dialog[None]):
 
 
 def _lifecycle(view: View, name: str) -> str:
-    """Return the lifecycle state of a node in the view; "" if the node is not managed."""
     return next((node.lifecycle for node in view.snapshot.nodes if node.name == name), "")

@@ -50,7 +50,7 @@ class AnswerRequest(Dialog[None]):
         self,
         request: ApprovalRequest,
         view: View,
-        is_unseen: Callable[[], bool],  # The terminal does not show what was drawn.
+        is_unseen: Callable[[], bool],  # The terminal hides what was drawn.
         # When the key or click that is being handled was read.
         input_time: Callable[[], InputTime | None],
         answer: Callable[[int, bool], None],  # The request's number, True to allow; once at most.
@@ -104,12 +104,10 @@ class AnswerRequest(Dialog[None]):
 
     @property
     def _is_covered(self) -> bool:
-        """True if a notice lies over a part of the request."""
         notice, question = self.query_one(NoticeLine), self.query_one(VerticalScroll)
         return notice.display and notice.region.overlaps(question.region)
 
     def _is_end_visible(self, widget: Widget) -> bool:
-        """Return True if the bottom right corner of a widget is in sight."""
         geometry = self.find_widget(widget)
         visible = geometry.visible_region
         return bool(visible) and visible.bottom_right == geometry.region.bottom_right

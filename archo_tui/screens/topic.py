@@ -65,7 +65,7 @@ class WatchedTopic(NamedTuple):
     """A topic to show in the dialog, with what the dialog calls."""
 
     name: str
-    follow: Follow  # Until cancelled; gets what returns the needed parts, and what takes each view.
+    follow: Follow  # Gets what returns the needed parts, and what takes each view; cancel it.
     read_type: Callable[[], Awaitable[str]]  # The definition as text.
     copy: Callable[[TopicView], None]  # Copies the command that shows the topic in a shell.
 
@@ -74,7 +74,7 @@ class _DrawnField(NamedTuple):
     """The drawn lines of a field, with what they depend on."""
 
     field: FieldView
-    look: tuple[Columns, bool, bool]  # The columns, is folded, is plotted.
+    look: tuple[Columns, bool, bool]  # Its columns; True if folded; if plotted.
     lines: list[Text]
 
 
@@ -156,10 +156,7 @@ class TopicDialog(Dialog[None]):
         self.call_after_refresh(self._show_again)
 
     def _cover_panels(self) -> None:
-        """Set the margins of the box so that it covers the panels, but nothing above or below them.
-
-        In a replay the time line stays in sight, in a wide terminal also Graph and the goal.
-        """
+        """Set the margins of the box so that it covers the panels, and nothing around them."""
         main = main_screen(self.app)
         # A dialog that goes has no widgets any more.
         if main is not None and self.head.is_attached:
@@ -201,10 +198,7 @@ class TopicDialog(Dialog[None]):
             self._show(view)
 
     def _with_frozen_message(self, view: TopicView) -> TopicView:
-        """Return a newer view with the fields and curves of the frozen one.
-
-        A field that was plotted since has its newer curve.
-        """
+        """Return a newer view with the fields and curves of the frozen one."""
         frozen = self._view
         return view._replace(
             fields=frozen.fields,
@@ -237,7 +231,6 @@ class TopicDialog(Dialog[None]):
         self._show_plots()
 
     def _show_border(self) -> None:
-        """Write topic and type above and the keys below on the border, shorter if need be."""
         view, width = self._view, self._box.outer_size.width or self.app.size.width
         kind = view.type if width > len(view.topic + view.type) + 8 else base_name(view.type)
         title = escape(f"{view.topic}   {kind}".rstrip())
@@ -319,10 +312,7 @@ class TopicDialog(Dialog[None]):
         self._search.open()
 
     def action_fold(self) -> None:
-        """Open or close the message or array under the cursor, or show the next elements.
-
-        After the last elements come the first; keys wait until they are shown.
-        """
+        """Open or close the message or array under the cursor, or show the next elements."""
         field = self._rows.item
         if field is None or field.kind is FieldKind.VALUE:
             return

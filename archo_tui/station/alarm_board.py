@@ -203,10 +203,7 @@ class AlarmBoard:
 
 
 class AlarmBell:
-    """The alarms that the operator was called for; the caller rings.
-
-    An alarm of high priority calls once each time that it is raised.
-    """
+    """The high alarms that have called the operator, once each time raised; the caller rings."""
 
     def __init__(self) -> None:
         self._rung: set[tuple[str, float]] = set()  # Name, and Unix time at which it was raised.

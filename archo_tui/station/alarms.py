@@ -62,9 +62,9 @@ class Kind(NamedTuple):
     condition: Callable[[Situation], Found]
     delay: float = 0.0  # Seconds until it is raised (ISA-18.2's on-delay).
     off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
-    graver: str = ""  # Replaces it: it may have the same cause.
-    is_reported: bool = False  # By the robot: as last known, and not raised, without contact.
-    is_silence: bool = False  # It is this process's own after a suspension.
+    graver: str = ""  # The alarm that replaces it: both may have one cause.
+    is_reported: bool = False  # By the robot: without contact it stays as it is.
+    is_silence: bool = False  # About silence: after a suspension it is our own.
     has_text: bool = False  # Behind its name stands any text, not a node or topic.
     holds: Holds | None = None
     remedy: Remedy | None = None
@@ -158,18 +158,14 @@ _STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
 
 
 class AlarmState(Enum):
-    """The states of ISA-18.2; the value is the word in the list of alarms.
-
-    RETURNED is ISA-18.2's "returned to normal unacknowledged". REPLACED is ours: an alarm of higher
-    priority stands for the same cause.
-    """
+    """The states of ISA-18.2; the value is the word in the list of alarms."""
 
     NORMAL = "normal"
     UNACKNOWLEDGED = "unacknowledged"
     ACKNOWLEDGED = "acknowledged"
-    RETURNED = "over, unacknowledged"
+    RETURNED = "over, unacknowledged"  # ISA-18.2: returned to normal unacknowledged.
     SHELVED = "shelved"
-    REPLACED = "replaced by a graver one"
+    REPLACED = "replaced by a graver one"  # Ours: for the same cause; it may still hold.
 
 
 LAST_KNOWN = " (last known)"
@@ -180,7 +176,7 @@ class Alarm(NamedTuple):
 
     name: str  # Its kind's, and the node, topic, gauge or part if there may be several.
     text: str  # The situation, and what to do.
-    since: UnixTime  # It was raised.
+    since: UnixTime  # When it was raised.
     state: AlarmState = AlarmState.UNACKNOWLEDGED
     until: UnixTime | None = None  # None while its condition holds.
     shelved_until: UnixTime | None = None  # For people; None if it is not shelved.

@@ -158,7 +158,6 @@ class Approvals:
         return ""
 
     def _too_many(self) -> str:
-        """Return why there would be too many requests with one more; "" if not."""
         pause_left = self._last_denial + PAUSE - self._clock.monotonic()
         if pause_left > 0:
             return f"a person has just said no: wait {pause_left:.0f} s"

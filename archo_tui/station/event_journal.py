@@ -20,9 +20,9 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class EventJournal:
-    """The part that writes a console's events to the operator's log on the disk (`Journal`)."""
+    """The writer of a console's events, with the robot's `place`, to the `Journal`."""
 
-    def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:  # See `Session`.
+    def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
         self._journal, self._place = journal, place
         self._repeat_filter = RepeatFilter()
 

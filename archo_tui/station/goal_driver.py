@@ -1,7 +1,4 @@
-"""The driving of goals for the frontend: each event goes to the queue, and its deeds are done here.
-
-No rule is here; see robot/goals/queue.py.
-"""
+"""The driving of goals for the frontend, by the rules of robot/goals/queue.py."""
 
 from __future__ import annotations
 
@@ -39,7 +36,7 @@ class GoalDriver:
         on_ended: Callable[[asyncio.Future[Outcome] | None, Goal], None],
     ) -> None:
         self.queue = GoalQueue()
-        self.frontend: Frontend | None = None
+        self.frontend: Frontend | None = None  # None: no goal may be driven yet.
         self._robot, self._clock = robot, clock
         self._on_changed, self._on_ended = on_changed, on_ended
         self._snapshot = Snapshot()

@@ -1,7 +1,4 @@
-"""The curves of the last hour, kept as a sample a second, and the goals that ended.
-
-Pure: snapshots and the time come in, columns of a plot come out.
-"""
+"""The curves of the last hour, a sample a second, and the goals that ended. Pure."""
 
 from __future__ import annotations
 
@@ -24,8 +21,8 @@ _KEPT = 3600  # Samples, and ended goals.
 _HOLDS = 1.5
 
 
-def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:  # monotonic, s
-    """Return the value of each quantity; None for one that is old, or that is not reported now."""
+def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
+    """Return each quantity at a monotonic time; None if it is old, or not reported now."""
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
     pose = snapshot.pose._replace(x=None, y=None) if snapshot.pose.is_old(now) else snapshot.pose
     return {
@@ -131,7 +128,6 @@ class History:
         return found
 
     def _columns_filled(self, span: float, count: int, now: float) -> Iterator[tuple[int, range]]:
-        """Yield the index of each sample of the last `span` seconds, and the columns it fills."""
         width = span / count
         newest = int(now // width)
         oldest = newest - count + 1

@@ -89,10 +89,7 @@ class RepeatFilter:
         self._counts: dict[tuple[str, str], int] = {}  # The kind that was counted last comes last.
 
     def passes(self, source: str, text: str) -> bool:
-        """Count a line of a node, and return True if it is to be written.
-
-        Of lines that differ in numbers only, the first 100 are, then one in 1000.
-        """
+        """Count a line of a node, and return True if it is to be written."""
         kind = source, _NUMBER.sub("#", text)
         count = self._counts[kind] = self._counts.pop(kind, 0) + 1
         if len(self._counts) > _KINDS:
@@ -177,7 +174,7 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    """Hold the lock that all consoles write the journal under; OSError after a second."""
+    """Hold the journal's lock; OSError if another process does for a second."""
     path = folder / "journal.lock"
     descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
     try:

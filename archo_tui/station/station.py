@@ -202,10 +202,7 @@ class Station:
         return self.refresh()
 
     def _offer_description(self) -> None:
-        """Write an event, once, on how to make a robot file, if that of ARCHO does not fit.
-
-        That is so if its nodes still offer none of what ARCHO's offer after five seconds.
-        """
+        """Write an event, once, on how to make a robot file, if that of ARCHO does not fit."""
         snapshot = self._snapshot
         is_other = snapshot.nodes and not snapshot.offered
         if is_other and self._may_offer and self.age >= _OFFER_AFTER:
@@ -245,19 +242,13 @@ class Station:
         self.view = self._view()
 
     def shelve(self, alarm: Alarm, reason: str = "") -> None:
-        """Shelve an alarm for SHELF_TIME, or take it off the shelf.
-
-        Update the view and the journal.
-        """
+        """Shelve an alarm, or take it off the shelf; update the view and the journal."""
         times = self.clock.monotonic(), self.clock.now()
         self._record(self._board.shelve(alarm, *times, reason))
         self.view = self._view()
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none, in a way that can be undone.
-
-        NOT_OFFERED if the node does not report one of them.
-        """
+        """Set parameters of a node, all or none, in a way that can be undone."""
         return await self.edits.set_parameters(self.robot, node, values)
 
     async def undo(self, asked: Edit | None) -> Outcome:

@@ -68,10 +68,7 @@ class UndoList:
         return "" if is_there else f"{self.last.node} has left the graph"
 
     def changed_since(self, snapshot: Snapshot) -> dict[str, Any]:
-        """Return the values that somebody else has set since the last change: undo would lose them.
-
-        None for a parameter that is no longer reported.
-        """
+        """Return the values that others have set since the last change: undo would lose them."""
         if self.last is None:
             return {}
         now = _values(snapshot, self.last.node)
@@ -133,5 +130,4 @@ class UndoList:
 
 
 def _values(snapshot: Snapshot, node: str) -> dict[str, Any]:
-    """Return the values of a node's parameters by name; empty if the node is not on the graph."""
     return {p.name: p.value for p in snapshot.parameters if p.node == node}

@@ -151,7 +151,6 @@ def past_alarm(alarm: Alarm) -> str:
 
 
 def _clickable(text: str, command: str) -> Content:
-    """Return an underlined text that runs a command, by its id, when it is clicked."""
     return Content.styled(text, "u").stylize(click(f"command('{command}')"))
 
 
@@ -174,21 +173,14 @@ def _without_brackets(text: str) -> str:
 
 
 def _shorten_cause(text: str, room: int) -> str:
-    """Return an alarm's text cut in the middle of its cause, so that the advice stays whole.
-
-    The advice is what follows the first colon.
-    """
+    """Return an alarm's text cut in the middle of its cause, so that the advice stays whole."""
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
 
 
 def _first_keys(view: ScreenState, width: int) -> Content:
-    """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator.
-
-    Empty for an operator who has sent a goal before, a console that only watches, and a robot
-    without goals.
-    """
+    """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator."""
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
         return Content("")
@@ -230,10 +222,7 @@ def footer(
     palette_key: str,
     field_keys: Iterable[tuple[str, str]] = (),  # The focused field's keys, each with its word.
 ) -> Content:
-    """Return the keys of the footer, and at its right end the palette's key if there is room.
-
-    Keys of the field come first and are left out until the commands fit, which are never cut.
-    """
+    """Return the keys of the footer, and at its right end the palette's key if there is room."""
     own = [Content.assemble(" ", (key, "bold"), f" {word} ") for key, word in field_keys]
     rest = footer_keys(commands)
     while own and sum(one.cell_length for one in (*own, rest)) > width:  # STOP's key stays
@@ -246,11 +235,7 @@ def footer(
 
 
 def contact(view: View) -> str:
-    """Return the contact to the robot: `● online`, or what is silent, and for how many seconds.
-
-    `✗ no contact` stands for silence of battery and motion, `▲ /odom silent` for one of them, or
-    for the action of a lost goal.
-    """
+    """Return the contact to the robot: `● online`, or what is silent, and for how many seconds."""
     if view.is_restarting:
         return "? the console restarts"
     snapshot, robot = view.snapshot, view.snapshot.file
@@ -279,10 +264,7 @@ def contact(view: View) -> str:
 
 
 def activity(view: View) -> tuple[str, str]:
-    """Return what the robot does, and how far to go, as `("MOVING to 12", "9.0 m left")`.
-
-    A STOP goes before the goal; `no STOP` is added if none can be sent.
-    """
+    """Return what the robot does, and how far to go, as `("MOVING to 12", "9.0 m left")`."""
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.has_stop else "no STOP"
     if snapshot.open_stop is not None and snapshot.open_stop.answer is not StopAnswer.AWAITED:

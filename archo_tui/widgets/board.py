@@ -21,10 +21,7 @@ _NO_MARK = Mark()
 
 
 class Board(LineWidget, can_focus=True):
-    """The grid of numbers, in which only the lines that changed are redrawn.
-
-    Enter or a click chooses a number.
-    """
+    """The grid of numbers, in which only the lines that changed are redrawn."""
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
 
@@ -101,7 +98,6 @@ class Board(LineWidget, can_focus=True):
 
     @property
     def _first(self) -> int:
-        """Return the index of the first number on the cursor's page."""
         return self._index // self._grid.page_size * self._grid.page_size
 
     def _move(self, index: int) -> None:
@@ -113,7 +109,6 @@ class Board(LineWidget, can_focus=True):
             self._draw(before, index)
 
     def _draw(self, *indices: int) -> None:
-        """Redraw the lines of the numbers at these indices; those on other pages are left out."""
         grid, first = self._grid, self._first
         rows = {(index - first) // grid.columns for index in indices}
         for row in rows & {*range(grid.rows)}:

@@ -15,9 +15,9 @@ _HINT_AT = 21  # Cells of the line before its text: the word, and the field.
 
 
 class ElementLine(Horizontal):
-    """The line `element 137  of ranges: 0 .. 359`, in which enter goes to an element of an array.
+    """The line `element 137  of ranges: 0 ..
 
-    Hidden until it is opened; an error takes the place of the range until the text changes.
+    359`, in which enter goes to an element of an array.
     """
 
     DEFAULT_CSS = """

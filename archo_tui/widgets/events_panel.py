@@ -35,10 +35,7 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
 
 
 def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
-    """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`.
-
-    The source is left out below 70 cells, and where it is the console or a goal's action.
-    """
+    """Return `12:04:31  ▲  dashboard: Low battery: 18.0%   x 12 since 12:03:20`."""
     event, at, text = row.events[0], time_of_day(row.time), row.text
     is_wide = width >= _WIDE
     if is_wide and event.source != "console" and event.level != "GOAL":

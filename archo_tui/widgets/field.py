@@ -80,10 +80,7 @@ class Field(Input, inherit_css=False):
         return super().check_consume_key(key, character) and self.is_text(character or "")
 
     def _forward_event(self, event: events.Event) -> None:
-        """Insert a character or a paste at once, in place of the selection.
-
-        A paste of several lines, or with a character that the field does not take, is refused.
-        """
+        """Insert a character or a paste at once, in place of the selection."""
         if isinstance(event, events.Key) and event.is_printable:
             self.replace(event.character or "", *self.selection)
         elif isinstance(event, events.Paste):

@@ -54,16 +54,7 @@ def field_titles(columns: Columns) -> str:
 def field_line(
     field: FieldView, columns: Columns, closed: Collection[str], plotted: Collection[str]
 ) -> Text:
-    """Return a field as a line and its style: `  speed   0.8 m/s   0 .. 0.8   ▁▁█████▁ ●`.
-
-    Rows of groups, and the row that stands for more elements, are quiet.
-
-    Args:
-        field: The field.
-        columns: The cells of the columns.
-        closed: The paths of the groups that are folded.
-        plotted: The paths of the fields that are plotted, which get a `●`.
-    """
+    """Return a field as `  speed   0.8 m/s   0 .. 0.8   ▁▁█████▁ ●`, with its style."""
     mark = _MARK if field.path in plotted else ""
     name = _name(field, closed)
     if not columns[3]:  # The mark has no column of its own.
@@ -111,10 +102,7 @@ def topic_plots(
     paths: Sequence[str],
     size: tuple[int, int],  # Cells and lines.
 ) -> list[Spans]:
-    """Return the lines of plots, one below the other, above a common axis of the last 60 s.
-
-    The last plots are left out where they have no room; their number stands on the axis.
-    """
+    """Return the lines of plots, one below the other, above a common axis of the last 60 s."""
     width, height = size
     shown = list(paths)
     while shown and (height - 1) // len(shown) < _MIN_ROWS + 1:

@@ -118,7 +118,6 @@ class GoalPanel(Panel):
 
     @property
     def _has_several_fields(self) -> bool:
-        """Return True if the form has several fields; a hint then replaces the goal's line."""
         return len(self.fields) > 1
 
     def on_mount(self) -> None:
@@ -154,7 +153,6 @@ class GoalPanel(Panel):
             self.show_hint("")
 
     def _show_board(self, view: ScreenState, width: int) -> None:
-        """Update the board if anything that it depends on has changed, and show or hide it."""
         snapshot, kind, size = view.snapshot, self._kind, self.app.size
         goal = None if snapshot.goal is None else (snapshot.goal.number, snapshot.goal.phase)
         limits = snapshot.namespace, snapshot.parameters, snapshot.forms
@@ -192,11 +190,9 @@ class GoalPanel(Panel):
 
     @property
     def _journey_rows(self) -> int:
-        """Return how many rows the journey takes beyond those of the bar."""
         return ROWS - 1 if self._is_large else 0
 
     def _set_height(self, board_rows: int) -> None:
-        """Set the height of the panel for a board of so many rows, and for the journey."""
         more = board_rows + self._journey_rows
         base = _BASE_HEIGHT - self._is_read_only  # It has no row for the form.
         height = base + more if more else None
@@ -279,10 +275,7 @@ class GoalPanel(Panel):
             self.scroll_visible(animate=False)
 
     def show_hint(self, text: str = "", causes: CauseWatch | None = None) -> None:
-        """Show why a goal is not sent or driven, until something is typed; "" removes the hint.
-
-        It is removed as soon as one of `causes` is over, too.
-        """
+        """Show why a goal is not sent, until typing or the end of a cause; "" removes it."""
         self._causes, self._shows_refusal = causes, False
         if causes is not None:
             causes.observe(self._snapshot)  # The first call records what holds now.
@@ -300,10 +293,7 @@ class GoalPanel(Panel):
             self._shows_refusal = text != ""
 
     def submit(self) -> None:
-        """Send the typed goals and clear the form, or show what is wrong and keep it.
-
-        Empty fields do nothing; a form without fields sends its goal.
-        """
+        """Send the typed goals and clear the form, or show what is wrong and keep it."""
         typed = [field.value for field in self.fields]
         if self._kind is None:
             self.show_hint(f"{self.app.title}: the robot file names no goal")
@@ -340,20 +330,14 @@ class GoalPanel(Panel):
         return "" if goals else "no number"
 
     def send_numbers(self, typed: str) -> None:
-        """Send goals that were typed elsewhere, as `7 3`; the form keeps its text.
-
-        If one of the numbers is not valid, nothing is sent, and a hint in the form says why.
-        """
+        """Send goals that were typed elsewhere, as `7 3`; the form keeps its text."""
         why = WATCHING if self._watching else self.refusal(typed)
         self.show_hint(why, CauseWatch(limits) if why else None)
         if not why and self._kind is not None:
             self.send(self._parse(self._kind, [typed]), [typed])
 
     def _parse(self, kind: GoalKind, typed: list[str]) -> list[dict[str, Any]]:
-        """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text.
-
-        If a goal is a single number, its text may have several.
-        """
+        """Return the values of each goal by dotted path; `_InvalidTextError` for a wrong text."""
         rows = [[word] for word in typed[0].split()] if self.takes_numbers else [typed]
         goals, form = [], self._snapshot.form(kind)
         for row in rows:

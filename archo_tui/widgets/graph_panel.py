@@ -29,7 +29,7 @@ def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
 
 
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
-    """Return `topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
+    """Return a row as `topic   /scan  sensor_msgs/msg/LaserScan  lidar  10.0 Hz`.
 
     With one column only it takes two lines; mismatches of type or QoS stand below.
     """
@@ -55,10 +55,7 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
 
 
 class GraphPanel(Panel):
-    """The list of topics, services and actions.
-
-    Drawn once a second, and when anything but a rate changes.
-    """
+    """The list of topics, services and actions."""
 
     number, title_text = 8, "Graph"
     keys = (("resource", "open"),)

@@ -42,10 +42,7 @@ class Plot(NamedTuple):
 
 
 def plots(robot: RobotFile) -> tuple[Plot, ...]:
-    """Return the plots of charge, speed, way left, x and y, as far as the robot file names them.
-
-    The way left is that of the first kind of goal.
-    """
+    """Return the plots of charge, speed, way left, x and y, as far as the robot file names them."""
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
     if robot.battery is not None:
@@ -60,11 +57,7 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
 
 
 def covered_span(history: History, chosen: float, now: float) -> float:
-    """Return how many seconds the plots cover: the chosen span, or less soon after the begin.
-
-    Until it has passed, the result grows in steps, from 20 s; `now` is that of the newest column,
-    monotonic.
-    """
+    """Return the seconds that plots cover: those chosen, or fewer, in steps, after the start."""
     passed = 0.0 if history.begin is None else now - history.begin
     return next((float(step) for step in _STEPS if passed <= step < chosen), chosen)
 
@@ -127,11 +120,7 @@ def _round_up(high: float) -> float:
 
 
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
-    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   3✓ 1✗`.
-
-    The target of an own goal stands behind its mark if there is room. Marks that would overlap are
-    counted together.
-    """
+    """Return a line with a mark for each goal that ended, at its time: `✓  ✓ 7   3✓ 1✗`."""
     groups: list[tuple[int, list[Goal]]] = []  # With the cell where each begins, from the right.
     for goal in ends:
         place, group = cells - 1 - int((now - goal.time) / span * cells), [goal]

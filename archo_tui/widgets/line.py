@@ -17,10 +17,7 @@ from archo_tui.words.state import Spans
 
 
 class Line(Static):
-    """A widget of one line of text that is redrawn only when its text changes.
-
-    A text that is too long ends with an ellipsis.
-    """
+    """A widget of one line of text that is redrawn only when its text changes."""
 
     DEFAULT_CSS = "Line { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }"
 

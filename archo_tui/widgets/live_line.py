@@ -59,10 +59,7 @@ def _alarm_texts(alarm: Alarm) -> list[str]:
 
 
 def _style(view: ScreenState) -> str:
-    """Return the style of the line, reversed while the live robot needs the operator.
-
-    Red for an alarm of high priority or an uncertain STOP, else amber.
-    """
+    """Return the style of the line, reversed while the live robot needs the operator."""
     snapshot = view.snapshot
     alarms = [alarm for alarm in view.alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
     is_grave = any(alarm.priority == Priority.HIGH for alarm in alarms)

@@ -48,11 +48,7 @@ def node_titles(width: int, columns: Columns) -> str:
 
 
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
-    """Return `● battery_monitor    0.4 s  1.0 Hz`, or the name and what is wrong with the node.
-
-    A text that has no room goes on below, or is cut in a list of fewer than 30 cells. One more line
-    names the file of a node of the user's own.
-    """
+    """Return `● battery_monitor    0.4 s  1.0 Hz`, or the name and what is wrong with the node."""
     hosted = row.hosted
     if hosted is None or not hosted.file:
         return _state_lines(row, width, columns)
@@ -104,10 +100,7 @@ def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:
 
 
 class NodesPanel(Panel):
-    """The list of nodes: when each was last received, how often it publishes, or what is wrong.
-
-    Ages and rates change once a second; a node that comes, goes or crashes is shown at once.
-    """
+    """The list of nodes: when each was last received, how often it publishes, or what is wrong."""
 
     number, title_text = 5, "Nodes"
     keys: Sequence[tuple[str, str]] = _KEYS

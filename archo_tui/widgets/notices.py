@@ -23,8 +23,6 @@ class Notice(NamedTuple):
 
 @dataclass
 class _Entry:
-    """A notice that has not gone yet."""
-
     notice: Notice
     duration: float  # Seconds for which it is shown.
     # The monotonic time at which it goes, shown or not; None until the first `Notices.update`. Its

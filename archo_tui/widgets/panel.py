@@ -113,10 +113,7 @@ class Panel(Container, QuietFocus):
         self.show_title(self._title_more)
 
     def dim_unavailable(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
-        """Dim the buttons of services that cannot be called, or all on a console that only watches.
-
-        The buttons come with the full names of their services or actions.
-        """
+        """Dim the buttons whose services cannot be called, or all if the console only watches."""
         snapshot = view.snapshot
         for service, button in buttons:
             blocked = view.watching or bool(snapshot.unavailable(service))
@@ -162,10 +159,7 @@ class Panel(Container, QuietFocus):
         return self
 
     def take_focus(self) -> None:
-        """Focus the panel, or its `focus_target`, before the next key, without scrolling.
-
-        A list shows its cursor from then on.
-        """
+        """Focus the panel, or its `focus_target`, before the next key, without scrolling."""
         focus_target = self if self.can_focus else self.focus_target
         self.screen.set_focus(focus_target, scroll_visible=False)
         if isinstance(focus_target, Rows):

@@ -222,10 +222,7 @@ def parameter_columns(
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if changed.
-
-    A second line has the description, if `columns` has room for it.
-    """
+    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`, bold if changed."""
     node, *_, described = columns
     line = _line(
         parameter.node.lstrip("/"),

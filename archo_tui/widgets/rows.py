@@ -73,16 +73,12 @@ def changed_cells(before: str, now: str, width: int) -> list[tuple[int, int]]:
 
 
 def _style_and_cursor(line: tuple[Text, bool]) -> tuple[str, bool]:
-    """Return the style of a line, and True if the cursor is on it."""
     (_, style), is_selected = line
     return style, is_selected
 
 
 class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
-    """A list with a cursor, whose cost depends on the visible items only.
-
-    The cursor stays on its item when others come or go.
-    """
+    """A list with a cursor, whose cost depends on the visible items only."""
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
@@ -115,7 +111,7 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         self.columns: Columns = ()  # Of the last layout.
         self._width = 0  # The width of the layout; the widget's own may be newer.
         self.cursor = 0
-        self.shows_cursor = False  # Once the operator has moved to the list or in it.
+        self.shows_cursor = False  # True once the operator has moved to it or in it.
 
     @property
     def items(self) -> Sequence[T]:
@@ -225,7 +221,6 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
             self.redraw_changed()
 
     def _fits(self, size: Size) -> bool:
-        """Return True if a list of this size needs no scrolling in either direction."""
         return size.width <= self._width and size.height <= self.container_size.height
 
     def _wrap(self, is_changed: bool) -> int:
@@ -247,7 +242,6 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     @property
     def _is_scrollable(self) -> bool:
-        """Return True if not all lines are visible."""
         return self.virtual_size.height > self.container_size.height
 
     def _longest_line(self) -> int:

@@ -19,10 +19,7 @@ _HERE, _MARK, _PAST, _FUTURE = "●", "┼", "━", "─"
 
 
 class TimeLine(Panel, can_focus=True):
-    """Panel 9 of a replay, two rows without a border: a line with the position, and text.
-
-    A click on the line moves the position.
-    """
+    """Panel 9 of a replay, two rows without a border: a line with the position, and text."""
 
     number, title_text = 9, "Time line"
 

@@ -16,10 +16,7 @@ _MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """Return a bar for each 5 s that have samples, the newest at the right end, and the range.
-
-    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`; a bar shows the last sample of its 5 s.
-    """
+    """Return a bar for each 5 s that have samples, the newest at the right end, and the range."""
     cells: dict[int, float] = {}
     for at, percentage in samples:
         cells[int(at // _BAR_SECONDS)] = percentage
@@ -33,10 +30,7 @@ def sparkline(samples: Samples, width: int) -> str:
 
 
 def time_left_text(samples: Samples, *, charging: bool) -> str:
-    """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s.
-
-    If it goes otherwise in the last 5 s, these count; "" without a trend, or with less than 3 s.
-    """
+    """Return `empty in about 2 min`, or `full ...`, by the trend of the last 30 s."""
     seconds = _seconds_to_end(samples, charging)
     if seconds is None:
         return ""

@@ -78,10 +78,7 @@ def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
 
 
 def fit_grid(numbers: range, width: int, rows: int) -> Grid:
-    """Return the layout with as many columns as fit: a multiple of ten, else five, else fewer.
-
-    If the numbers need several pages, a row of each is left for the page's number.
-    """
+    """Return the layout with as many columns as fit: a multiple of ten, else five, else fewer."""
     fitting = max(width // Grid(numbers, 1, 1).cell_width, 1)
     columns = fitting // 10 * 10 if fitting >= 10 else 5 if fitting >= 5 else fitting
     columns = min(columns, len(numbers))

@@ -35,10 +35,7 @@ def goal_line(
     *,
     says_time_left: bool = True,  # False where the rows of the journey say it.
 ) -> Spans:
-    """Return the state of the last goal in a line, or how to give one.
-
-    The line is not cut to `width`.
-    """
+    """Return the state of the last goal in a line, which may be wider than `width`."""
     goal = snapshot.goal
     if goal is None:
         return no_goal_line(snapshot, ask)
@@ -200,10 +197,7 @@ def _unit_suffix(goal: Goal) -> str:
 
 
 def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
-    """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
-
-    Without distances it gives the robot's feedback, or says that it is unreadable or missing.
-    """
+    """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`."""
     time_left = time_left_text(goal, now) if says_time_left else ""
     time_left = f", {time_left}" if time_left else ""
     unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"

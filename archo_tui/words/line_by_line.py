@@ -1,7 +1,4 @@
-"""The texts for output line by line, which a screen reader may speak. Pure functions.
-
-They have no glyphs, no columns and no grouped digits.
-"""
+"""The texts for a screen reader: no glyphs, columns or grouped digits. Pure functions."""
 
 from __future__ import annotations
 

@@ -103,11 +103,7 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
 
 
 def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """Return the battery as `▲ LOW       18.0 % 21.3 V`, each number in a span of its own.
-
-    Old values are dimmed, with their age in place of the voltage; an unreadable value leaves glyph
-    and word alone.
-    """
+    """Return the battery as `▲ LOW       18.0 % 21.3 V`, each number in a span of its own."""
     glyph, word, tone = battery_word(snapshot)
     battery = snapshot.battery
     charge = f"{fixed_width(battery.percentage, '5.1f')} %"

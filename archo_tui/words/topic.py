@@ -112,10 +112,7 @@ def time_text(seconds: float) -> str:
 
 
 def sparkline(curve: Curve) -> str:
-    """Return a bar for each column of a curve, scaled from its least to its greatest value.
-
-    Of a column's least and greatest, the one that differs more from the column before is drawn.
-    """
+    """Return a bar for each column of a curve, scaled from its least to its greatest value."""
     known = [value for both in curve if both is not None for value in both]
     if not known:
         return ""

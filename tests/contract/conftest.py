@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui import engine
+from archo_tui import ros_release
 from tests.contract.releases import DIFFERENCES
 from tests.support import chosen
 
@@ -12,7 +12,7 @@ from tests.support import chosen
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if chosen.ENGINE != "ros2":
         return
-    differences = {one.test: one for one in DIFFERENCES.get(engine.distribution(), [])}
+    differences = {one.test: one for one in DIFFERENCES.get(ros_release.distribution(), [])}
     for item in items:
         difference = differences.get(getattr(item, "originalname", ""))
         if "contract" in item.path.parts and difference:

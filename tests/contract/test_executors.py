@@ -460,8 +460,7 @@ def test_a_group_knows_its_own(ros: Ros) -> None:
 
 
 def test_timers_that_are_always_due_leave_messages_their_turn(ros: Ros) -> None:
-    node = ros.node("busy")
-    received: list[Int32] = []
+    node, received = ros.node("busy"), list[Int32]()
     for _ in range(2):
         node.create_timer(0.0, lambda: None)
     node.create_subscription(Int32, "topic", received.append, 10)

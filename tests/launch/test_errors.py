@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui import ros_release
 from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import LaunchFileError, evaluate, launch_arguments, parse_arguments
 from archo_tui.launch.workspace import Workspace
@@ -146,8 +147,9 @@ def test_an_argument_of_an_include_is_looked_at_when_the_include_is_executed(
 
 
 def test_the_release_of_the_engine_is_in_the_environment(
-    launcher: Launcher,
+    launcher: Launcher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
     text = """
         from launch import LaunchDescription
         from launch.actions import LogInfo
@@ -158,7 +160,7 @@ def test_the_release_of_the_engine_is_in_the_environment(
         """
     file = str(launcher.write(text))
     plan = evaluate(file, Workspace.below(WORKSPACE), launcher.prefix, {})
-    assert [note.text for note in plan.notes] == [os.environ.get("ROS_DISTRO", "kilted")]
+    assert [note.text for note in plan.notes] == [ros_release.distribution() or "kilted"]
     assert "ROS_DISTRO" not in plan.environment
 
 
