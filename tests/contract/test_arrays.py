@@ -148,7 +148,7 @@ def test_one_that_is_assigned_is_shared_and_a_copy_is_not() -> None:
     for alone in (
         copy.deepcopy(one),
         pickle.loads(pickle.dumps(one)),
-        UUID(uuid=[*one.uuid]),
+        UUID(uuid=one.uuid.tolist()),
     ):
         alone.uuid[0] = 3
         assert one.uuid[0] == 77
