@@ -314,7 +314,7 @@ def test_a_user_without_a_home_is_no_traceback(word: str) -> None:
     assert (done.returncode, done.stderr) == (0, b"")
 
 
-def test_a_log_line_may_have_several_lines_or_be_none(tmp_path: Path) -> None:
+def test_a_line_feed_and_none_in_the_log_are_printed_as_on_ros_2(tmp_path: Path) -> None:
     (tmp_path / "server.py").write_text(
         "from rclpy.node import Node\n\n\nclass Server(Node):\n"
         "    def __init__(self):\n        super().__init__('server')\n"
