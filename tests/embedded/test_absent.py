@@ -9,6 +9,7 @@ import pytest
 import rclpy.node
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
+from std_msgs.msg import String
 
 from tests.support import chosen
 from tests.support.ros import Ros
@@ -67,3 +68,10 @@ def test_a_lone_surrogate_in_a_log_line_does_not_end_the_node(ros: Ros) -> None:
     node = ros.node("talker")
     assert node.get_logger().info("odd \udc80 name")
     wait_until(lambda: any("odd \ufffd name".encode() in line for line in [*lines]))
+
+
+@pytest.mark.parametrize("name", ["content_filter_options", "qos_overriding_options"])
+def test_an_argument_that_the_engine_lacks_is_refused_and_not_ignored(ros: Ros, name: str) -> None:
+    given: Any = {name: object()}
+    with pytest.raises(TypeError, match=name):
+        ros.node().create_subscription(String, "topic", print, 10, **given)

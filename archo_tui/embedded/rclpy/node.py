@@ -257,7 +257,6 @@ class Node(NodeParameters, Destroyable):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: PublisherEventCallbacks | None = None,
-        qos_overriding_options: None = None,
         publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
         """Create a publisher."""
@@ -281,9 +280,7 @@ class Node(NodeParameters, Destroyable):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: SubscriptionEventCallbacks | None = None,
-        qos_overriding_options: None = None,
         raw: bool = False,
-        content_filter_options: None = None,
     ) -> Subscription[MsgT]:
         """Create a subscription."""
         self._use()
