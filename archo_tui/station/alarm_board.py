@@ -6,7 +6,7 @@ acknowledged it; a shelved one is silent for a limited time.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
 
 from archo_tui.robot.period import LEAST_SILENCE, Pause
@@ -75,11 +75,17 @@ class AlarmBoard:
         return board
 
     def update(
-        self, found: dict[str, str], monotonic: float, now: float, known_over: Iterable[str] = ()
+        self,
+        found: dict[str, str],
+        monotonic: float,
+        now: float,
+        known_over: Iterable[str] = (),
+        unknown: Collection[str] = (),
     ) -> list[Alarm]:
         """Raise, clear, replace and unshelve alarms by the conditions that hold now.
 
-        `known_over` may be cleared although contact is lost. An alarm that comes off the shelf
+        Those in `unknown` stay as they are; `known_over` may be cleared although contact is lost,
+        which makes all that the robot reports unknown. An alarm that comes off the shelf
         while its condition holds is returned twice: gone, and raised again.
         """
         self._pause = self._pause.checked_at(monotonic)
@@ -87,9 +93,13 @@ class AlarmBoard:
         recent = self._recent(found, monotonic)
         # The warning of a part that has just reported an error is none beside it.
         graver = {name for name in recent if self._is_active(name)}
-        found = {name: text for name, text in found.items() if graver_name(name) not in graver}
-        found |= recent
-        self._pending = {name: self._pending.get(name, monotonic) for name in found}
+        found = {
+            name: text
+            for name, text in {**found, **recent}.items()
+            if graver_name(name) not in graver
+        }
+        pending = [*found, *(name for name in unknown if name in self._pending)]
+        self._pending = {name: self._pending.get(name, monotonic) for name in pending}
         for name, text in found.items():
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
@@ -112,7 +122,8 @@ class AlarmBoard:
                     changed += self._change(alarm, Change.REPLACED, now)
                 continue
             is_reported = kind_of(alarm.name).is_reported and alarm.name not in known_over
-            if CONTACT_LOST in found and is_reported:
+            is_unknown = alarm.name in unknown or (CONTACT_LOST in found and is_reported)
+            if is_unknown:
                 text = alarm.text.removesuffix(LAST_KNOWN) + LAST_KNOWN
                 self._alarms[alarm.name] = alarm._replace(text=text)
                 continue

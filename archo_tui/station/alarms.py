@@ -1,6 +1,6 @@
 """The alarms, one entry each, and an alarm with its state by ISA-18.2.
 
-A further alarm is a function in conditions.py, a row of KINDS here, and a row of docs/alarms.md.
+A further alarm is a function in conditions.py, a row of _ALL here, and a row of docs/alarms.md.
 """
 
 from __future__ import annotations
@@ -139,19 +139,30 @@ def graver_name(name: str) -> str:
     return kind.graver and kind.graver + name.removeprefix(kind.name)
 
 
-def conditions(seen: Situation) -> dict[str, str]:
-    """Return the texts of the alarms whose conditions hold, by their full names.
+class Conditions(NamedTuple):
+    """The alarms by their full names whose conditions hold, and of which nothing is known now."""
+
+    texts: dict[str, str]
+    unknown: frozenset[str] = frozenset()
+
+
+def conditions(seen: Situation) -> Conditions:
+    """Evaluate the conditions of all alarms.
 
     While contact is lost, nothing is concluded from the robot's last messages but by diagnostics
     that are still received.
     """
     is_lost = seen.contact_is_lost
-    found = {}
+    texts, unknown = dict[str, str](), set[str]()
     for kind in _ALL:
         is_left_out = is_lost and kind.is_reported and kind.condition not in _STILL_HEARD
         for subject, text in () if is_left_out else kind.condition(seen):
-            found[f"{kind.name} {subject}".rstrip()] = text
-    return found
+            name = f"{kind.name} {subject}" if subject else kind.name
+            if text is None:
+                unknown.add(name)
+            else:
+                texts[name] = text
+    return Conditions(texts, frozenset(unknown))
 
 
 _STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
@@ -194,7 +205,7 @@ class Alarm(NamedTuple):
         return self.kind.priority
 
     @property
-    def waits_for_acknowledgement(self) -> bool:
+    def holds_until_acknowledged(self) -> bool:
         """True if it holds the queue until the operator acknowledges it."""
         return self.kind.holds is Holds.UNTIL_ACKNOWLEDGED
 
@@ -239,7 +250,7 @@ def holding(alarms: Iterable[Alarm]) -> Holding:
     now = (
         alarm.name
         for alarm in active
-        if not alarm.waits_for_acknowledgement or alarm.state == AlarmState.UNACKNOWLEDGED
+        if not alarm.holds_until_acknowledged or alarm.state == AlarmState.UNACKNOWLEDGED
     )
     return Holding(next(now, ""), frozenset(alarm.name for alarm in active))
 

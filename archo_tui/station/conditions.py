@@ -1,7 +1,8 @@
 """The conditions of alarms: each says in which situation it holds, and with which words.
 
 Pure functions over a Situation. Each yields what it is about (a node, a topic, a part; "" for
-the robot) and a text: what is the case, and behind a colon what to do.
+the robot) and a text: what is the case, and behind a colon what to do. None in place of the text
+says that nothing is known of it now: an alarm that stands is then the last that was known.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from archo_tui.robot.state import (
     not_offered,
 )
 
-Found = Iterator[tuple[str, str]]
+Found = Iterator[tuple[str, str | None]]
 
 _ANSWER_TIME = 1.0  # Seconds that a STOP may take before it is an alarm.
 _MOST_OFFSETS = 3  # Clocks that are named.
@@ -155,8 +156,9 @@ def contact_lost(seen: Situation) -> Found:
 
 def battery_empty(seen: Situation) -> Found:
     battery, described = seen.snapshot.battery, seen.snapshot.file.battery
-    charge = None if battery.is_old(seen.now) else battery.percentage
-    if charge is not None and charge <= 0.0:
+    if battery.percentage is None or battery.is_old(seen.now):
+        yield "", None
+    elif battery.percentage <= 0.0:
         refuses = described is not None and described.empty_refuses_moves
         more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
         yield "", f"BATTERY EMPTY: {more}"
@@ -164,9 +166,11 @@ def battery_empty(seen: Situation) -> Found:
 
 def low_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
-    if battery.percentage is None or battery.percentage <= 0.0 or battery.is_old(seen.now):
+    if battery.is_old(seen.now) or (battery.percentage is None and not battery.charging):
+        yield "", None
+    elif battery.percentage is None or battery.percentage <= 0.0 or battery.charging:
         return
-    if is_battery_low(seen.snapshot) and not battery.charging:
+    elif is_battery_low(seen.snapshot):
         is_moving = seen.snapshot.running_goal is not None
         dock = "dock the robot when this move is done" if is_moving else "dock the robot"
         yield "", f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
@@ -175,6 +179,7 @@ def low_battery(seen: Situation) -> Found:
 def unhealthy_battery(seen: Situation) -> Found:
     battery = seen.snapshot.battery
     if not battery.health or battery.is_old(seen.now):
+        yield "", None
         return
     meaning = battery_health(seen.snapshot)
     if not meaning:
@@ -220,8 +225,10 @@ def goal_silent(seen: Situation) -> Found:
 
 def gauge_warning(seen: Situation) -> Found:
     for reading in seen.snapshot.gauges:
-        if reading.warning and not reading.is_old(seen.now):
-            title, unit = reading.gauge.title, reading.gauge.unit
+        title, unit = reading.gauge.title, reading.gauge.unit
+        if reading.value is None or reading.is_old(seen.now):
+            yield title, None
+        elif reading.warning:
             value = f"{title.upper()} {reading.value:g} {unit}".rstrip()
             yield title, f"{value}: {reading.warning}"
 

@@ -219,7 +219,7 @@ class Station:
         found = conditions(Situation(self._snapshot, now, self.host.states(), *troubles))
         # A confirmed release ends the alarm also while the robot reports nothing.
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)
-        changed = self._board.update(found, now, self.clock.now(), known_over)
+        changed = self._board.update(found.texts, now, self.clock.now(), known_over, found.unknown)
         self._record(changed)
         self.goals.update(self._snapshot, holding(self._board.all()))
         self.approvals.close_outdated()

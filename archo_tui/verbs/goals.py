@@ -30,9 +30,10 @@ def low_battery_question(station: Station, does: str) -> Question | None:
     """
     snapshot = station.robot.snapshot
     active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-    if any(alarm.waits_for_acknowledgement and alarm.acknowledged for alarm in active):
+    of_battery = [alarm for alarm in active if alarm.holds_until_acknowledged]
+    if any(alarm.acknowledged for alarm in of_battery):
         return None
-    if not is_battery_low(snapshot):
+    if not (of_battery or is_battery_low(snapshot)):  # An alarm may stand as last known.
         return None
     battery = snapshot.battery
     charge = "" if battery.percentage is None else f", {battery.percentage:.1f} %"
@@ -45,7 +46,7 @@ def _accept_low_battery(station: Station) -> None:
     """Acknowledge the alarm that was asked about, so that it does not hold the goals behind it."""
     if low_battery_question(station, "") is not None:
         active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-        station.acknowledge([alarm for alarm in active if alarm.waits_for_acknowledgement])
+        station.acknowledge([alarm for alarm in active if alarm.holds_until_acknowledged])
 
 
 class Go(Verb):

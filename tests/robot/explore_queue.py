@@ -272,7 +272,7 @@ def restart(world: World) -> World:
     queue = module.GoalQueue(submitted=before.submitted, ended=before.ended)
     typed = [entry for entry in world.typed if entry[0] not in [goal.number for goal in kept]]
     first = before.submitted + 1
-    typed += [(first + place, first, YOU) for place in range(len(kept))]
+    typed += [(first + place, first + place, YOU) for place in range(len(kept))]
     settled = (*world.settled, *(goal.number for goal in kept))
     world = world._replace(
         restarts_left=world.restarts_left - 1,

@@ -145,6 +145,28 @@ def test_an_alarm_does_not_take_the_place_of_another_reason() -> None:
     assert (going.hold_reason, sent) == ("", "7")
 
 
+def test_an_alarm_that_holds_nothing_is_not_named_by_a_later_hold() -> None:
+    low = Alarm(LOW_BATTERY, "", 0.0)
+    driving, _ = look(queue(), Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), [low])
+    waiting = driving.submit([target(7)], Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)))
+    held, _ = look(waiting, Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED)))
+    assert held.hold_reason == "aborted"
+
+
+def test_a_refused_goal_from_before_a_restart_leaves_the_others_held() -> None:
+    restored = GoalQueue().restore([target(1), target(2)])
+    sent = restored.resume(0).seen(Snapshot(file=ARCHO), 0.0, 0)
+    refused = sent.hand_over().answered(Outcome(Code.REFUSED, "no"))
+    assert ([goal.text for goal in refused.waiting], refused.hold_reason) == (["2"], "refused")
+
+
+def test_a_queue_that_is_held_on_is_told_once() -> None:
+    held, _ = look(queue(7), ARRIVED._replace(motion=Motion(stopped=True)))
+    again = held.resume(0).seen(ARRIVED._replace(motion=Motion(stopped=True)), 0.0, 0)
+    assert again.hold_reason == "STOP"
+    assert [deed for deed in again.todo if deed.do is Do.NOTE] == []
+
+
 def test_without_a_goal_on_its_way_there_is_nothing_to_drop_or_call_off() -> None:
     waiting = queue(7)
     assert waiting.drop() == waiting

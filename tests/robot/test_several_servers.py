@@ -285,7 +285,7 @@ async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_anoth
         await until(lambda: clock.seconds() > later)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.is_running, it.snapshot.goal
-        assert (await ended(it.cancel())).ok
+        await ended(it.cancel())  # Either may answer first.
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.CANCELLED)
         executor.create_task(late.destroy_node)
 

@@ -21,6 +21,7 @@ from archo_tui.robot.state import (
     StopAnswer,
 )
 from archo_tui.screens.alarms import AlarmRow, alarm_lines
+from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
@@ -32,7 +33,7 @@ from archo_tui.station.alarms import (
     kind_of,
     remedy_hints,
 )
-from archo_tui.station.conditions import open_stop_texts
+from archo_tui.station.conditions import Situation, open_stop_texts
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.widgets.bars import banner, header
@@ -611,3 +612,45 @@ def test_an_error_takes_the_place_of_the_warning_of_its_part() -> None:
     board.update(error, 7, 7)
     (alarm,) = board.all()
     assert (alarm.name, alarm.priority) == ("diagnostics error motor", Priority.HIGH)
+
+
+def board_at(snapshot: Snapshot, board: AlarmBoard, now: float) -> list[tuple[str, str, bool]]:
+    """What stands on the board after a look: names, texts, and whether they are over."""
+    found = alarms.conditions(Situation(snapshot, now))
+    board.update(found.texts, now, now, (), found.unknown)
+    return [(alarm.name, alarm.text, alarm.is_over) for alarm in board.all()]
+
+
+@pytest.mark.parametrize(
+    "after", [{"received": NOW - 60.0}, {"percentage": None}], ids=["silent", "unreadable"]
+)
+def test_a_battery_that_is_not_known_any_more_is_as_empty_as_it_was(after: dict[str, Any]) -> None:
+    board, empty = AlarmBoard(), STATES["battery empty"]
+    board_at(empty, board, NOW)
+    ((name, text, _),) = board_at(empty, board, NOW + 3.0)
+    assert name == BATTERY_EMPTY
+    unknown = empty._replace(battery=replace(empty.battery, **after))
+    unknown = unknown._replace(motion=replace(unknown.motion, received=NOW + 10.0))
+    assert board_at(unknown, board, NOW + 10.0) == [(name, f"{text} (last known)", False)]
+    assert board_at(NORMAL, board, NOW + 11.0)[0][2]
+
+
+def test_a_battery_that_is_low_between_unreadable_values_is_low() -> None:
+    low, board = STATES["battery low and moving"], AlarmBoard()
+    unreadable = low._replace(battery=replace(low.battery, percentage=None, health=None))
+    for number in range(6):
+        seen = board_at(low if number % 2 else unreadable, board, NOW + 0.6 * number)
+    assert [name for name, _, _ in seen] == []
+    seen = board_at(low, board, NOW + 3.0)
+    assert [name for name, _, _ in seen] == [LOW_BATTERY]
+
+
+def test_a_warning_beside_an_error_of_its_part_waits_for_its_own_delay() -> None:
+    board = AlarmBoard()
+    for now in (0.0, 2.0):
+        board.update({"diagnostics error motor": "E"}, now, now)
+    board.update({"diagnostics motor": "W"}, 2.5, 2.5)
+    board.update({"diagnostics error motor": "E"}, 3.0, 3.0)
+    board.update({}, 3.4, 3.4)
+    raised = board.update({"diagnostics motor": "W"}, 5.1, 5.1)
+    assert "diagnostics motor" not in [alarm.name for alarm in raised]

@@ -13,4 +13,4 @@ def conditions(
     snapshot: Snapshot, now: float, hosted: tuple[Hosted, ...] = (), **more: Any
 ) -> dict[str, str]:
     """Their texts by their names."""
-    return alarms.conditions(Situation(snapshot, now, hosted, **more))
+    return alarms.conditions(Situation(snapshot, now, hosted, **more)).texts

@@ -33,7 +33,7 @@ import os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it may be ignored
 class Interrupts:
     def find_spec(self, name, *_):
-        if name == "rclpy.task":
+        if name == "archo_tui.session":
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Interrupts())
 """

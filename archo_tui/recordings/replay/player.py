@@ -293,7 +293,8 @@ class Player:
         return View(
             snapshot,
             now,
-            float(floor(now)),
+            # The history's samples are that far apart, from the beginning of what was read.
+            self._window.begin + floor(now - self._window.begin),
             now,
             console.engine,
             snapshot.namespace,

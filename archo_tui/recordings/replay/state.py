@@ -219,7 +219,8 @@ class ReplayState:
         # A silence raises its alarms in the first seconds, however long it is.
         for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
             now = self._evaluated_until = float(second)
-            self._board.update(conditions(Situation(self.snapshot, now)), now, now)
+            found = conditions(Situation(self.snapshot, now))
+            self._board.update(found.texts, now, now, unknown=found.unknown)
 
     def _apply_state(self, state: ConsoleState) -> None:
         """Replace the console's state, but keep what messages have told since it was made."""
@@ -333,7 +334,7 @@ class ReplayState:
         They are those that the console recorded, or without a console state are evaluated here,
         which changes this state.
         """
-        found = conditions(Situation(snapshot, now, self.console.hosted))
+        found = conditions(Situation(snapshot, now, self.console.hosted)).texts
         self._evaluate_alarms_until(now)
         alarms = self.console.alarms if self.has_console_state else self._board.all()
         return tuple(

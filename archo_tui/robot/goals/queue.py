@@ -1,8 +1,8 @@
 """The goals that are wanted here as a machine, from typing to their outcome, without I/O.
 
 A goal waits (WAITING, or HELD until the operator continues), is ON_ITS_WAY until the robot has
-answered, and UNDERWAY until it is seen to end; then it is SETTLED. Each method is an event and
-returns the next state, whose `todo` is what is to be done now.
+answered, and UNDERWAY until it is seen to end or counts as lost; then it is SETTLED. Each method is
+an event and returns the next state, whose `todo` is what is to be done now.
 
 At most one goal is on its way. Anything but an arrival holds the rest.
 """
@@ -115,6 +115,7 @@ class GoalQueue(NamedTuple):
     underway: tuple[tuple[QueuedGoal, int], ...] = ()
     todo: tuple[Deed, ...] = ()
     alarm: str = ""  # The alarm that holds the queue; its name changes when it is over.
+    continued: str = ""  # Why it was held until the operator continued, just now.
     ended: frozenset[int] = frozenset()  # The numbers of the ended goals that were shown last.
     submitted: int = 0  # Goals so far.
 
@@ -166,7 +167,8 @@ class GoalQueue(NamedTuple):
     def resume(self, stop_count: int) -> GoalQueue:
         """Continue; the goals count as typed now, so that only a later STOP holds them."""
         waiting = tuple(goal._replace(stop_count=stop_count) for goal in self.waiting)
-        return self._replace(waiting=waiting, hold_reason="", alarm="")
+        reason = self.hold_reason
+        return self._replace(waiting=waiting, hold_reason="", alarm="", continued=reason)
 
     def skip(self) -> GoalQueue:
         """Leave out the next goal; there must be one."""
@@ -194,7 +196,10 @@ class GoalQueue(NamedTuple):
 
     def restore(self, goals: Sequence[QueuedGoal]) -> GoalQueue:
         """Take over the goals that waited before a restart; they are held."""
-        return self.submit(goals, Snapshot(), may_send=False)._hold("restart")
+        after = self
+        for goal in goals:  # Which of them were one list is not known any more.
+            after = after.submit([goal], Snapshot(), may_send=False)
+        return after._hold("restart")
 
     # On the way.
 
@@ -273,9 +278,8 @@ class GoalQueue(NamedTuple):
             after = after._replace(hold_reason="STOP" if after.waiting else "", alarm="")
         elif failures:
             after = after._hold(failures[0])
-        elif holding.now and not after.hold_reason:
-            after = after._hold(holding.now)
-            after = after._replace(alarm=holding.now)
+        elif holding.now and after.waiting and not after.hold_reason:
+            after = after._hold(holding.now)._replace(alarm=holding.now)
         if after.alarm and after.hold_reason:
             is_active = after.alarm in holding.active
             after = after._replace(hold_reason=after.alarm if is_active else _WAS + after.alarm)
@@ -283,7 +287,7 @@ class GoalQueue(NamedTuple):
         if after.waiting and not after.hold_reason and is_free and may_send:
             first, *rest = after.waiting
             after = after._replace(waiting=tuple(rest))._send(first, snapshot, waited=True)
-        return after
+        return after._replace(continued="")
 
     def _settled(self, snapshot: Snapshot, now: float) -> GoalQueue:
         after = self
@@ -314,8 +318,9 @@ class GoalQueue(NamedTuple):
         if not self.waiting or self.hold_reason:
             return self
         texts = ", ".join(goal.text for goal in self.waiting)
-        after = self._replace(hold_reason=reason)
-        after = after._do(Deed(Do.NOTE, text=f"queue held: {texts} ({reason})"))
+        after = self._replace(hold_reason=reason, continued="")
+        if reason != self.continued.removeprefix(_WAS):  # Else it was told, and is held on.
+            after = after._do(Deed(Do.NOTE, text=f"queue held: {texts} ({reason})"))
         return after._tell_held(after.waiting)
 
     def _tell_held(self, goals: Sequence[QueuedGoal]) -> GoalQueue:
