@@ -460,7 +460,7 @@ def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
     told = [(codes(row["alarm"])[0], codes(row["priority"])[0], row["after"]) for row in rows]
     assert told == [
         (kind.name, kind.priority.value, f"{kind.delay:g} s" if kind.delay else "")
-        for kind in alarms.KINDS.values()
+        for kind in alarms.KINDS
     ]
 
 

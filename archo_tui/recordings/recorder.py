@@ -40,7 +40,7 @@ class _Recording:
     """A recording that goes on: the messages in the ring, and those that follow.
 
     One of an event is written as a whole when it has ended, by the clock of then. One of
-    everything, whose folder is `to`, is written each second, by the clock of its beginning.
+    everything, whose first folder is `to`, is written each second, by the clock of its beginning.
     """
 
     def __init__(self, ring: Ring, clock: Clock, why: str, seconds: float, to: Path | None) -> None:
@@ -231,7 +231,7 @@ class BlackBox:
             self._thread.start()
         self._jobs.put(job)
 
-    # All below runs on the writing thread.
+    # On the writing thread, but for `_report_failure`.
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:

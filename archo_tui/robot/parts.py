@@ -30,10 +30,13 @@ from archo_tui.robot_file.model import RobotFile
 
 
 class Parts:
-    """The parts of the robot's side. Those that no comment names belong to the ROS thread."""
+    """The parts of the robot's side. Those that no comment names change on the ROS thread only.
+
+    Requests read some of them on the event loop: names, parameters, the goal, the open STOP.
+    """
 
     file: RobotFile
-    clock: Clock  # Of all times. Any thread.
+    clock: Clock  # Any thread.
     begun: float  # When this console started, in monotonic seconds.
     watching: bool  # True if every request that changes something is refused.
     own_nodes: Callable[[], Collection[str]]  # The full names of the nodes that run here.

@@ -1,6 +1,6 @@
 """The alarms, one entry each, and an alarm with its state by ISA-18.2.
 
-A further alarm is a function in conditions.py, a row of _ALL here, and a row of docs/alarms.md.
+A further alarm is a function in conditions.py, a row of KINDS here, and a row of docs/alarms.md.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Kind(NamedTuple):
 _HIGH, _MED, _LOW = Priority
 _AFTER_GRAPH = 30.0  # A killed node stays on the graph of ROS 2 for about 20 s.
 # Of one priority, the one that is listed first is shown first.
-_ALL = (
+KINDS = (
     Kind("moves after stop", _HIGH, when.moves_after_stop),
     Kind("stop not confirmed", _HIGH, when.stop_unconfirmed),
     Kind("stop not certain", _HIGH, when.stop_uncertain, 1.0),
@@ -124,13 +124,13 @@ _ALL = (
     Kind("journal not written", _LOW, when.journal_not_written),
     Kind("recordings", _LOW, when.recording_trouble),
 )
-KINDS = {kind.name: kind for kind in _ALL}
+_BY_NAME = {kind.name: kind for kind in KINDS}
 
 
 def kind_of(name: str) -> Kind:
     """Return the kind of an alarm by its full name."""
-    with_text = (kind for kind in _ALL if kind.has_text and name.startswith(f"{kind.name} "))
-    return next(with_text, None) or KINDS[name.partition(" /")[0]]
+    with_text = (kind for kind in KINDS if kind.has_text and name.startswith(f"{kind.name} "))
+    return next(with_text, None) or _BY_NAME[name.partition(" /")[0]]
 
 
 def graver_name(name: str) -> str:
@@ -154,7 +154,7 @@ def conditions(seen: Situation) -> Conditions:
     """
     is_lost = seen.contact_is_lost
     texts, unknown = dict[str, str](), set[str]()
-    for kind in _ALL:
+    for kind in KINDS:
         is_left_out = is_lost and kind.is_reported and kind.condition not in _STILL_HEARD
         for subject, text in () if is_left_out else kind.condition(seen):
             name = f"{kind.name} {subject}" if subject else kind.name
@@ -228,7 +228,7 @@ class Alarm(NamedTuple):
     def rank(self) -> tuple[bool, bool, bool, int]:
         """The key to sort alarms by: what needs attention first comes first, shelved ones last."""
         shelved = self.state == AlarmState.SHELVED
-        return shelved, self.acknowledged, self.is_over, _ALL.index(self.kind)
+        return shelved, self.acknowledged, self.is_over, KINDS.index(self.kind)
 
 
 def any_urgent(alarms: Iterable[Alarm]) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import (
+    ConditionReachedException,
     Executor,
     ExternalShutdownException,
     MultiThreadedExecutor,
@@ -284,6 +285,30 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
     executor.shutdown(0)
 
 
+def test_a_node_that_is_removed_in_a_callback_still_runs_what_is_ready(ros: Ros) -> None:
+    node = ros.node()
+    executor = SingleThreadedExecutor(context=ros.context)
+    ran: list[str] = []
+
+    def leave() -> None:
+        ran.append("timer")
+        executor.remove_node(node)
+
+    node.create_timer(0.2, leave)
+    node.create_timer(0.2, lambda: ran.append("another timer"))
+    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 10)
+    publisher = node.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    executor.add_node(node)
+    for _ in range(2):
+        publisher.publish(Int32())
+    pass_time(0.3)  # all of it is ready
+    for _ in range(6):
+        executor.spin_once(timeout_sec=0.05)
+    assert ran == ["timer", "another timer", "message"]  # the second message is the next round's
+    executor.shutdown(0)
+
+
 def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> None:
     nodes = ros.node("first"), ros.node("second")
     executor = SingleThreadedExecutor(context=ros.context)
@@ -301,7 +326,7 @@ def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> No
     executor.shutdown(0)
 
 
-def test_a_due_timer_comes_before_messages_and_nothing_waits_behind_a_full_queue(
+def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_services(
     ros: Ros,
 ) -> None:
     node, other = ros.node("busy"), ros.node("other")
@@ -332,9 +357,47 @@ def test_a_due_timer_comes_before_messages_and_nothing_waits_behind_a_full_queue
     executor.create_task(lambda: ran.append("task"))
     while len(ran) < 7:
         executor.spin_once(1.0)
-    assert sorted(ran[:5]) == ["service", "task", "timer", "x", "y"]
-    assert ran.index("timer") < ran.index("x")
-    assert ran[5:] == ["x", "x"]
+    assert ran == ["task", "timer", "x", "y", "service", "x", "x"]
+    executor.shutdown(0)
+
+
+def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them(ros: Ros) -> None:
+    node, other = ros.node("busy"), ros.node("other")
+    ran: list[str] = []
+    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 100)
+    publisher = other.create_publisher(Int32, "topic", 100)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    for _ in range(100):
+        publisher.publish(Int32())
+    pass_time(0.2)
+    executor.spin_once(1.0)
+    executor.create_task(lambda: ran.append("task"))
+    executor.spin_once(1.0)
+    executor.spin_once(1.0)
+    assert ran == ["message", "task", "message"]
+    executor.shutdown(0)
+
+
+def test_after_a_rest_tasks_come_first_again(ros: Ros) -> None:
+    node, other = ros.node("rested"), ros.node("other")
+    ran: list[str] = []
+    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 10)
+    publisher = other.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    for _ in range(2):
+        executor.create_task(lambda: ran.append("task"))
+        executor.spin_once(1.0)
+        executor.spin_once(0.05)  # nothing to do
+        publisher.publish(Int32())
+        pass_time(0.2)
+        executor.create_task(lambda: ran.append("task"))
+        executor.spin_once(1.0)
+        executor.spin_once(1.0)
+    assert ran == ["task", "task", "message"] * 2
     executor.shutdown(0)
 
 
@@ -360,7 +423,7 @@ def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
     node.create_subscription(Int32, "a", lambda m: heard.append(m.data), 10)
     node.create_publisher(Int32, "a", 10).publish(Int32(data=7))
     executor.create_task(lambda: None)
-    while heard != [7] or "a task" not in executor.order:
+    while heard != [7]:
         executor.spin_once(10.0)
     assert set(executor.order) == {"a task", "node"}
     with pytest.raises(TimeoutException):
@@ -437,6 +500,23 @@ def test_an_executor_of_ones_own_has_no_spin_but_its_own(ros: Ros) -> None:
     executor.shutdown()
 
 
+def test_what_is_ready_is_asked_for_by_nodes_and_until_a_condition_holds(ros: Ros) -> None:
+    one, other = ros.node("one"), ros.node("other")
+    executor = SingleThreadedExecutor(context=ros.context)
+    for node in (one, other):
+        executor.add_node(node)
+        node.create_subscription(Int32, "a", lambda _: None, 10)
+    one.create_publisher(Int32, "a", 10).publish(Int32())
+    wanted = [other]
+    task, entity, whose = executor.wait_for_ready_callbacks(10.0, wanted)
+    task()
+    assert whose is other
+    assert entity in list(other.subscriptions)
+    with pytest.raises(ConditionReachedException):
+        executor.wait_for_ready_callbacks(condition=lambda: True, nodes=[])
+    executor.shutdown()
+
+
 def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
     executor = SingleThreadedExecutor(context=ros.context)
     node = ros.node()
@@ -457,19 +537,3 @@ def test_a_group_knows_its_own(ros: Ros) -> None:
     for ask in (group.can_execute, group.beginning_execution, group.ending_execution):
         with pytest.raises(AssertionError):
             ask(other)
-
-
-def test_timers_that_are_always_due_leave_messages_their_turn(ros: Ros) -> None:
-    node, received = ros.node("busy"), list[Int32]()
-    for _ in range(2):
-        node.create_timer(0.0, lambda: None)
-    node.create_subscription(Int32, "topic", received.append, 10)
-    publisher = node.create_publisher(Int32, "topic", 10)
-    wait_until(lambda: publisher.get_subscription_count() == 1)
-    publisher.publish(Int32())
-    executor = SingleThreadedExecutor(context=ros.context)
-    executor.add_node(node)
-    for _ in range(100):
-        executor.spin_once(0.1)
-    assert received
-    executor.shutdown()

@@ -49,7 +49,7 @@ IMPORTED = {
     ),
     "rclpy.executors": (
         "Executor ExternalShutdownException MultiThreadedExecutor ShutdownException "
-        "SingleThreadedExecutor TimeoutException await_or_execute"
+        "SingleThreadedExecutor TimeoutException ConditionReachedException await_or_execute"
     ),
     "rclpy.experimental": "EventsExecutor",
     "rclpy.expand_topic_name": "expand_topic_name",

@@ -62,6 +62,8 @@ class Entity(Destroyable):
     A new entity joins its callback group. Leaving a `with` destroys the entity.
     """
 
+    # The order in a round: actions, timers, subscriptions, clients, services.
+    _rank = 1
     callback: Any = None
     _taken_by: Entity | None = None  # An entity that takes the work of several.
 
@@ -146,7 +148,7 @@ class ServiceEnd(Destroyable):
 class QueueEntity(Entity):
     """An entity with a queue of received items; a full queue drops its oldest item.
 
-    Its executor takes one item a turn, so that no full queue keeps another entity waiting. A
+    Its executor takes one item a round, so that no full queue keeps another entity waiting. A
     `size` of None means no bound. An item that comes after `destroy()` is dropped.
     """
 

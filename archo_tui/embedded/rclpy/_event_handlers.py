@@ -100,6 +100,8 @@ class EventHandler(Entity):
     types, which Fast DDS does not report either.
     """
 
+    _rank = 0
+
     def __init__(
         self,
         endpoint: Endpoint,

@@ -26,6 +26,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     A full queue drops the oldest response.
     """
 
+    _rank = 4
+
     def __init__(
         self,
         node: Node,

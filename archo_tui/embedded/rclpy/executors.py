@@ -1,8 +1,8 @@
 """Executors, which run the callbacks of their nodes while somebody spins them.
 
-What is ready stands in one queue and gets one turn: an entity that has more work goes behind all
-others. So a task, and a service's answer, never wait behind a queue full of messages. Timers that
-are due come first, as in rclpy, but not twice before something else had its turn.
+As with rclpy's wait set, work is done in rounds: the tasks first, then one piece of work of each
+entity that is ready by then, timers before subscriptions before clients before services. So a task,
+and a service's answer, never wait behind a queue full of messages.
 Waiting costs nothing: a heap of timers, one condition variable.
 """
 
@@ -14,11 +14,12 @@ import itertools
 import os
 import threading
 import warnings
-from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from operator import attrgetter
 from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 Work = Callable[[], Any]  # A task, or what an entity wants called.
 ExecutorT = TypeVar("ExecutorT", bound="Executor")
+_KIND = attrgetter("_rank")
 Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # What to call, its entity and its node.
 
 
@@ -60,6 +62,10 @@ class ExternalShutdownException(Exception):
     """The error for spinning an executor whose context is shut down."""
 
 
+class ConditionReachedException(Exception):
+    """The error for a wait whose condition was fulfilled before there was anything to call."""
+
+
 class Executor:
     """The base of executors, which collects work and hands it out piece by piece.
 
@@ -68,20 +74,25 @@ class Executor:
     executor down.
     """
 
+    _is_concurrent = False  # True if several threads run callbacks.
+
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
             raise RuntimeError("Context must be initialized before an executor can be created")
-        self._nodes: dict[Node, None] = {}  # In the order of adding.
-        self._lock = threading.RLock()  # Taken more cheaply than by the condition.
+        self._nodes: dict[Node, int] = {}  # With its place in the order of adding.
+        self._lock = threading.RLock()
         self._condition = threading.Condition(self._lock)
-        self._ready: OrderedDict[Entity | Task[Any], None] = OrderedDict()
-        self._due: deque[Entity] = deque()  # Timers, which come before what is ready.
-        self._timers_wait = False  # True until something else than a timer had its turn.
+        self._tasks: deque[Task[Any]] = deque()
+        self._ready: dict[Entity, None] = {}  # In the order in which they became ready.
+        self._round: deque[Entity | Task[Any]] = deque()  # The rest of the current round.
         self._blocked: list[Entity] = []  # Ready, but their callback group is taken.
         self._timers: list[tuple[int, int, TimedEntity]] = []
+        self._due_ns: int | None = None  # The next timer; known if no work is left.
         self._order = itertools.count()
+        self._asked: tuple[object, ...] = ()  # The nodes for which the current round began.
         self._is_shutdown = False
+        self._had_tasks = False  # True if the round's tasks are done and its entities come next.
         self._notified = False  # True once all waiting threads have been woken.
         self._context.on_shutdown(self.wake)
 
@@ -98,7 +109,7 @@ class Executor:
         with self._condition:
             if node in self._nodes:
                 return False
-            self._nodes[node] = None
+            self._nodes[node] = next(self._order)
             node.executor = self
             for entity in node._entities():
                 if isinstance(entity, TimedEntity):
@@ -109,7 +120,7 @@ class Executor:
             return True
 
     def remove_node(self, node: Node) -> None:
-        """Stop running this node's callbacks.
+        """Stop running this node's callbacks after those of the current round.
 
         `node.executor` stays as it is. A node that was not added is ignored.
         """
@@ -123,9 +134,7 @@ class Executor:
         with self._condition:
             self._timers = [entry for entry in self._timers if entry[2]._node is not node]
             heapq.heapify(self._timers)
-            for item in [i for i in self._ready if isinstance(i, Entity) and i._node is node]:
-                del self._ready[item]
-            self._due = deque(e for e in self._due if e._node is not node)
+            self._ready = {e: None for e in self._ready if e._node is not node}
             self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
@@ -138,7 +147,9 @@ class Executor:
         The task runs when the executor is spun.
         """
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
-        self._resume(task)
+        with self._condition:
+            self._tasks.append(task)
+            self._notify()
         return task
 
     def create_future(self) -> Future[Any]:
@@ -188,16 +199,33 @@ class Executor:
         """Return True if the entity's group lets its callback start, without claiming the group."""
         return entity.callback_group.can_execute(entity)
 
-    def wait_for_ready_callbacks(self, timeout_sec: float | None = None) -> Ready:
+    def wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Collection[Node] | None = None,
+        condition: Callable[[], bool] = _never,
+    ) -> Ready:
         """Return the next task to call, with its entity and node, for a user's own executor.
 
         The entity's callback group is taken until the task has been called. Entity and node are
         None for a task of `create_task`.
         """
-        work, entity = self._next_work(timeout_sec, _never)
-        if entity is None:
-            return work, None, None  # type: ignore[return-value]  # a task
-        return Task(self._execute, (work, entity), executor=self), entity, entity._node
+        return next(self._wait_for_ready_callbacks(timeout_sec, nodes, condition))
+
+    def _wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Collection[Node] | None = None,
+        condition: Callable[[], bool] = _never,
+    ) -> Iterator[Ready]:
+        """Yield one result of `wait_for_ready_callbacks` after the other, until it raises."""
+        while True:
+            work, entity = self._next_work(timeout_sec, condition, nodes)
+            if entity is None:
+                yield work, None, None  # type: ignore[misc]  # a task
+            else:
+                task: Task[None] = Task(self._execute, (work, entity), executor=self)
+                yield task, entity, entity._node
 
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -252,8 +280,8 @@ class Executor:
                 self._run_task(task)
             else:
                 group.ending_execution(entity)
-        with self._lock:  # Another thread may find the group taken just now.
-            if self._blocked:
+        if self._blocked or self._is_concurrent:
+            with self._condition:
                 self._ready.update(dict.fromkeys(self._blocked))
                 self._blocked.clear()
 
@@ -281,10 +309,9 @@ class Executor:
                     self._notify()
 
     def _resume(self, task: Task[Any]) -> None:
-        """Queue a new task, or one whose awaited future is done."""
+        """Queue a task whose awaited future is done, without waking a waiting spin."""
         with self._condition:
-            self._ready[task] = None
-            self._notify()
+            self._tasks.append(task)
 
     def _add_timer(self, timer: TimedEntity) -> None:
         with self._condition:
@@ -293,61 +320,119 @@ class Executor:
                 self._notify()
 
     def _next_work(
-        self, timeout_sec: float | None, stop: Callable[[], bool]
+        self,
+        timeout_sec: float | None,
+        stop: Callable[[], bool],
+        nodes: Collection[Node] | None = None,
     ) -> tuple[Work, Entity | None]:
-        """Block until there is a piece of work, and take it.
+        with self._condition:
+            self._check_alive()
+            asked = timeout_sec, stop, nodes
+            if asked != self._asked:  # rclpy builds a new wait set then, without what was removed.
+                self._asked = asked
+                kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
+                self._round = deque(kept)
+            found = None if self._has_nothing_to_do() else self._pop_ready(nodes)
+            return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
 
-        TimeoutException is raised when the time is up, or `stop()` returned True.
+    def _has_nothing_to_do(self) -> bool:
+        """Return True if no work is left and no timer is due, so that a new round begins.
+
+        In that case the time of the next timer is noted for the wait.
         """
-        deadline: int | None = -1  # Unknown until it is needed.
-        with self._lock:
-            while True:
-                if self._is_shutdown:
-                    raise ShutdownException
-                if not self._context._ok:
-                    raise ExternalShutdownException
-                found = self._pop()
-                if found is not None:
-                    return found
-                if deadline == -1:
-                    deadline = _time_source.deadline_ns(timeout_sec)
-                if stop() or (deadline is not None and _time_source.monotonic_ns() >= deadline):
-                    raise TimeoutException
-                until = self._timers[0][0] if self._timers else deadline
-                if deadline is not None and until is not None:
-                    until = min(until, deadline)
-                self._notified = False
-                _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+        if self._round or self._ready or self._tasks:
+            return False
+        self._had_tasks = False
+        self._due_ns = self._timers[0][0] if self._timers else None
+        return self._due_ns is None or self._due_ns > _time_source.monotonic_ns()
+
+    def _wait_for_work(
+        self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
+    ) -> tuple[Work, Entity | None]:
+        """Block until there is a piece of work, and take it; the caller holds the condition."""
+        deadline = _time_source.deadline_ns(timeout_sec)
+        while True:
+            if stop():
+                raise ConditionReachedException
+            if deadline is not None and _time_source.monotonic_ns() >= deadline:
+                raise TimeoutException
+            until = self._due_ns
+            if deadline is not None and (until is None or deadline < until):
+                until = deadline
+            self._notified = False
+            _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+            self._check_alive()
+            found = self._pop_ready(nodes)
+            if found is not None:
+                return found
+
+    def _check_alive(self) -> None:
+        if self._is_shutdown:
+            raise ShutdownException
+        if not self._context._ok:
+            raise ExternalShutdownException
 
     def _is_idle(self) -> bool:
         """Return True until work is announced, so that a wait goes on."""
         return not self._notified
 
-    def _collect_timers(self) -> None:
-        while self._timers and self._timers[0][0] <= _time_source.monotonic_ns():
-            timer = heapq.heappop(self._timers)[2]
+    def _collect_timers(self) -> int | None:
+        """Queue the timers that are due, and return when the next one is, or None without one.
+
+        The time is monotonic, in ns.
+        """
+        while self._timers:
+            when, _, timer = self._timers[0]
+            if when > _time_source.monotonic_ns():
+                return when
+            heapq.heappop(self._timers)
             # The timer may count simulated time by now.
             if timer._node.executor is self and timer._is_due():
-                self._due.append(timer)
+                self._make_ready(timer)
+        return None
 
-    def _pop(self) -> tuple[Work, Entity | None] | None:
-        """Take the next piece of work, or return None."""
-        while True:
-            if self._timers and not self._due and not (self._timers_wait and self._ready):
-                self._collect_timers()
-                self._timers_wait = bool(self._due)
-            if self._due:
-                item: Entity | Task[Any] = self._due.popleft()
-            elif self._ready:
-                item = self._ready.popitem(last=False)[0]
-                self._timers_wait = False
-            else:
-                return None
+    def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
+        """Take the next piece of work of this round or else of the next, or return None."""
+        others: list[Entity] = []  # Entities of nodes that are not spun now.
+        found: tuple[Work, Entity | None] | None = None
+        while found is None:
+            if not self._round:
+                self._begin_round()
+                if not self._round:
+                    break
+            item = self._round.popleft()
             if isinstance(item, Task):
-                return item, None
-            work = self._take(item)
-            if work is not None:
-                return work, item
+                found = item, None
+            elif nodes is not None and item._node not in nodes:
+                others.append(item)
+            else:
+                work = self._take(item)
+                if work is not None:
+                    found = work, item
+        if others:
+            self._ready.update(dict.fromkeys(others))
+        return found
+
+    def _begin_round(self) -> None:
+        """Fill the round with all waiting tasks, or with all ready entities and due timers.
+
+        After a round of tasks comes one of entities, if any is ready.
+        """
+        if self._tasks and not (self._had_tasks and self._ready):
+            self._had_tasks = True
+            self._round.extend(self._tasks)
+            self._tasks.clear()
+            return
+        self._had_tasks = False
+        self._due_ns = self._collect_timers()
+        self._round.extend(self._sorted(self._ready) if len(self._ready) > 1 else self._ready)
+        self._ready = {}
+
+    def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
+        """Return entities sorted by node, then by kind, then by when they became ready."""
+        if len(self._nodes) == 1:
+            return sorted(entities, key=_KIND)
+        return sorted(entities, key=lambda entity: (self._nodes[entity._node], entity._rank))
 
     def _take(self, entity: Entity) -> Work | None:
         """Claim an entity's callback group and take a piece of its work.
@@ -356,10 +441,11 @@ class Executor:
         as soon as a callback has ended.
         """
         if not entity.callback_group.beginning_execution(entity):
-            self._blocked.append(entity)
+            if entity._node in self._nodes:
+                self._blocked.append(entity)
             return None
         work = entity._take()
-        if entity._waiting():
+        if entity._waiting() and entity._node in self._nodes:  # The node may have left.
             self._ready[entity] = None
         if work is None:
             entity.callback_group.ending_execution(entity)
@@ -386,7 +472,7 @@ class SingleThreadedExecutor(Executor):
     def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
         try:
             work, entity = self._next_work(timeout_sec, stop)
-        except (TimeoutException, ShutdownException):
+        except (TimeoutException, ShutdownException, ConditionReachedException):
             return
         self._run(work, entity)
 
@@ -399,6 +485,8 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
     `spin_once` starts a callback and does not wait for its end: what the callback raises, a later
     `spin_once` raises.
     """
+
+    _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)

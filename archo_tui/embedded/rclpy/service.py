@@ -31,6 +31,8 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     A full queue drops the oldest request.
     """
 
+    _rank = 5
+
     def __init__(
         self,
         node: Node,

@@ -44,6 +44,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     A full queue drops the oldest message.
     """
 
+    _rank = 2
     _follows_changes = False  # True takes the changes of a status instead of all of it.
 
     def __init__(

@@ -161,7 +161,7 @@ class ActionClient:
         ]
 
         for entity in (*self._clients, *self._subscriptions):
-            entity._is_part_of_action = True
+            entity._rank, entity._is_part_of_action = 0, True
         feedback, self._status = self._subscriptions
         # In rclpy's order, except that a goal's status comes before its result.
         self._together = _Together(
@@ -294,7 +294,7 @@ class _Together(Entity):
     rclpy does the same.
     """
 
-    _is_part_of_action = True
+    _rank, _is_part_of_action = 0, True
 
     def __init__(
         self, node: Node, callback_group: CallbackGroup, parts: Sequence[QueueEntity]

@@ -221,7 +221,7 @@ class ActionServer:
         ) -> Service[Any, Any]:
             full = f"{action_name}/_action/{name}"
             service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
-            service._is_part_of_action = True
+            service._rank, service._is_part_of_action = 0, True
             return service
 
         self._services = [
