@@ -54,8 +54,10 @@ class Listing:
             try:
                 with contextlib.suppress(ExternalShutdownException):
                     rclpy.spin(node)
-            except InvalidHandle:  # shut down while a callback published: its publisher is gone
-                if rclpy.ok():
+            except Exception as error:
+                # shut down while a callback published, or just as rclpy builds its wait set
+                is_over = isinstance(error, InvalidHandle) or "context is not valid" in str(error)
+                if rclpy.ok() or not is_over:
                     raise
 
         self._thread = threading.Thread(target=run, daemon=True)

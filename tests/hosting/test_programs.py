@@ -198,7 +198,7 @@ def test_a_program_that_ends_before_its_first_node_ends_alone(
         assert states(session)["/bad"].error == error
         wait_until(lambda: {"last words", f"crashed: {error}"} <= set(texts(session)))
         wait_until(lambda: life(session) is Life.UP)
-        assert said() == ["made"]
+        wait_until(lambda: said() == ["made"])
 
 
 def test_a_program_that_is_not_python_is_an_error_at_the_start() -> None:
