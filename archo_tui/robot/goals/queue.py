@@ -1,7 +1,7 @@
 """The goals that are wanted here as a machine, from typing to their outcome, without I/O.
 
-A goal waits (WAITING, or HELD until the operator continues), is ON_ITS_WAY until the robot has
-answered, and UNDERWAY until it is seen to end or counts as lost; then it is SETTLED. Each method is
+A goal waits, or is held until the operator continues; it is on its way until the robot has
+answered, and underway until it is seen to end or counts as lost; then it is settled. Each method is
 an event and returns the next state, whose `todo` is what is to be done now.
 
 At most one goal is on its way. Anything but an arrival holds the rest.
@@ -48,16 +48,6 @@ class QueuedGoal(NamedTuple):
     def text(self) -> str:
         """The values for people, as `7` or `x 1.5, y 2`; without values the goal's title."""
         return values_text(self.kind, self.values) or self.kind.title
-
-
-class Stage(Enum):
-    """The stage that a goal has reached."""
-
-    WAITING = auto()
-    HELD = auto()
-    ON_ITS_WAY = auto()
-    UNDERWAY = auto()
-    SETTLED = auto()
 
 
 class Do(Enum):
@@ -125,15 +115,6 @@ class GoalQueue(NamedTuple):
         is_driving = self.coming is not None or bool(self.underway)
         return is_driving or (bool(self.waiting) and not self.hold_reason)
 
-    def stage(self, number: int) -> Stage:
-        """Return how far the goal of that number has come."""
-        if any(goal.number == number for goal in self.waiting):
-            return Stage.HELD if self.hold_reason else Stage.WAITING
-        if self.coming is not None and self.coming.goal.number == number:
-            return Stage.ON_ITS_WAY
-        is_underway = any(goal.number == number for goal, _ in self.underway)
-        return Stage.UNDERWAY if is_underway else Stage.SETTLED
-
     def running_goal(self, snapshot: Snapshot) -> Goal | None:
         """Return our goal on its way, else any client's running goal in the snapshot, else None."""
         sent = [*self.underway]
@@ -143,6 +124,10 @@ class GoalQueue(NamedTuple):
             if ours_since(snapshot, before) is None:  # It is not shown yet.
                 return Goal(goal.kind, goal.values, Phase.SENT, 0.0, 0.0)
         return snapshot.running_goal
+
+    def _is_free(self, snapshot: Snapshot) -> bool:
+        """Return True if the next goal may be sent: none runs, and none is on its way."""
+        return self.coming is None and self.running_goal(snapshot) is None
 
     # What the operator or a client does.
 
@@ -160,7 +145,7 @@ class GoalQueue(NamedTuple):
             for place, goal in enumerate(goals)
         ]
         after = self._replace(submitted=self.submitted + len(goals))
-        if may_send and self.coming is None and self.running_goal(snapshot) is None:
+        if may_send and self._is_free(snapshot):
             after = after._send(goals.pop(0), snapshot, waited=False)
         return after._replace(waiting=(*after.waiting, *goals))._tell_held(goals)
 
@@ -254,8 +239,6 @@ class GoalQueue(NamedTuple):
         now: float,
         stop_count: int,
         holding: Holding = Holding(),  # noqa: B008 - immutable
-        *,
-        may_send: bool = True,
     ) -> GoalQueue:
         """Settle what has ended, hold the queue if it is time, or send the goal that is due.
 
@@ -283,8 +266,7 @@ class GoalQueue(NamedTuple):
         if after.alarm and after.hold_reason:
             is_active = after.alarm in holding.active
             after = after._replace(hold_reason=after.alarm if is_active else _WAS + after.alarm)
-        is_free = after.coming is None and after.running_goal(snapshot) is None
-        if after.waiting and not after.hold_reason and is_free and may_send:
+        if after.waiting and not after.hold_reason and after._is_free(snapshot):
             first, *rest = after.waiting
             after = after._replace(waiting=tuple(rest))._send(first, snapshot, waited=True)
         return after._replace(continued="")
