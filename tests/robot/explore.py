@@ -12,7 +12,6 @@ from __future__ import annotations
 import sys
 import time
 from bisect import bisect_left
-from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
 from types import ModuleType
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.robot.state import Latch, Motion, StopAnswer
 from archo_tui.robot.stop import machine as the_machine
+from tests.robot.exploring import Found, breadth_first, promise
 
 STEP = 0.5  # Seconds between two ticks of this world.
 _OLDEST = -1.0  # Ages beyond it are the same to every rule.
@@ -80,10 +80,6 @@ class World(NamedTuple):
     outsiders_left: int = 0  # Releases that no console makes, and only the robot's reports tell.
     is_reported: bool = True  # The robot has reported its motion since.
     is_past: bool = False  # The STOP was given up or released: nothing follows it any more.
-
-
-class Broken(AssertionError):
-    """A promise that does not hold."""
 
 
 def begin(
@@ -166,7 +162,7 @@ def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool =
         result, turn, 0.0, next_turn(world), asked, served(world), (), is_late=is_late
     )
     if result.is_yes and before.open is not None and turn < before.first_turn:
-        _promise(stop.open is not None, "a yes to an earlier STOP confirms no later one")
+        promise(stop.open is not None, "a yes to an earlier STOP confirms no later one")
     is_back = result.is_yes and not stop.is_given_up  # A late yes to one that was given up.
     return world._replace(stop=stop, is_past=world.is_past and not is_back)
 
@@ -208,7 +204,7 @@ def deliver(number: int, world: World) -> World:
     if "n" not in request.answers:
         before, stop = stop, stop.release_accepted(request.turn, 0.0, next_turn(world))
         if before.latch is not Latch.NONE and request.turn <= before.peer_turn:
-            _promise(stop.latch is not Latch.NONE, "a release from before a STOP does not undo it")
+            promise(stop.latch is not Latch.NONE, "a release from before a STOP does not undo it")
     world = world._replace(stop=stop)
     return _call(world) if stop.must_follow(request.turn) else world
 
@@ -294,7 +290,7 @@ def report(world: World) -> World:
     before = world.stop
     stop = before.moved(motion, 0.0, served(world), ())
     if before.says_stopped and stopped is False:
-        _promise(stop.latch is not Latch.HELD, "the robot's own report ends a STOP")
+        promise(stop.latch is not Latch.HELD, "the robot's own report ends a STOP")
     return world._replace(stop=stop, is_reported=True)
 
 
@@ -349,8 +345,8 @@ def pass_time(world: World) -> World:
     world = world._replace(stop=stop)
     for what, turn in todo:
         if what is module.Do.SEND:
-            _promise(stop.open is not None, "only an open STOP is sent again")
-            _promise(not stop.awaited, "never two calls at once")
+            promise(stop.open is not None, "only an open STOP is sent again")
+            promise(not stop.awaited, "never two calls at once")
             if world.sends_left:
                 world = _call(world._replace(sends_left=world.sends_left - 1), is_pressed=False)
         elif what is module.Do.CANCEL_OWN:
@@ -358,7 +354,7 @@ def pass_time(world: World) -> World:
                 if goal.phase == "moving" and goal.turn < turn:
                     world = _with_goal(world, place, is_asked=True)
         else:
-            _promise(not world.is_past, "what follows a STOP ends when it is given up")
+            promise(not world.is_past, "what follows a STOP ends when it is given up")
             world = world._replace(other_is_asked=True)
     return world
 
@@ -493,11 +489,6 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
 # What must hold.
 
 
-def _promise(holds: bool, what: str) -> None:
-    if not holds:
-        raise Broken(what)
-
-
 def check(world: World) -> None:
     """Check the promises of docs/stop.md."""
     stop = world.stop
@@ -505,19 +496,19 @@ def check(world: World) -> None:
     # A robot that reports its stop is shown as it reports.
     is_shown = stop.says_stopped if stop.reports else True
     if stop.latch is Latch.HELD and stop.open is None and is_quiet and is_shown:
-        _promise(not may_move(world), "a robot that may move is not shown as STOPPED")
+        promise(not may_move(world), "a robot that may move is not shown as STOPPED")
     awaited = [r for r in world.requests if r.is_stop and not r.is_over]
-    _promise(stop.awaited == len(awaited), "each call is awaited until it is answered or over")
+    promise(stop.awaited == len(awaited), "each call is awaited until it is answered or over")
     for goal in world.goals:
         is_old = goal.stops < world.stops_read and world.passed >= 1
         if goal.phase == "moving" and is_old:
-            _promise(goal.is_asked, "a goal from before a STOP that runs behind it is cancelled")
+            promise(goal.is_asked, "a goal from before a STOP that runs behind it is cancelled")
     if stop.open is not None:
         open_for = -stop.open.asked
         if open_for >= 1.0 and world.other_runs and world.passed:
-            _promise(world.other_is_asked, "goals of others are cancelled behind an open STOP")
-        _promise(_is_sent_again(world), "an open STOP is sent again")
-    _promise((stop.state.name in ("NONE", "HELD")) == (not stop.doubt), "a doubt has its reason")
+            promise(world.other_is_asked, "goals of others are cancelled behind an open STOP")
+        promise(_is_sent_again(world), "an open STOP is sent again")
+    promise((stop.state.name in ("NONE", "HELD")) == (not stop.doubt), "a doubt has its reason")
 
 
 def _is_sent_again(world: World) -> bool:
@@ -535,21 +526,11 @@ def _is_sent_again(world: World) -> bool:
     return False
 
 
-class Found(NamedTuple):
-    """What an exploration found."""
+def explore(world: World) -> tuple[Found, frozenset[tuple[str, str]]]:
+    """Visit every state that can be reached, or until a promise is broken.
 
-    states: int
-    broken: str  # The promise that does not hold, or "".
-    way: tuple[str, ...]  # The shortest way to it.
-    cells: frozenset[tuple[str, str]]  # Of the table, each by event and state before.
-
-
-def explore(world: World, most: int = 10_000_000) -> Found:
-    """Visit every state that can be reached, or until a promise is broken."""
-    first = normal(world)
-    # A state is known by its hash: so many worlds would not fit into the memory.
-    came: dict[int, tuple[int, str]] = {hash(first): (0, "")}
-    frontier = deque([first])
+    Return the visited cells of the table, too, each by event and state before.
+    """
     module = sys.modules[type(world.stop).__module__]
     cells: set[tuple[str, str]] = set()
     fire = module.Stop._fire
@@ -558,34 +539,12 @@ def explore(world: World, most: int = 10_000_000) -> Found:
         cells.add((event.name, stop.state.name))
         return fire(stop, event, doubt)
 
-    def found(broken: str, way: tuple[str, ...] = ()) -> Found:
-        return Found(len(came), broken, way, frozenset(cells))
-
     module.Stop._fire = fire_and_note
     try:
-        while frontier and len(came) < most:
-            here = frontier.popleft()
-            for name, happen in moves(here):
-                try:
-                    there = normal(happen(here))
-                    if hash(there) not in came:
-                        check(there)
-                except Broken as error:
-                    return found(str(error), (*_way(came, hash(here)), name))
-                if hash(there) not in came:
-                    came[hash(there)] = hash(here), name
-                    frontier.append(there)
+        found = breadth_first(normal(world), moves, normal, check, lambda world: world)
     finally:
         module.Stop._fire = fire
-    return found("" if not frontier else "not all was visited")
-
-
-def _way(came: dict[int, tuple[int, str]], world: int) -> tuple[str, ...]:
-    way: list[str] = []
-    while came[world][1]:
-        world, name = came[world]
-        way.append(name)
-    return tuple(reversed(way))
+    return found, frozenset(cells)
 
 
 def follow(world: World, *way: str) -> World:
@@ -661,9 +620,9 @@ def main() -> int:
     cells: set[tuple[str, str]] = set()
     for name, make in WORLDS.items():
         began = time.process_time()
-        found = explore(make())
+        found, visited = explore(make())
         took = time.process_time() - began
-        states, cells = states + found.states, cells | found.cells
+        states, cells = states + found.states, cells | visited
         said = found.broken or "all promises hold"
         print(f"{name}: {found.states:,} states in {took:.0f} s; {said}", flush=True)
         if found.broken:

@@ -9,7 +9,6 @@ order. Each state is checked against the promises of docs/queue.md and docs/stop
 from __future__ import annotations
 
 import sys
-from collections import deque
 from collections.abc import Callable, Iterator
 from enum import Enum, auto
 from functools import partial
@@ -19,6 +18,7 @@ from typing import Any, NamedTuple
 from archo_tui.robot.goals import queue as the_machine
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from tests.robot.exploring import Found, breadth_first, promise
 from tests.support.archo import ARCHO, SHELF
 
 
@@ -89,15 +89,6 @@ class World(NamedTuple):
     cancelling: tuple[int, ...] = ()  # Goals whose requester is gone, by number.
 
 
-class Broken(AssertionError):
-    """A promise that does not hold."""
-
-
-def _promise(holds: bool, what: str) -> None:
-    if not holds:
-        raise Broken(what)
-
-
 def begin(*lists: tuple[Client, int], module: ModuleType = the_machine, **limits: Any) -> World:
     """Return a world in which nothing has happened."""
     return World(module.GoalQueue(), lists, **limits)
@@ -123,21 +114,21 @@ def done(world: World, queue: Any) -> World:
     before = world.queue.hold_reason
     if before and queue.hold_reason and before != queue.hold_reason:
         is_known = queue.hold_reason in ("STOP", "low battery", "was: low battery")
-        _promise(is_known, "a queue that is held keeps its reason")
+        promise(is_known, "a queue that is held keeps its reason")
     world = world._replace(queue=queue)
     for deed in todo:
         if deed.do is module.Do.NOTE:
             continue
         number = deed.goal.number
         if deed.do is module.Do.SEND:
-            _promise(number not in world.sent or number in _put_back(world), "a goal is sent once")
+            promise(number not in world.sent or number in _put_back(world), "a goal is sent once")
             running = [sent for sent in world.robot if sent.mine and _runs(sent)]
-            _promise(not running, "no goal is sent while another one of ours runs")
+            promise(not running, "no goal is sent while another one of ours runs")
             if queue.coming.waited:
-                _promise(deed.goal.stop_count >= world.stops, "no goal from before a STOP is sent")
-                _promise(not world.is_stopped, "the queue sends nothing to a stopped robot")
-                _promise(not queue.hold_reason, "a held queue sends nothing")
-                _promise(not world.must_ask, "only the operator continues")
+                promise(deed.goal.stop_count >= world.stops, "no goal from before a STOP is sent")
+                promise(not world.is_stopped, "the queue sends nothing to a stopped robot")
+                promise(not queue.hold_reason, "a held queue sends nothing")
+                promise(not world.must_ask, "only the operator continues")
             world = world._replace(sent=(*world.sent, number))
         elif deed.do is module.Do.ANSWER:
             world = world._replace(answered=(*world.answered, number))
@@ -146,7 +137,7 @@ def done(world: World, queue: Any) -> World:
         elif deed.do is module.Do.CANCEL:
             world = world._replace(cancelling=(*world.cancelling, number))
         elif deed.do is module.Do.SETTLE and deed.outcome.code is not Code.HELD:
-            _promise(number not in world.settled, "a goal has one outcome")
+            promise(number not in world.settled, "a goal has one outcome")
             world = world._replace(settled=(*world.settled, number))
     return world if queue.waiting else world._replace(must_ask=False)
 
@@ -243,7 +234,7 @@ def resume(world: World) -> World:
     world = world._replace(must_ask=False)
     world = look(done(world, world.queue.resume(world.stops)))
     is_held = bool(world.queue.hold_reason)
-    _promise(is_held == (world.is_stopped or world.has_alarm), "the operator can continue")
+    promise(is_held == (world.is_stopped or world.has_alarm), "the operator can continue")
     return world
 
 
@@ -256,7 +247,7 @@ def cancel(world: World) -> World:
     world = world._replace(cancels_left=world.cancels_left - 1)
     if after is not world.queue:
         is_sent = world.queue.coming.is_handed_over
-        _promise(not is_sent, "a goal that is handed over is cancelled by a request")
+        promise(not is_sent, "a goal that is handed over is cancelled by a request")
         return done(world, after)
     for place, sent in enumerate(world.robot):
         if _runs(sent):
@@ -304,7 +295,7 @@ def restart(world: World) -> World:
         queue=queue,
     )
     world = done(world, queue.restore([goal._replace(stop_count=world.stops) for goal in kept]))
-    _promise(not kept or bool(world.queue.hold_reason), "what a restart took along is held")
+    promise(not kept or bool(world.queue.hold_reason), "what a restart took along is held")
     return world
 
 
@@ -368,46 +359,38 @@ def check(world: World) -> None:
     underway = [goal.number for goal, _ in queue.underway]
     everywhere = [*waiting, *coming, *underway, *world.settled, *world.lost]
     numbers = sorted(number for number, _, _ in world.typed)
-    _promise(sorted(everywhere) == numbers, "each goal is in one place, and none is forgotten")
-    _promise(len(underway) + len(coming) <= 1, "one goal is driven at a time")
+    promise(sorted(everywhere) == numbers, "each goal is in one place, and none is forgotten")
+    promise(len(underway) + len(coming) <= 1, "one goal is driven at a time")
     for number in world.sent:
         is_over = number in (*world.answered, *world.lost, *coming)
-        _promise(is_over, "each goal that is sent has an answer")
+        promise(is_over, "each goal that is sent has an answer")
     for number, list_number, client in world.typed:
         reached = stage(queue, number)
         is_waiting = reached in (Stage.WAITING, Stage.HELD)
         if is_waiting:
-            _promise(list_number not in world.refused, "a refused list leaves nothing waiting")
-            _promise((reached is Stage.HELD) == bool(queue.hold_reason), "it is held or not")
+            promise(list_number not in world.refused, "a refused list leaves nothing waiting")
+            promise((reached is Stage.HELD) == bool(queue.hold_reason), "it is held or not")
         doubtful = [s for s in world.robot if s.number == number and s.phase is Phase.UNKNOWN]
         if client is SHELL and doubtful and number not in world.lost:
-            _promise(
+            promise(
                 number in world.cancelling, "what has no answer is cancelled for one that waits"
             )
         if client is not SHELL or not world.has_left:
             continue
-        _promise(not is_waiting, "what a waiting client queued is gone when it is")
+        promise(not is_waiting, "what a waiting client queued is gone when it is")
         if reached is Stage.ON_ITS_WAY:
-            _promise(queue.coming.is_abandoned, "what is on its way for it is cancelled")
+            promise(queue.coming.is_abandoned, "what is on its way for it is cancelled")
             continue  # As soon as it is answered.
         sent = [s for s in world.robot if s.number == number and _runs(s)]
         if sent and number not in world.lost:
-            _promise(number in world.cancelling, "what runs for one that has left is cancelled")
+            promise(number in world.cancelling, "what runs for one that has left is cancelled")
     if world.is_stopped and queue.waiting:
-        _promise(queue.hold_reason == "STOP", "a STOP holds the queue")
+        promise(queue.hold_reason == "STOP", "a STOP holds the queue")
     if world.must_ask:
-        _promise(bool(queue.hold_reason), "what waits for the operator is held")
-    _promise(bool(queue.waiting) or not queue.hold_reason, "nothing that is not there is held")
+        promise(bool(queue.hold_reason), "what waits for the operator is held")
+    promise(bool(queue.waiting) or not queue.hold_reason, "nothing that is not there is held")
     is_free = not (queue.coming or any(map(_runs, world.robot)) or queue.hold_reason)
-    _promise(not (is_free and queue.waiting), "a queue that is not held goes on")
-
-
-class Found(NamedTuple):
-    """What an exploration found."""
-
-    states: int
-    broken: str  # The promise that does not hold, or "".
-    way: tuple[str, ...]  # The shortest way to it.
+    promise(not (is_free and queue.waiting), "a queue that is not held goes on")
 
 
 def _key(world: World) -> Any:
@@ -427,27 +410,7 @@ def _key(world: World) -> Any:
 
 def explore(world: World) -> Found:
     """Visit every state that can be reached, or until a promise is broken."""
-    came: dict[Any, tuple[Any, str]] = {_key(world): (None, "")}
-    frontier = deque([world])
-    while frontier:
-        here = frontier.popleft()
-        for name, happen in moves(here):
-            key = None
-            try:
-                there = look(happen(here))
-                key = _key(there)
-                if key in came:
-                    continue
-                check(there)
-            except Broken as error:
-                way, at = [name], _key(here)
-                while came[at][1]:
-                    at, before = came[at]
-                    way.append(before)
-                return Found(len(came), str(error), tuple(reversed(way)))
-            came[key] = _key(here), name
-            frontier.append(there)
-    return Found(len(came), "", ())
+    return breadth_first(world, moves, look, check, _key)
 
 
 _ALL: dict[str, Any] = {"stops_left": 1, "leaves_left": 1, "cancels_left": 1}

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from importlib.util import module_from_spec, spec_from_loader
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -23,6 +19,7 @@ from archo_tui.station.alarms import (
     holding,
 )
 from tests.robot.explore_queue import SMALL, WORLDS, Stage, explore, stage
+from tests.robot.exploring import broken, source_of
 from tests.support.archo import ARCHO, SHELF
 
 YES = Outcome(Code.ACCEPTED, "accepted")
@@ -205,7 +202,7 @@ def test_every_promise_of_the_queue_holds_in_larger_worlds_too(name: str) -> Non
     assert found.broken == "", found.way
 
 
-SOURCE = Path(machine.__file__).read_text()
+SOURCE = source_of(machine)
 CLIENT, LISTS = "a client's list", "two lists"
 SCREEN, ALARM, OTHER = "a restart and the end of a screen", "an alarm", "another's goal"
 # A rule, what it says instead, and the world in which that is found.
@@ -245,14 +242,6 @@ def test_each_rule_that_can_be_broken_is_found_in_the_queue() -> None:
     assert [before for before, _, _ in BROKEN if SOURCE.count(before) != 1] == []
 
 
-def _broken(before: str, after: str) -> ModuleType:
-    spec = spec_from_loader("broken_queue", None)
-    assert spec is not None
-    module = sys.modules["broken_queue"] = module_from_spec(spec)
-    exec(compile(SOURCE.replace(before, after), "broken_queue", "exec"), module.__dict__)
-    return module
-
-
 @pytest.mark.parametrize(("before", "after", "name"), BROKEN)
 def test_a_broken_rule_of_the_queue_is_found(before: str, after: str, name: str) -> None:
-    assert explore(WORLDS[name](module=_broken(before, after))).broken != ""
+    assert explore(WORLDS[name](module=broken(machine, before, after))).broken != ""

@@ -1,0 +1,83 @@
+"""Small worlds, explored breadth first to the last state; and machines broken on purpose."""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple, TypeVar
+
+World = TypeVar("World")
+
+
+class Broken(AssertionError):
+    """A promise that does not hold."""
+
+
+def promise(holds: bool, what: str) -> None:
+    if not holds:
+        raise Broken(what)
+
+
+class Found(NamedTuple):
+    """What an exploration found."""
+
+    states: int
+    broken: str  # The promise that does not hold, or "".
+    way: tuple[str, ...]  # The shortest way to it.
+
+
+def breadth_first(
+    first: World,
+    moves: Callable[[World], Iterator[tuple[str, Callable[[World], World]]]],
+    settle: Callable[[World], World],
+    check: Callable[[World], None],
+    key: Callable[[World], Hashable],
+) -> Found:
+    """Visit every state that can be reached, or until a promise is broken.
+
+    A state is known by the hash of its key: so many worlds would not fit into the memory.
+    """
+    start = hash(key(first))
+    came: dict[int, tuple[int, str]] = {start: (start, "")}
+    frontier = deque([first])
+    while frontier:
+        here = frontier.popleft()
+        where = hash(key(here))
+        for name, happen in moves(here):
+            try:
+                there = settle(happen(here))
+                reached = hash(key(there))
+                if reached in came:
+                    continue
+                check(there)
+            except Broken as error:
+                return Found(len(came), str(error), (*_way(came, where), name))
+            came[reached] = where, name
+            frontier.append(there)
+    return Found(len(came), "", ())
+
+
+def _way(came: dict[int, tuple[int, str]], world: int) -> tuple[str, ...]:
+    way: list[str] = []
+    while came[world][1]:
+        world, name = came[world]
+        way.append(name)
+    return tuple(reversed(way))
+
+
+def source_of(machine: ModuleType) -> str:
+    return Path(str(machine.__file__)).read_text(encoding="utf-8")
+
+
+def broken(machine: ModuleType, before: str, after: str) -> ModuleType:
+    """A machine with one text in place of another."""
+    name = f"broken_{machine.__name__.rpartition('.')[2]}"
+    spec = spec_from_loader(name, None)
+    assert spec is not None
+    module = sys.modules[name] = module_from_spec(spec)
+    exec(compile(source_of(machine).replace(before, after), name, "exec"), module.__dict__)
+    return module
