@@ -227,15 +227,9 @@ class Robot(Parts):
         return frozenset() if motion is None else self.graph.publisher_ids(motion.topic)
 
     def _build_snapshot(self) -> Snapshot:
-        graph, readings, stop = self.graph, self.telemetry, self.stop_sender.stop
-        return Snapshot(
+        graph, stop = self.graph, self.stop_sender.stop
+        snapshot = Snapshot(
             file=self.file,
-            battery=readings.battery,
-            motion=readings.motion,
-            pose=readings.pose,
-            gauges=readings.gauges,
-            diagnostics=readings.diagnostics.all,
-            charge=readings.charge,
             goal=self.goals.goal,
             running=self.goals.running,
             history=tuple(self.goals.history),
@@ -268,3 +262,4 @@ class Robot(Parts):
             clock_still_since=self.sim_clock.still_since,
             clock_offsets=self.clock_offsets.large,
         )
+        return self.telemetry.in_snapshot(snapshot)

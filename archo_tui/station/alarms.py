@@ -64,6 +64,7 @@ class Kind(NamedTuple):
     off_delay: float = 0.0  # Seconds for which it counts on after it was last found.
     graver: str = ""  # The alarm that replaces it: both may have one cause.
     is_reported: bool = False  # By the robot: without contact it stays as it is.
+    has_own_topic: bool = False  # It is evaluated without contact, too.
     is_silence: bool = False  # About silence: after a suspension it is our own.
     has_text: bool = False  # Behind its name stands any text, not a node or topic.
     holds: Holds | None = None
@@ -90,6 +91,7 @@ KINDS = (
     Kind(
         *(DIAGNOSTIC_ERROR, _HIGH, when.diagnostic_error, 2.0, 2.0),
         is_reported=True,
+        has_own_topic=True,
         has_text=True,
     ),
     Kind(
@@ -110,6 +112,7 @@ KINDS = (
         *(DIAGNOSTIC_WARNING, _MED, when.diagnostic_warning, 2.0, 2.0),
         graver=DIAGNOSTIC_ERROR,
         is_reported=True,
+        has_own_topic=True,
         has_text=True,
     ),
     Kind("several publishers", _MED, when.several_publishers, _AFTER_GRAPH),
@@ -155,7 +158,7 @@ def conditions(seen: Situation) -> Conditions:
     is_lost = seen.contact_is_lost
     texts, unknown = dict[str, str](), set[str]()
     for kind in KINDS:
-        is_left_out = is_lost and kind.is_reported and kind.condition not in _STILL_HEARD
+        is_left_out = is_lost and kind.is_reported and not kind.has_own_topic
         for subject, text in () if is_left_out else kind.condition(seen):
             name = f"{kind.name} {subject}" if subject else kind.name
             if text is None:
@@ -163,9 +166,6 @@ def conditions(seen: Situation) -> Conditions:
             else:
                 texts[name] = text
     return Conditions(texts, frozenset(unknown))
-
-
-_STILL_HEARD = (when.diagnostic_error, when.diagnostic_warning)
 
 
 class AlarmState(Enum):

@@ -8,7 +8,8 @@ says that nothing is known of it now: an alarm that stands is then the last that
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import (
@@ -33,7 +34,8 @@ _MOST_DIAGNOSTICS = 20  # Parts with an alarm of their own; more would hide all 
 _OTHERS = "others"  # Of the alarm for the parts that have none of their own.
 
 
-class Situation(NamedTuple):
+@dataclass(frozen=True)
+class Situation:
     """All that alarms go by."""
 
     snapshot: Snapshot
@@ -50,13 +52,21 @@ class Situation(NamedTuple):
         snapshot = self.snapshot
         return snapshot.battery.received is not None or snapshot.motion.received is not None
 
-    @property
+    @cached_property
     def contact_is_lost(self) -> bool:
         """True if battery and motion are silent, as far as the robot has reported them before."""
         battery, motion = self.snapshot.battery, self.snapshot.motion
         is_battery_silent = battery.received is None or battery.is_old(self.now)
         is_motion_silent = motion.received is None or motion.is_old(self.now)
         return self.has_reports and is_battery_silent and is_motion_silent
+
+    @cached_property
+    def bad_parts(self) -> list[Diagnostic]:
+        """The parts that are not OK, the worst first; without contact, those still received."""
+        every = diagnostics_worst_first(self.snapshot, self.now)
+        if self.contact_is_lost:  # What is still received may tell why the rest is silent.
+            every = [status for status in every if not status.is_silent_at(self.now)]
+        return [status for status in every if status.level is not DiagnosticLevel.OK]
 
 
 # STOP.
@@ -243,28 +253,20 @@ def diagnostic_error(seen: Situation) -> Found:
 
 
 def diagnostic_warning(seen: Situation) -> Found:
-    bad, topic = _bad(seen), seen.snapshot.file.diagnostics
-    if bad and not _bad_parts(seen):  # All are silent.
+    bad, parts, topic = seen.bad_parts, _bad_parts(seen), seen.snapshot.file.diagnostics
+    if bad and not parts:  # All are silent.
         last = max(status.received for status in bad)
         yield str(topic), f"DIAGNOSTICS STALE: nothing on {topic} for {seen.now - last:.0f} s"
-    for status, text in _bad_parts(seen):
+    for status, text in parts:
         if status.level is not DiagnosticLevel.ERROR:
             yield _part_name(status.part), text
-    if _bad_parts(seen) and len(bad) > _MOST_DIAGNOSTICS:
+    if parts and len(bad) > _MOST_DIAGNOSTICS:
         yield _OTHERS, f"{len(bad) - _MOST_DIAGNOSTICS} MORE PARTS ARE NOT OK: see diagnostics"
-
-
-def _bad(seen: Situation) -> list[Diagnostic]:
-    """Return the parts that are not OK, the worst first; without contact, those still heard."""
-    every = diagnostics_worst_first(seen.snapshot, seen.now)
-    if seen.contact_is_lost:  # What is still heard may tell why the rest is silent.
-        every = [status for status in every if not status.is_silent_at(seen.now)]
-    return [status for status in every if status.level is not DiagnosticLevel.OK]
 
 
 def _bad_parts(seen: Situation) -> list[tuple[Diagnostic, str]]:
     """Return the parts with an alarm of their own, and its texts; none if all fell silent."""
-    bad, statuses = _bad(seen), seen.snapshot.diagnostics
+    bad, statuses = seen.bad_parts, seen.snapshot.diagnostics
     if len(bad) > 1 and all(status.is_silent_at(seen.now) for status in statuses):
         return []
     found = []

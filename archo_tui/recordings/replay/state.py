@@ -306,16 +306,11 @@ class ReplayState:
     @property
     def snapshot(self) -> Snapshot:
         """The state of the robot after the last applied message, as the console knew it."""
-        state, telemetry = self.console.snapshot, self._telemetry
+        telemetry = self._telemetry
+        state = telemetry.in_snapshot(self.console.snapshot)
         return state._replace(
             file=self._file,
             forms=self._forms,
-            battery=telemetry.battery,
-            motion=telemetry.motion,
-            pose=telemetry.pose,
-            diagnostics=telemetry.diagnostics.all,
-            gauges=telemetry.gauges,
-            charge=telemetry.charge,
             goal=self.goal,
             history=tuple(map(self._with_file_kind, state.history)),
             nodes=tuple(map(self._node, state.nodes)),

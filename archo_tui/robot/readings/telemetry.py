@@ -15,7 +15,7 @@ from archo_tui.robot.period import Period
 from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
 from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
-from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose, Snapshot
 from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
 from archo_tui.safe_text import harmless
@@ -81,6 +81,17 @@ class Telemetry:
         self.gauges = tuple(GaugeReading(gauge) for gauge in robot.gauges)
         # Samples of the charge, the oldest first: monotonic seconds and percent.
         self.charge: tuple[tuple[float, float], ...] = ()
+
+    def in_snapshot(self, snapshot: Snapshot) -> Snapshot:
+        """Return a snapshot with these readings in place of its own."""
+        return snapshot._replace(
+            battery=self.battery,
+            motion=self.motion,
+            pose=self.pose,
+            gauges=self.gauges,
+            diagnostics=self.diagnostics.all,
+            charge=self.charge,
+        )
 
     @property
     def faults(self) -> Mapping[str, str]:
