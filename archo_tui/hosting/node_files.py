@@ -6,7 +6,6 @@ import contextlib
 import importlib
 import importlib.util
 import inspect
-import linecache
 import sys
 import traceback
 from collections.abc import Callable
@@ -23,7 +22,7 @@ from archo_tui.hosting.explain import code_of, explain
 from archo_tui.hosting.main_function import ComputedError, MainFunction, NodeCall, SkippedCall
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import Interrupted, TookTooLong, run_limited
-from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile
+from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile, forget_saved_texts
 from archo_tui.hosting.watch import Stamps, stamps
 
 T = TypeVar("T")
@@ -243,9 +242,7 @@ class NodeFile(UserFile):
             importlib.import_module(parent)
         elif folder not in sys.path:
             sys.path.insert(0, folder)
-        importlib.invalidate_caches()
-        with contextlib.suppress(KeyError):  # Another thread forgets the same file.
-            linecache.checkcache()
+        forget_saved_texts()
         module = ModuleType(self._name)
         module.__dict__.update(__file__=str(self.path), __package__=parent)
         sys.modules[self._name] = module

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import importlib.util
-import linecache
 import sys
 import time
 from collections.abc import Callable
@@ -17,7 +15,7 @@ from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.explain import explain
 from archo_tui.hosting.source import Source
-from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile
+from archo_tui.hosting.user_file import OURS, NodeFileError, UserFile, forget_saved_texts
 from archo_tui.hosting.watch import Stamps, stamps
 
 
@@ -105,9 +103,7 @@ class ProgramFile(UserFile):
             importlib.import_module(package)
         else:
             self._import_from_folder()
-        importlib.invalidate_caches()
-        with contextlib.suppress(KeyError):  # Another thread forgets the same file.
-            linecache.checkcache()
+        forget_saved_texts()
         module = ModuleType(self._name if self._function else "__main__")
         module.__dict__.update(__file__=str(self.path), __package__=package)
         if self._function:

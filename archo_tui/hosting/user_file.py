@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
+import linecache
 import sys
 from pathlib import Path
 
@@ -56,6 +58,13 @@ class UserFile:
             return self.path.stat().st_mtime
         except OSError:
             return 0.0
+
+
+def forget_saved_texts() -> None:
+    """Let imports and tracebacks read anew what was saved since; call it on any thread."""
+    importlib.invalidate_caches()
+    with contextlib.suppress(KeyError):  # Another thread forgets the same file.
+        linecache.checkcache()
 
 
 def _find_file(given: str) -> tuple[Path, str]:
