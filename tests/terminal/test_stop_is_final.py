@@ -170,7 +170,6 @@ def hold(terminal: Terminal, key: str, seconds: float) -> None:
         terminal.read(0.03)
 
 
-@pytest.mark.night  # On a slow machine the gaps of a held key look like presses.
 def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
