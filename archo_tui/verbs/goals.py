@@ -12,6 +12,7 @@ from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
+from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Question, Values, Verb
@@ -28,12 +29,10 @@ def low_battery_question(station: Station, does: str) -> Question | None:
 
     It is asked while the robot charges, too, and no more once the alarm was acknowledged.
     """
-    snapshot = station.robot.snapshot
-    active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-    of_battery = [alarm for alarm in active if alarm.holds_until_acknowledged]
-    if any(alarm.acknowledged for alarm in of_battery):
+    snapshot, alarms = station.robot.snapshot, _battery_alarms(station)
+    if any(alarm.acknowledged for alarm in alarms):
         return None
-    if not (of_battery or is_battery_low(snapshot)):  # An alarm may stand as last known.
+    if not (alarms or is_battery_low(snapshot)):  # An alarm may stand as last known.
         return None
     battery = snapshot.battery
     charge = "" if battery.percentage is None else f", {battery.percentage:.1f} %"
@@ -45,8 +44,13 @@ def low_battery_question(station: Station, does: str) -> Question | None:
 def _accept_low_battery(station: Station) -> None:
     """Acknowledge the alarm that was asked about, so that it does not hold the goals behind it."""
     if low_battery_question(station, "") is not None:
-        active = [alarm for alarm in station.view.alarms if not alarm.is_over]
-        station.acknowledge([alarm for alarm in active if alarm.holds_until_acknowledged])
+        station.acknowledge(_battery_alarms(station))
+
+
+def _battery_alarms(station: Station) -> list[Alarm]:
+    """Return the active alarms of the battery, which hold goals until they are acknowledged."""
+    alarms = station.view.alarms
+    return [alarm for alarm in alarms if alarm.holds_until_acknowledged and not alarm.is_over]
 
 
 class Go(Verb):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -55,6 +56,17 @@ async def test_no_goal_is_sent_unasked_and_a_yes_is_for_the_whole_list() -> None
         assert "queue held" not in person.said
         person.type("go 3\n")  # Its alarm is acknowledged now.
         await person.until("queue: 7, 3")
+
+
+async def test_a_battery_that_was_low_and_is_unreadable_asks_as_well() -> None:
+    async with at_four_percent() as (person, battery):
+        station = person._plain._station
+        battery.status.percentage, battery.status.battery_health = math.nan, ""
+        await until(lambda: station.robot.snapshot.battery.percentage is None)
+        person.type("go 12\nalarms\n")
+        await person.until("failed: go: The battery is low. Send all the same?")
+        await person.until("LOW BATTERY 4.0 %: dock the robot (last known)")
+        assert station.robot.snapshot.goal is None
 
 
 async def test_a_held_queue_is_not_continued_unasked_while_it_charges() -> None:
