@@ -30,10 +30,10 @@ def launch(options: Namespace) -> int:
         ArchoError: The launch file or an argument is wrong, or a given folder has no launch file or
             several.
     """
-    from archo_tui.hosting.launch_file import NothingRunsError
     from archo_tui.launch.evaluate import launch_arguments, parse_arguments
     from archo_tui.launch.workspace import Workspace
     from archo_tui.session_options import Launch
+    from archo_tui.user_code.launch_file import NothingRunsError
 
     file = _launch_file(Path(options.file))
     if options.show_args:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -13,10 +14,9 @@ if TYPE_CHECKING:
 
 
 class Process:
-    """The default context, the global executor and the command line of a program.
+    """The default context and the global executor of a program.
 
     Attributes:
-        arguments: The words that `init` takes where none are given; None means `sys.argv`.
         domain_id: The domain of its contexts; None means ROS_DOMAIN_ID, or 0.
         default_context: The context that is meant if none is given; None until it is asked for,
             and again after a `shutdown` that names no context.
@@ -25,13 +25,18 @@ class Process:
         lock: Guards the making of the default context.
     """
 
-    def __init__(
-        self, arguments: Sequence[str] | None = None, domain_id: int | None = None
-    ) -> None:
-        self.arguments, self.domain_id = arguments, domain_id
+    def __init__(self, domain_id: int | None = None) -> None:
+        self.domain_id = domain_id
         self.default_context: Context | None = None
         self.executor: Executor | None = None
         self.lock = threading.Lock()
+
+    def begin_context(self, args: Sequence[str] | None) -> Sequence[str]:
+        """Return the command line of a context that begins, which was given `args`."""
+        return sys.argv if args is None else args
+
+    def spin_node(self, node: Node, executor: Executor) -> None:
+        """Do nothing; a subclass may take note that a node is added to an executor."""
 
     def add_node(self, node: Node) -> None:
         """Do nothing; a subclass may take note of a node that a thread of the program makes.

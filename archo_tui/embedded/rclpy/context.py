@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import sys
 import threading
 import warnings
 import weakref
@@ -57,12 +56,11 @@ class Context:
             UnicodeEncodeError: The arguments are not UTF-8.
             ValueError: ROS_DOMAIN_ID is no number.
         """
+        process = _process.current()
+        args = process.begin_context(args)
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
-            process = _process.current()
-            if args is None or args is sys.argv:  # A program's own, where several share a process.
-                args = sys.argv if process.arguments is None else process.arguments
             for argument in args:
                 argument.encode()  # Raises UnicodeEncodeError for what is not UTF-8, as in rcl.
             self._arguments = _arguments.parse(args)
