@@ -220,11 +220,8 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
 @pytest.fixture(autouse=True, scope="session")
 def _as_all_tests_want_it() -> None:
     """Change what all tests want otherwise, once for the whole run."""
-    from archo_tui.hosting import hosted_node
     from archo_tui.screens.main import MainScreen
 
-    # On a busy machine a node of real ROS 2 may take seconds to construct.
-    hosted_node.CONSTRUCTION_TIME = 30.0
     # Style sheets and ARCHO's file are parsed once for all the apps.
     textual_once.share()
     loaded = lru_cache(load._load)

@@ -1,5 +1,5 @@
 """A script: everything runs when it is imported."""
-# exit 2: HERE: RuntimeError: rclpy.init() runs here already: call it in main() only
+# nothing
 import rclpy
 from rclpy.node import Node
 
