@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from tests.support.ros import Ros
     from tests.support.terminal import Terminal
 
+ROOT = Path(__file__).parent.parent
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -124,6 +126,8 @@ def pytest_configure(config: pytest.Config) -> None:
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _own_folders
+        # Programs are processes of their own, which run the console of this folder.
+        os.environ["PYTHONPATH"] = f"{ROOT}{os.pathsep}{ROOT / 'nodes'}"
         engine.activate("ros2")
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
         # A goal whose executor ends before it begins.

@@ -35,21 +35,7 @@ def run(
     interfaces: Sequence[Path],
     print_line: Callable[[str], None],
 ) -> int:
-    """Check launch files, then host the other files and check their nodes; print each outcome.
-
-    Args:
-        files: The node files, launch files and workspaces.
-        engine_name: The engine, of `archo_tui.engine`.
-        interfaces: Folders of further interface packages.
-        print_line: Prints a line.
-
-    Returns:
-        The exit code: 0 if a check passed and none failed, else 1.
-
-    Raises:
-        ArchoError: A file cannot be hosted, or a constructor does not return in time.
-        KeyboardInterrupt: The person interrupted the checks.
-    """
+    """Check launch files, then host the other files and check their nodes; print each outcome."""
     report = TapReport(print_line)
     launch_files = [file for file in files if is_launch_file(file)]
     for file in launch_files:

@@ -48,7 +48,7 @@ class ProgramChild(HostedProgram):
             threading.Thread(target=self._write_lines, args=(stream,), name=self.name, daemon=True)
             for stream in (process.stdout, process.stderr)
         ]
-        threading.Thread(target=_end_group, args=(process,), daemon=True).start()
+        threading.Thread(target=_end_group, args=(process,), name="group", daemon=True).start()
         for printer in printers:
             printer.start()
         end: dict[str, Any] = {}

@@ -22,6 +22,8 @@ from weakref import WeakSet
 
 assert sys.platform != "win32"  # As mypy is to know; there the console runs no programs on ROS 2.
 
+_ROSOUT_TIME = 5.0  # Seconds in which a new node finds the console's subscription to its logs.
+_POLL = 0.01  # Seconds between two looks for it.
 _GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
 
 
@@ -98,6 +100,9 @@ class _Reporter:
             name = this.get_fully_qualified_name()
             values[name] = self._ask(node=name)["values"]
             nodes.append(this)
+            end = time.monotonic() + _ROSOUT_TIME  # What it logs before is heard by nobody.
+            while not this.count_subscribers("/rosout") and time.monotonic() < end:
+                time.sleep(_POLL)
 
         def report_services() -> None:
             self.report(serves=sorted({name for node in nodes for name in served_names(node)}))

@@ -35,19 +35,9 @@ class NodeFileError(UserFileError):
 
 
 class OwnCode:
-    """The code of a file and of its folder.
-
-    Attributes:
-        path: The path of the file.
-    """
+    """The code of a file and of its folder."""
 
     def __init__(self, given: str, path: Path) -> None:
-        """Create the description of a file.
-
-        Args:
-            given: The file as the user typed it.
-            path: The path of the file.
-        """
         self._given, self.path = given, path
         self._known: dict[str, bool] = {}  # As each question takes a look at the disk.
 
@@ -76,12 +66,7 @@ class OwnCode:
         return self._given if path == self.path else path.name
 
     def place(self, stack: StackSummary) -> tuple[str, str]:
-        """Return the line of the file or its modules that a stack is at.
-
-        Returns:
-            `FILE:LINE` of the last frame of the file or its modules, and `, in: x = y + 1` with the
-            text of that line; the name of the file and "" if there is no such frame.
-        """
+        """Return `FILE:LINE` and `, in: TEXT` of the last own frame of a stack; else FILE, ""."""
         frames = [frame for frame in stack if self.is_own(frame.filename)]
         if not frames:
             return self._given, ""
@@ -90,19 +75,7 @@ class OwnCode:
 
 
 def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[str, str]:
-    """Describe an error of a file's code for the person who wrote it.
-
-    Args:
-        error: The error.
-        own_code: The code of the file and of its folder.
-        source: The text of the file.
-
-    Returns:
-        A line, as `FILE:LINE: TypeError: ..., in: x = y + 1`, which for known mistakes says how to
-        mend them; and the traceback without the frames of rclpy and the console. The place is that
-        of a syntax error, else the last line that ran of the file or its modules, else a callback
-        that the error is about; else FILE without a line.
-    """
+    """Return an error in one line with its place, and how to mend it, and the traceback."""
     name, why = type(error).__name__, reason_of(error)
     report = traceback_without(error, rclpy, archo_tui)
     if isinstance(error, SyntaxError) and own_code.is_own(error.filename or ""):
@@ -142,14 +115,7 @@ def reason_of(error: BaseException) -> str:
 
 
 def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> str:
-    """Return how to mend a wrong call of rclpy, or `why` if it is none of the known mistakes.
-
-    Args:
-        own_code: The code of the file and of its folder.
-        source: The text of the file.
-        where: `FILE:LINE` of the last line that ran of the file or its modules.
-        why: The text of the error.
-    """
+    """Return how to mend a wrong call of rclpy, or `why` if it is none of the known mistakes."""
     early = source.line_of_called_callback()
     if "callback" in why and where == f"{own_code}:{early}":
         return _NOT_CALLED
@@ -163,19 +129,7 @@ def _in_plain_words(own_code: OwnCode, source: Source, where: str, why: str) -> 
 def _place_of_callback(
     error: BaseException, own_code: OwnCode, source: Source, where: str, why: str
 ) -> tuple[str, str]:
-    """Find the callback of the file or its modules that an error within rclpy is about.
-
-    Args:
-        error: The error, which has no frame of the file.
-        own_code: The code of the file and of its folder.
-        source: The text of the file.
-        where: The place so far.
-        why: The text so far.
-
-    Returns:
-        `FILE:LINE` of the callback, and how to mend it, or `why` if that is not known; `where` and
-        `why` if there is no such callback.
-    """
+    """Return `FILE:LINE` of the callback that an error in rclpy is about, and how to mend it."""
     # A timer whose callback is None raises UnboundLocalError in rclpy's own code.
     if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:
         line = source.line_of_called_callback()
@@ -244,10 +198,6 @@ def traceback_without(error: BaseException, *engine: ModuleType) -> str:
 
     If frames are left out, a last line counts them. An error of the chain keeps its frames if all
     of them are within these packages.
-
-    Args:
-        error: The error.
-        *engine: The packages.
     """
     folders = [Path(module.__file__ or "").parent for module in engine]
     report = TracebackException.from_exception(error)

@@ -39,33 +39,20 @@ OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the f
 
 
 class ProgramFile:
-    """A Python file as a program, with the modules that it imports from its folder.
-
-    Attributes:
-        path: The path of the file, resolved.
-        code: The code of the file and of its folder, as messages name it.
-        loaded: The stamps of the text that was last compiled, or could not be compiled.
-        imported: The files of its folder that were seen to be imported, in this run or before.
-        source: The syntax tree of the text that was last compiled.
-        does_not_import: True if the text that was last compiled failed before it began.
-    """
+    """A Python file as a program, with the modules that it imports from its folder."""
 
     def __init__(self, given: str, function: str = "") -> None:
         """Find the file, without reading it.
 
         For a dotted name, the current folder is added to `sys.path`, and the packages above the
         module are imported.
-
-        Args:
-            given: Its path, or the dotted name of a module, as the user typed it.
-            function: The function of the module that is called; "" to run it as `__main__`.
         """
         self._given, self._function = given, function
         self.path, self._name = _find_file(given)
         self.code = OwnCode(given, self.path)
-        self.loaded: Stamps = {}
-        self.imported: set[Path] = set()
-        self.does_not_import = False
+        self.loaded: Stamps = {}  # Of the text that was last compiled, or could not be.
+        self.imported: set[Path] = set()  # Of its folder, in this run or before.
+        self.does_not_import = False  # The text that was last compiled failed before it began.
         self.source = Source(b"")
         self._compiled = compile("", given, "exec")
         self._has_run = False
@@ -97,11 +84,7 @@ class ProgramFile:
         return now
 
     def compile(self) -> None:
-        """Read and compile the text as it is now, without running it; set `loaded` and `source`.
-
-        Raises:
-            NodeFileError: The file cannot be read, or is not Python.
-        """
+        """Read and compile the text as it is now, without running it; set `loaded` and `source`."""
         self._began = time.time_ns()
         self.does_not_import = False
         self.loaded = self.current_stamps()
@@ -119,14 +102,6 @@ class ProgramFile:
 
         Modules of the file's folder are imported anew, but for the first run. The folder becomes
         the first in `sys.path`, but for a dotted name.
-
-        Args:
-            use_as_main: Makes a module the `__main__` that this program sees.
-            has_begun: Returns True if the program has called `rclpy.init` by itself.
-
-        Raises:
-            BaseException: What the program raises; SystemExit also if its function returns an exit
-                code.
         """
         module = self._new_module()
         if self._function:
@@ -196,11 +171,7 @@ class ProgramFile:
             return
 
     def _make(self, kind: Any) -> Node:
-        """Make a node without arguments.
-
-        Raises:
-            NodeFileError: The class takes arguments, or does not call the `__init__` of Node.
-        """
+        """Make a node without arguments."""
         node: Node = kind.__new__(kind)
         try:
             node.__init__()  # type: ignore[misc]

@@ -31,38 +31,18 @@ class Host:
     `states`, `names` and `unended_names` may be called on any thread. All else may block for
     JOIN_TIMEOUT and longer, so it is never called on the UI thread; one call at a time changes
     nodes.
-
-    Attributes:
-        nodes: ARCHO's own nodes, with those that were stopped or have crashed.
-        operator_values: Returns the parameters that the operator has set on a node, by its full
-            name. The session sets it.
-        programs: The user's programs.
     """
 
     def __init__(
         self,
         context: Context,
         on_event: Callable[[str, str, str], None],
-        on_end: Callable[[Sequence[str]], None],
-        early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]],
-        on_early_stop: Callable[[str], None],
+        on_end: Callable[[Sequence[str]], None],  # Services and actions that nobody serves now.
+        early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]],  # "" for no STOP.
+        on_early_stop: Callable[[str], None],  # A node has confirmed it before it spins.
         on_restored: Callable[[str, Mapping[str, Any]], None],
         make_program: Callable[..., HostedProgram],
     ) -> None:
-        """Create a host without nodes.
-
-        Args:
-            context: The rclpy context of ARCHO's own nodes.
-            on_event: Called with level, source and text of an event, on any thread.
-            on_end: Called with the services and actions that no node of this process serves any
-                more, perhaps none, after a node or program has ended; on any thread.
-            early_stop_request: Returns the full name of the service of a STOP that is not released,
-                and the values of its request; "" for the name if there is no such STOP.
-            on_early_stop: Called with the name of a node that confirmed that STOP before it spins.
-            on_restored: Called with the name of a node, and the parameters that were set on it
-                again after it was restarted; on any thread.
-            make_program: Makes a program, which is not begun yet.
-        """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
         self._early_stop_request, self._on_early_stop = early_stop_request, on_early_stop
@@ -113,14 +93,10 @@ class Host:
         return [hosted.name for hosted in self.states() if hosted.life not in ended]
 
     def start_node(self, name: str) -> Outcome:
-        """Make a stopped, crashed or stuck node again and spin it, or run its program again.
+        """Make a node that does not run again and spin it, or run its program again.
 
         If a STOP is not released, a node that serves it carries it out before it spins, and a
         program is refused. What still runs of a stuck node is interrupted and taken off the graph.
-
-        Returns:
-            The outcome; REFUSED if the node runs, is starting, or raises in its constructor;
-            NOT_CONFIRMED if it spins now without having confirmed the STOP; otherwise DONE.
         """
         program = self.programs.find(name, to_start=True)
         if program is not None:
@@ -140,13 +116,7 @@ class Host:
             return self._make_and_spin(old.make_again, text, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
-        """Stop a node, or end its program as Ctrl-C does; other nodes are not affected.
-
-        Returns:
-            DONE, also if it had ended before, after a call of `on_end` with what no node of this
-            process serves any more; TIMEOUT if a callback of the node, or the program, does not
-            return: it is stuck then.
-        """
+        """Stop a node, or end its program as Ctrl-C does; other nodes are not affected."""
         program = self.programs.find(name)
         if program is not None:
             return self.programs.stop(program)
@@ -164,9 +134,6 @@ class Host:
 
         If a STOP is not released, a copy of a node that serves it carries it out before it spins,
         and a program is refused.
-
-        Returns:
-            REFUSED also if the constructor raises; otherwise DONE or NOT_CONFIRMED.
         """
         program = self.programs.find(name)
         if program is not None:
@@ -185,10 +152,6 @@ class Host:
         """Spin a new node, which first carries out a STOP that is not released, if it serves it.
 
         The node spins even if it does not confirm the STOP, which becomes an error event.
-
-        Returns:
-            The outcome of the STOP, with a text to append to `NODE started`: DONE and "" if there
-            is nothing to carry out, NOT_CONFIRMED if the node does not confirm the STOP.
         """
         outcome = self._carry_out_stop(new)
         new.start()
@@ -255,9 +218,6 @@ class Host:
         """Ask every node and program to end, and wait END_TIMEOUT; then end programs by force.
 
         `on_end` is not called.
-
-        Returns:
-            The names of the nodes and programs that did not end.
         """
         end = time.monotonic() + END_TIMEOUT
         self.programs.begin_to_end()
@@ -280,12 +240,7 @@ class Host:
     def _report_gone(
         self, names: Sequence[str], others: Sequence[HostedNode] | None = None
     ) -> None:
-        """Call `on_end` with the names that no other node or program that is UP serves.
-
-        Args:
-            names: The services and actions that have gone.
-            others: ARCHO's other nodes; None for all of them.
-        """
+        """Call `on_end` with the names that no other node or program that is UP serves."""
         nodes = [h.state for h in (self.nodes if others is None else others)]
         states = [state for state in (*nodes, *self.programs.states()) if state.life is Life.UP]
         left = {name for state in states for name in state.serves}

@@ -27,13 +27,7 @@ _GRACE = 0.5  # Seconds that an interrupted callback has to end.
 
 
 class HostedNode:
-    """A node, and the thread that spins it from `start` on.
-
-    Attributes:
-        node: The node.
-        make: The function that makes the node.
-        state: The state of the node.
-    """
+    """A node, and the thread that spins it from `start` on."""
 
     def __init__(
         self,
@@ -42,14 +36,6 @@ class HostedNode:
         on_crash: Callable[[HostedNode], None],
         rename: str = "",
     ) -> None:
-        """Make the node in the calling thread.
-
-        Args:
-            make: Makes the node, given the context by that name.
-            context: The rclpy context of the node.
-            on_crash: Called when the node has crashed, in its thread.
-            rename: The name of the node; "" for the name that it gives itself.
-        """
         self.make, self._context, self._on_crash, self._rename = make, context, on_crash, rename
         options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
         self.node = make(context=context, **options)
@@ -74,9 +60,6 @@ class HostedNode:
 
         A coroutine that waits for something does not confirm the STOP, nor does a service whose
         request has other fields, which is not called.
-
-        Returns:
-            The reason why the STOP is not confirmed; "" if it is.
         """
         served = next(found for found in self.node.services if found.service_name == service)
         kind = served.srv_type
@@ -120,12 +103,7 @@ class HostedNode:
             self._executor.create_task(lambda: None)
 
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
-        """End the thread and destroy the node; its state becomes STOPPED, unless it has crashed.
-
-        Returns:
-            False if a callback takes longer than `timeout`: the node is STUCK then, and not
-            destroyed.
-        """
+        """End the thread and destroy the node; its state becomes STOPPED, unless it has crashed."""
         self.begin_to_stop()
         end = time.monotonic() + timeout
         if self._thread.is_alive():

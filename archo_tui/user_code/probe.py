@@ -134,11 +134,7 @@ def _plain(value: Any) -> Any:
 
 
 def restore(node: Node, values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Set parameters again on a node that does not spin yet.
-
-    Returns:
-        The values that the node took, and why it refused the others, both by parameter.
-    """
+    """Set parameters on a node that does not spin; return those taken, and why others were not."""
     taken, refused = {}, {}
     for name, value in values.items():
         try:

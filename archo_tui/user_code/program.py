@@ -19,6 +19,7 @@ IMPORT_TIME = 10.0  # Seconds in which the text of a saved file must have called
 JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
 KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.
 LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no flood.
+_SAVED_BEHIND_STOP = "saved behind a STOP: release it, then s twice starts the saved text"
 _POLL = 0.05  # Seconds between two looks at a program that is waited for.
 
 
@@ -60,16 +61,6 @@ class HostedProgram(ABC):
     """The base of a program of the user's own, and the thread that runs it, again if it respawns.
 
     On the embedded engine it is a `ProgramThread` of this process, on ROS 2 a `ProgramChild`.
-
-    Attributes:
-        state: The state of the program; `current_states` has one for each of its nodes.
-        crash: The `ProgramEnd.error` of the last run that ended by itself; "" before.
-        has_name: True once a node of it was accepted, in this run or before.
-        has_begun: Set once this run has called `rclpy.init`, where it waits if it `is_held`.
-        was_refused: True if this run ended where it would make a node behind a STOP.
-        has_spun: True once this run has spun a node outside of a constructor.
-        was_forced: True if it was ended by force.
-        served: The full names of the services and actions that it was last known to serve.
     """
 
     thread_class: type[threading.Thread] = threading.Thread  # Of the thread of the program.
@@ -79,14 +70,16 @@ class HostedProgram(ABC):
         self.program, self.file, self.callbacks = program, program.file, callbacks
         name, file = program.name or f"/{program.file.path.stem}", program.file
         self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
-        self.crash = ""
-        self.has_name = self.was_refused = self.was_forced = False
-        self.has_begun = threading.Event()
-        self._goes_on = threading.Event()  # Not set while it is held.
+        self.crash = ""  # The error of the last run that ended by itself.
+        self.has_name = False  # True once a node of it was accepted, in this run or before.
+        self.was_refused = False  # This run ended where it would make a node behind a STOP.
+        self.was_forced = False  # It was ended by force.
+        self.has_begun = threading.Event()  # Set once this run has called `rclpy.init`.
+        self._goes_on = threading.Event()  # Not set while it is held at `rclpy.init`.
         if not is_held:
             self._goes_on.set()
-        self._has_node = self.has_spun = False  # In this run.
-        self.served: tuple[str, ...] = ()
+        self._has_node = self.has_spun = False  # In this run; spun outside of a constructor.
+        self.served: tuple[str, ...] = ()  # The services and actions that it was known to serve.
         self._stopping = threading.Event()
         self._thread = self.thread_class(target=self._run, name=name, daemon=True)
 
@@ -153,8 +146,11 @@ class HostedProgram(ABC):
         self._goes_on.set()
 
     def wait_for_release(self) -> None:
-        """Do not begin: a STOP is not released."""
-        self.state = self.state._replace(life=Life.WAITING, error="", traceback="")
+        """Say in `state` that a STOP is not released: it waits, or runs on with its old text."""
+        if self.is_over:
+            self.state = self.state._replace(life=Life.WAITING, error="", traceback="")
+        else:
+            self.state = self.state._replace(error=_SAVED_BEHIND_STOP, traceback="")
 
     def report_not_restarted(self, error: UserFileError) -> None:
         """Put the error of the saved text into `state`; the program runs on with the old text."""
@@ -215,11 +211,7 @@ class HostedProgram(ABC):
         self.callbacks.on_end(self)
 
     def begin_context(self) -> bool:
-        """Take note of a call of `rclpy.init`, and wait while the program is held.
-
-        Returns:
-            False if the program must end.
-        """
+        """Note a call of `rclpy.init`, and wait while held; False if the program must end."""
         self.has_begun.set()
         while not self._goes_on.wait(_POLL):
             if self._stopping.is_set():
@@ -232,9 +224,6 @@ class HostedProgram(ABC):
         A STOP that was sent since the program was started has not reached its nodes. So the program
         must end if a STOP holds when its first node is made; before that it moves nothing. The name
         of its first node ever becomes that of the program and its thread.
-
-        Returns:
-            False if the program must end; `was_refused` is True then.
         """
         if not self._has_node and not self.callbacks.may_run():
             self.was_refused = True
@@ -272,9 +261,6 @@ class HostedProgram(ABC):
         """Interrupt the program and wait for its end; end it by force if it takes too long.
 
         Its state becomes STOPPED, unless it has crashed. What it left on the graph is taken off.
-
-        Returns:
-            False if the program did not end; it is STUCK then.
         """
         self.begin_to_stop()
         if not self.join(timeout):

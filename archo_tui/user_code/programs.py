@@ -18,6 +18,7 @@ from archo_tui.user_code.program import KILL_TIMEOUT, Callbacks, HostedProgram, 
 
 _BEHIND_STOP = "is not started behind a STOP that is not released: release it first"
 _THEN_S = ", then s in Nodes starts it"
+_THEN_S_TWICE = ", then s in Nodes, twice, starts the saved text"
 _FORCED = "did not end by ctrl+c, and was ended by force"
 _STUCK = "the one before is stuck: its code still runs"
 
@@ -39,18 +40,6 @@ class Programs:
         operator_values: Callable[[str], Mapping[str, Any]],
         on_restored: Callable[[str, Mapping[str, Any]], None],
     ) -> None:
-        """Create the collection without programs.
-
-        Args:
-            make: Makes a hosted program, which is not begun yet.
-            on_event: Called with level, source and text of an event, on any thread.
-            on_gone: Called with the services and actions that a program has served which ended.
-            on_node: Called with the full name of each node that a program makes, and with a
-                function that returns True if the program is to end; on any thread.
-            has_stop: Returns True while a STOP is not released.
-            operator_values: Returns the parameters that the operator has set on a node.
-            on_restored: Called with a node's full name and the values that it was given again.
-        """
         self._make, self._on_event, self._on_gone = make, on_event, on_gone
         self._has_stop, self._on_restored = has_stop, on_restored
         self._callbacks = Callbacks(
@@ -72,9 +61,6 @@ class Programs:
         """Add a program, run it, and wait until it waits for others or is over, START_TIME at most.
 
         Behind a STOP it is added, and not run.
-
-        Raises:
-            NodeFileError: Its text cannot be read or is not Python. The program is not added.
         """
         program.file.compile()
         hosted = self._make(program, self._callbacks)
@@ -126,7 +112,8 @@ class Programs:
         file = hosted.file.path.name
         saved = "was saved, and " if was_saved else ""
         source = file if was_saved else hosted.state.name.lstrip("/")
-        self._on_event("WARN", source, f"{file} {saved}{_BEHIND_STOP}{_THEN_S}")
+        then = _THEN_S if hosted.state.life is Life.WAITING else _THEN_S_TWICE
+        self._on_event("WARN", source, f"{file} {saved}{_BEHIND_STOP}{then}")
 
     def _restored(self, name: str, values: Mapping[str, Any], refused: Mapping[str, str]) -> None:
         for parameter, reason in refused.items():
@@ -156,10 +143,6 @@ class Programs:
         """Run a program that does not run again, with its file's text as it is now.
 
         A stuck run is ended by force once more, and left aside if it still runs.
-
-        Returns:
-            The outcome, as soon as the program has begun; REFUSED if the program runs, a STOP is
-            not released, or the text of its file is not Python.
         """
         with self._changing:
             if hosted.state.life.is_running:
@@ -186,12 +169,7 @@ class Programs:
         return new
 
     def stop(self, hosted: HostedProgram) -> Outcome:
-        """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; it is not respawned.
-
-        Returns:
-            DONE, after a call of `on_gone`, also if the program had ended before; TIMEOUT if the
-            program does not end: it is stuck then.
-        """
+        """End a program as Ctrl-C does, by force after JOIN_TIMEOUT; it is not respawned."""
         with self._changing:
             name = hosted.name
             if not hosted.stop():
@@ -239,7 +217,9 @@ class Programs:
                 self._say_not_restarted(olds, name, error)
                 return
             if not olds:
-                text = f"{name} was saved, and has ended: s in Nodes runs it again"
+                waits = any(h.file is file and h.state.life is Life.WAITING for h in self._hosted)
+                does = "waits for a release" if waits else "has ended"
+                text = f"{name} was saved, and {does}: s in Nodes runs it{' again' * (not waits)}"
                 self._on_event("INFO", name, text)
             begun = [(old.name, new) for old in olds if (new := self._replace(old)) is not None]
         for _, new in begun:
@@ -257,12 +237,9 @@ class Programs:
         self._on_event("ERROR", name, f"the saved text does not run: {error}")
 
     def _replace(self, old: HostedProgram) -> HostedProgram | None:
-        """Run the new text of a program's file, and end the old one once that has begun.
-
-        Returns:
-            The program in the old one's place; None if the old one runs on, which an event says.
-        """
+        """Run a saved text, and end the old one once it has begun; None if the old one runs on."""
         if self._has_stop() or self._is_over:
+            old.wait_for_release()
             self._say_not_begun(old, was_saved=True)
             return None
         new = self._successor(old, is_held=True)
@@ -294,14 +271,7 @@ class Programs:
             hosted.begin_to_stop()
 
     def end(self, seconds: Callable[[], float]) -> list[str]:
-        """Wait for the end of all programs; end those that still run by force, within KILL_TIMEOUT.
-
-        Args:
-            seconds: Returns the number of seconds that are left for waiting before force.
-
-        Returns:
-            The names of the programs that did not end.
-        """
+        """Wait `seconds()` for all programs, then end them by force; return what did not end."""
         for hosted in self:
             hosted.join(seconds())
         for hosted in self:

@@ -9,18 +9,9 @@ _SUPER = "super().__init__('name_of_the_node')"
 
 
 class Source:
-    """The questions about the syntax tree of a file.
-
-    Attributes:
-        tree: The syntax tree.
-    """
+    """The questions about the syntax tree of a file."""
 
     def __init__(self, text: bytes) -> None:
-        """Parse a file.
-
-        Raises:
-            SyntaxError: The text is not Python.
-        """
         self.tree = ast.parse(text)
         self._functions = [
             node
@@ -36,11 +27,7 @@ class Source:
         )
 
     def line_of_called_callback(self) -> int | None:
-        """Find a method of `self` that is called, not given: `create_timer(1.0, self.tick())`.
-
-        Returns:
-            The line of the first such call; None if there is none.
-        """
+        """Return where a callback is called, not given: `create_timer(1.0, self.tick())`."""
         for call in self._calls(self.tree):
             if _name(call).startswith("create_"):
                 for given in [*call.args[1:], *(keyword.value for keyword in call.keywords)]:
@@ -50,12 +37,7 @@ class Source:
         return None
 
     def action_server(self) -> tuple[int, bool] | None:
-        """Find the file's only ActionServer.
-
-        Returns:
-            The line of its constructor, and whether it has, or may have, a cancel_callback; None if
-            the file has none or several.
-        """
+        """Return the line of the file's only ActionServer, and if it may have a cancel_callback."""
         found = [call for call in self._calls(self.tree) if _name(call) == "ActionServer"]
         if len(found) != 1:
             return None
@@ -64,11 +46,7 @@ class Source:
         return found[0].lineno, later or bool(names & {"cancel_callback", None})
 
     def line_of_text(self, text: str) -> int | None:
-        """Return the first line with a string literal; None if there is none.
-
-        Args:
-            text: The string; slashes at its ends, as of a topic's name, do not matter.
-        """
+        """Return the first line with a string literal; slashes at its ends do not matter."""
         lines = [
             node.lineno
             for node in ast.walk(self.tree)
@@ -79,23 +57,12 @@ class Source:
         return min(lines, default=None)
 
     def line_of_call(self, name: str) -> int | None:
-        """Return the line of the only call of a function; None if there are none or several.
-
-        Args:
-            name: Its name without module or object: `spin` for `rclpy.spin(node)`.
-        """
+        """Return the line of the only call of a function, as `spin` for `rclpy.spin(node)`."""
         lines = [call.lineno for call in self._calls(self.tree) if _name(call) == name]
         return lines[0] if len(lines) == 1 else None
 
     def missing_super_init(self, name: str) -> tuple[int, str]:
-        """Describe why a node class does not run the `__init__` of Node.
-
-        Args:
-            name: The name of the class.
-
-        Returns:
-            The line to mend, 1 if the file does not define the class, and what is wrong there.
-        """
+        """Return the line to mend, and why a class does not run the `__init__` of Node."""
         classes = [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
         kind = next((node for node in classes if node.name == name), None)
         if kind is None:
@@ -108,15 +75,7 @@ class Source:
         return inits[0].lineno, f"__init__ does not call {_SUPER}, so there is no node"
 
     def missing_return(self, line: int) -> str:
-        """Return the name of what a callback should return and never does.
-
-        Args:
-            line: The first line of the callback, its decorators included.
-
-        Returns:
-            The parameter that is the response of a service, or `result` for an action; "" if the
-            callback returns something, or no function begins there.
-        """
+        """Return the name of what the callback at a line should return and never does."""
         for function in self._functions:
             first = min([function.lineno, *(d.lineno for d in function.decorator_list)])
             if first == line:

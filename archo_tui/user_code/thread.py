@@ -287,9 +287,6 @@ def install() -> Callable[[], None]:
     In the threads of a program, `__main__` is the program's module, and an exception that ends a
     thread is printed as one line. The console's end waits for none of these threads. Other threads
     are as before.
-
-    Returns:
-        A function that restores Python's own behaviour.
     """
     start, hook = threading.Thread.start, threading.excepthook
     main, arguments = sys.modules["__main__"], sys.argv

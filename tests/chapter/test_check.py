@@ -70,8 +70,10 @@ def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
     def is_idle(executor: Any) -> bool:
         """As the clock sees a program's threads by their names, once they have begun."""
-        begun = all(future.done() or future.running() for future in executor._running)
-        return Executor._is_idle(executor) and begun
+        working = sum(future.running() for future in executor._running)
+        waiting = [f for f in executor._running if not (f.done() or f.running())]
+        has_free_thread = working < executor._executor._max_workers
+        return Executor._is_idle(executor) and not (waiting and has_free_thread)
 
     monkeypatch.setattr(MultiThreadedExecutor, "_is_idle", is_idle)
     monkeypatch.setattr("archo_tui.session.Clock", lambda: virtual)

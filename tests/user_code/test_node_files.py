@@ -94,6 +94,7 @@ async def test_it_is_stopped_started_and_copied(here: Path) -> None:
         await op.until("○ greeter          stopped by you")
         await op.press("s")
         await op.until("✓  start /greeter")
+        await op.until(lambda: any(program.node_names() for program in op.session.host.programs))
         await op.press("plus")
         await op.until("● greeter_2")
 
@@ -127,8 +128,9 @@ def test_a_file_that_does_not_run_is_one_line(text: str, line: str, said: str, h
         assert "\n" not in str(caught.value)
         return
     with session(file) as running:
-        (state,) = (hosted for hosted in running.host.states() if hosted.file)
-        assert state.life is Life.CRASHED
+        (program,) = running.host.programs
+        wait_until(lambda: program.state.life is Life.CRASHED)
+        state = program.state
         assert state.error.startswith(line)
         assert said in state.error
         assert "\n" not in state.error

@@ -1,4 +1,4 @@
-"""Programs that run beside the console as `python FILE` runs them: `--run FILE`."""
+"""Programs that run beside the console as `python FILE` runs them: `--node FILE`."""
 
 from __future__ import annotations
 
@@ -282,11 +282,32 @@ def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
         assert asyncio.run(session.robot.emergency_stop()).ok
         talker("anew")
         refused = "is not started behind a STOP that is not released: release it first"
-        saved = f"talker.py was saved, and {refused}, then s in Nodes starts it"
-        wait_until(lambda: saved in texts(session))
+        then = "then s in Nodes, twice, starts the saved text"
+        wait_until(lambda: f"talker.py was saved, and {refused}, {then}" in texts(session))
+        waits = "saved behind a STOP: release it, then s twice starts the saved text"
+        assert states(session)["/talker"].error == waits
         assert session.host.stop_node("/talker").ok
         assert session.host.start_node("/talker") == (Code.REFUSED, f"/talker {refused}")
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
         assert said() == ["made", "interrupted", "left"]
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: said() == ["made", "interrupted", "left", "anew"])
+
+
+def test_one_that_has_crashed_and_is_saved_behind_a_stop_waits_for_a_key() -> None:
+    with running(written("talker.py", "1 / 0"), only=False) as session:
+        wait_until(lambda: life(session) is Life.CRASHED)
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        talker("mended")
+        wait_until(lambda: life(session) is Life.WAITING)
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        talker("better")
+        saved = "talker.py was saved, and waits for a release: s in Nodes runs it"
+        wait_until(lambda: saved in texts(session))
+        assert said() == []
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: said() == ["better"])
 
 
 def test_a_program_waits_behind_a_stop_that_was_sent_while_the_console_restarted() -> None:

@@ -47,14 +47,7 @@ class CheckedNode(NamedTuple):
 
 
 class CheckRunner:
-    """The checker's own ROS node, and what checks need: queries, logs and restarts of programs.
-
-    Attributes:
-        node: The checker's node, which `spin_until` spins.
-        logs: The messages on /rosout that the checker's node received, in their order.
-        radius: The wheel_radius in m of the parameter file that all nodes were given.
-        printed: The lines that the programs print, which grow while they run.
-    """
+    """The checker's own ROS node, and what checks need: queries, logs and restarts of programs."""
 
     def __init__(
         self,
@@ -65,7 +58,8 @@ class CheckRunner:
         printed: Sequence[str],
     ) -> None:
         """Create the checker's node beside the programs, and hear their logs."""
-        self.radius, self.printed = radius, printed
+        self.radius = radius  # In m, that the file gives all nodes.
+        self.printed = printed  # The lines of the programs, which grow while they run.
         self._programs, self._clock = programs, clock
         self.node = Node("_archo_check", context=context)
         self._executor = SingleThreadedExecutor(context=context)
@@ -166,9 +160,6 @@ class CheckRunner:
         """Return the last printed exception of the programs, in one line with its place, or "".
 
         rclpy prints the traceback of an exception of an execute callback and goes on.
-
-        Args:
-            since: The index in `printed` with which the search begins.
         """
         return ([*self._tracebacks(since)] or [""])[-1]
 
@@ -197,11 +188,7 @@ class CheckRunner:
     def spin_until(
         self, holds: Callable[[], object], seconds: float, nodes: Sequence[CheckedNode] = ()
     ) -> bool:
-        """Spin the checker's node until `holds()` is true; return False if the time is over before.
-
-        Raises:
-            CrashedError: A program of one of the nodes crashed before the condition held.
-        """
+        """Spin until `holds()`; return False when time is over. CrashedError if a node crashed."""
         end = self.now() + seconds
         while not holds():
             for hosted in self._crashed(self.programs_of(nodes)):
@@ -212,21 +199,13 @@ class CheckRunner:
         return True
 
     def wait_for_result(self, future: Any, nodes: Sequence[CheckedNode]) -> Any:
-        """Spin until a future is done, and return its result; None if ANSWER seconds pass before.
-
-        Raises:
-            CrashedError: A program of one of the nodes crashed.
-        """
+        """Spin until a future is done, and return its result; None after ANSWER seconds."""
         if not self.spin_until(future.done, ANSWER, nodes):
             self.wake(nodes)
         return future.result() if future.done() else None
 
     def wake(self, nodes: Sequence[CheckedNode]) -> None:
-        """Give the executors of some nodes a turn, at which they raise what callbacks raised.
-
-        Raises:
-            CrashedError: A program of one of the nodes crashed.
-        """
+        """Give the executors of some nodes a turn, at which they raise what callbacks raised."""
         for hosted in self.programs_of(nodes):
             hosted.ask({"ask": "wake"})
         self.spin_until(lambda: False, _WAKE_TIME, nodes)

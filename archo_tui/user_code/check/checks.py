@@ -23,9 +23,6 @@ def run_checks(runner: CheckRunner, report: TapReport) -> None:
 
     Crashed programs are restarted. Whether one crashed is the last check. If there is nothing to
     check, the report has failed, too.
-
-    Raises:
-        KeyboardInterrupt: The person interrupted the checks, which the report says.
     """
     has_checked = False
     try:

@@ -36,9 +36,6 @@ def launch_checks(given: str) -> Iterator[Result]:
 
     The file is evaluated in a child process, and again with `use_sim:=true` if it declares that;
     nothing is started. If it cannot be evaluated, the first check fails and the others are skipped.
-
-    Args:
-        given: The path of the launch file as the user typed it.
     """
     try:
         plan = _evaluate(given, {})

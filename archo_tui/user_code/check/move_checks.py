@@ -94,15 +94,7 @@ class _MoveProbe:
         return self._runner.spin_until(holds, seconds, self._nodes)
 
     def _send(self, shelf: int) -> tuple[Any, list[float], str]:
-        """Send a goal, and wait for the answer, for ANSWER seconds at most.
-
-        Returns:
-            The handle of the accepted goal, or None; a list to which the distance of each feedback
-            is added as it is received, in m; and why there is no handle, or "".
-
-        Raises:
-            CrashedError: A node that serves the action crashed.
-        """
+        """Send a goal, and wait for the answer, for ANSWER seconds at most."""
         way: list[float] = []
 
         def take(message: Any) -> None:
@@ -122,11 +114,7 @@ class _MoveProbe:
         return handle, way, ""
 
     def check_arrival(self) -> str:
-        """Send a goal, wait 8 s at most for its end, and return what is wrong, or "".
-
-        Raises:
-            CrashedError: A node that serves the action crashed.
-        """
+        """Send a goal, wait 8 s at most for its end, and return what is wrong, or ""."""
         shelf = _SHELVES[0]
         began = self._runner.now()
         handle, way, why = self._send(shelf)
@@ -155,14 +143,7 @@ class _MoveProbe:
         return "" if answer.result.success else "the result says success False: set it to True"
 
     def check_cancel(self) -> str:
-        """Send a goal, cancel it when its feedback says that 9 m remain, and wait for its end.
-
-        Returns:
-            What is wrong; "" if nothing is.
-
-        Raises:
-            CrashedError: A node that serves the action crashed.
-        """
+        """Send a goal, cancel it when its feedback says that 9 m remain, and wait for its end."""
         began = self._runner.now()
         handle, way, why = self._send(_SHELVES[1])
         if handle is None:
@@ -221,11 +202,7 @@ class _MoveProbe:
 
 
 def _blocked_executor_hint(busy: str) -> str:
-    """Return the advice for a node that takes no cancel while it executes a goal.
-
-    Args:
-        busy: The line that a callback executes, as `CheckRunner.busy_line` returns it, or "".
-    """
+    """Return the advice for a node that takes no cancel while it executes a goal."""
     where = f"{busy}: " if busy else ""
     return (
         f"{where}while execute sleeps, a single-threaded executor takes no cancel: spin with a "

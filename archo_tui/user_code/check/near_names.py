@@ -27,14 +27,6 @@ def missing_result(
     The check fails if another name was probably meant to be the wanted one, and is skipped
     otherwise; the hint or reason lists such names, else all other names. ARCHO's own names are left
     out.
-
-    Args:
-        runner: Finds the line of the name in the nodes' files.
-        title: The title of the check.
-        wanted: The chapter's name.
-        verb: The verb for a node that has it, such as `publish`.
-        kind: The kind of thing, such as `topic`.
-        others: The names that the nodes offer.
     """
     others = sorted(name for name in others if name.strip("/") not in _ROBOT_NAMES)
     meant = [name for name in others if _is_meant_as(name, wanted)]

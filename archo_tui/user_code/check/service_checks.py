@@ -41,13 +41,6 @@ def _check_service(runner: CheckRunner, title: str, name: str, check: _ServiceCh
 
     If no node has it, `check` is not called: the outcome is skipped, or failed if a node has a
     service with a similar name. A node that crashes fails the check.
-
-    Args:
-        runner: The checker.
-        title: The title of the check if it cannot begin or a node crashes.
-        name: The service's name, without its leading slash.
-        check: Called with the runner, the nodes that serve it, a client, and the `FILE:LINE: ` of
-            its callback, or "".
     """
     found = runner.nodes()
     nodes = [node for node in found if name in node.services]
@@ -72,14 +65,7 @@ def _check_service(runner: CheckRunner, title: str, name: str, check: _ServiceCh
 
 
 def _call(runner: CheckRunner, nodes: Sequence[CheckedNode], client: Any) -> tuple[Any, str]:
-    """Call a service with an empty request, and wait ANSWER seconds for the response.
-
-    Returns:
-        The response and "", or None and why there is none.
-
-    Raises:
-        CrashedError: One of the nodes crashed.
-    """
+    """Call a service with an empty request, and wait ANSWER seconds for the response."""
     answer = runner.wait_for_result(client.call_async(client.srv_type.Request()), nodes)
     if answer is not None:
         return answer, ""
@@ -95,9 +81,6 @@ def _check_reset(runner: CheckRunner, nodes: list[CheckedNode], client: Any, whe
     look like tick counters and are small are set to a large number before, and get their old value
     again if the service leaves that number. Without such attributes, only the answer is checked,
     and the title says so.
-
-    Raises:
-        CrashedError: One of the nodes crashed.
     """
     type_name = name_of(client.srv_type)
     if base_name(type_name) != "ResetEncoder":
@@ -136,9 +119,6 @@ def _check_stop_answer(
 
     The check passes under another title if the service's type tells no success, or if its request
     has fields and it answers False: the empty request may not be the one that stops.
-
-    Raises:
-        CrashedError: One of the nodes crashed.
     """
     answer, why = _call(runner, nodes, client)
     if answer is None:

@@ -9,17 +9,11 @@ from archo_tui.safe_text import safe
 
 
 class Result(NamedTuple):
-    """The outcome of a check.
-
-    Attributes:
-        name: The check.
-        hint: The mistake, its place, and what to do, in lines; "" if the check passed.
-        skipped: The reason why nothing was checked; "" if something was.
-    """
+    """The outcome of a check."""
 
     name: str
-    hint: str = ""
-    skipped: str = ""
+    hint: str = ""  # The mistake, its place, and what to do, in lines; "" if it passed.
+    skipped: str = ""  # Why nothing was checked; "" if something was.
 
     def lines(self, number: int) -> Iterator[str]:
         """Yield the outcome as TAP lines; `number` is that of the check, from 1."""
@@ -32,19 +26,9 @@ class Result(NamedTuple):
 
 
 class TapReport:
-    """The printer of the outcomes of a run of checks as TAP; TAP's header comes before all else.
-
-    Attributes:
-        has_failed: True if a check failed; `run_checks` sets it also if nothing was checked.
-        has_checked: True if a check was not skipped.
-    """
+    """The printer of the outcomes of a run of checks as TAP; TAP's header comes before all else."""
 
     def __init__(self, print_line: Callable[[str], None]) -> None:
-        """Create a report that has printed nothing.
-
-        Args:
-            print_line: Prints a line, which has no line feed.
-        """
         self._print_line = print_line
         self._count = 0
         self._has_begun = False

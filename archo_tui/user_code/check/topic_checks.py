@@ -50,10 +50,6 @@ def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Resu
 
     If no node publishes the topic, all are skipped; they fail if a node publishes one with a
     similar name.
-
-    Args:
-        runner: The checker.
-        levels: A list to which each level that is received is added, in %.
     """
     found = runner.nodes()
     nodes = [node for node in found if LEVEL in node.publishers]
@@ -156,10 +152,6 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     other node subscribes, the check is skipped; it fails if a node subscribes to a similar name. If
     the learner's own battery publishes low levels, only the warnings of low levels are checked,
     under another title.
-
-    Args:
-        runner: The checker.
-        levels: All levels that were received so far, to which further ones are added.
     """
     # The motor may subscribe as well, to stop when the battery is empty.
     found = [node for node in runner.nodes() if base_name(node.name) != _MOTOR]
@@ -206,9 +198,6 @@ def _first_warning(
     """Publish a battery level until a node warns; return the warning, or "" if none comes in time.
 
     The level is published every 0.1 s, because subscriptions may not be matched yet.
-
-    Raises:
-        CrashedError: One of the nodes crashed.
     """
     message = publisher.msg_type()
     setattr(message, "percentage" if hasattr(message, "percentage") else "data", level)
@@ -231,11 +220,7 @@ def _first_warning(
 def _try_good_level(
     runner: CheckRunner, nodes: Sequence[CheckedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level of 20 % or more for 0.5 s; return the hint if a node warns of it, or "".
-
-    Raises:
-        CrashedError: One of the nodes crashed.
-    """
+    """Publish a level of 20 % or more for 0.5 s; return the hint if a node warns of it, or ""."""
     hint = _first_warning(runner, nodes, publisher, level, _NO_WARNING_TIME)
     if not hint:
         return ""
@@ -245,11 +230,7 @@ def _try_good_level(
 def _try_low_level(
     runner: CheckRunner, nodes: Sequence[CheckedNode], publisher: Any, level: float
 ) -> str:
-    """Publish a level below 20 % until a node warns; return the hint if none does in 3 s, or "".
-
-    Raises:
-        CrashedError: One of the nodes crashed.
-    """
+    """Publish a level below 20 % until a node warns; return the hint if none does in 3 s, or ""."""
     logs, lines = len(runner.logs), len(runner.printed)
     if _first_warning(runner, nodes, publisher, level, ANSWER):
         return ""
