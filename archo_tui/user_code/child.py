@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -37,6 +38,7 @@ class ProgramChild(HostedProgram):
         self._names: list[str] = []
         self._lock = threading.Lock()  # Around the start of the process, which a stop may meet.
         self._asking = threading.Lock()
+        self._asked = 0
 
     def run_once(self) -> ProgramEnd:
         with self._lock:
@@ -90,19 +92,21 @@ class ProgramChild(HostedProgram):
         elif "serves" in report:
             self.served = tuple(report["serves"])
         elif "answer" in report:
-            self._answers.put(report["answer"])
+            self._answers.put(report)
 
     def _send(self, **request: Any) -> None:
         with contextlib.suppress(OSError, ValueError):  # It has ended by now.
             print(json.dumps(request), file=self._requests, flush=True)
 
     def ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        with self._asking:
-            while not self._answers.empty():
-                self._answers.get()
-            self._send(**request)
-            with contextlib.suppress(queue.Empty):
-                return self._answers.get(timeout=_ANSWER_TIME)
+        with self._asking, contextlib.suppress(queue.Empty):
+            self._asked += 1
+            self._send(**request, number=self._asked)
+            end = time.monotonic() + _ANSWER_TIME
+            while True:
+                answer = self._answers.get(timeout=max(end - time.monotonic(), 0.0))
+                if answer["number"] == self._asked:  # It may be a late one.
+                    return dict(answer["answer"])
         return {}
 
     def _started(self) -> tuple[subprocess.Popen[str], IO[str], IO[str]]:

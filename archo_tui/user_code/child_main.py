@@ -160,7 +160,7 @@ class _Reporter:
             for line in lines:
                 request = json.loads(line)
                 if "ask" in request:
-                    self.report(answer=probe.answer(request))
+                    self.report(answer=probe.answer(request), number=request["number"])
                 else:
                     self._answers.put(request)
 

@@ -24,6 +24,8 @@ WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"
 _TWO_TYPES = ("with incompatible type", "Failed to create subscription: invalid allocator")
 _ONE_TYPE = "another node of this process has the topic with another type, and Fast DDS allows one"
 _INTERFACE_SUFFIXES = ("_msgs", "_srvs", "_interfaces")  # Of the names of interface packages.
+_NO_CONTEXT = ("InvalidHandle", "RCLError")
+_SHUT_DOWN = "rclpy.shutdown() ends the node that calls it: call it at the end of main() only"
 _NOT_CALLED = "give the callback itself: self.name, not self.name()"
 # Python itself may be in the home folder, beside the user's files.
 _PYTHON = Path(sysconfig.get_path("stdlib")).resolve()
@@ -135,6 +137,9 @@ def _place_of_callback(
         line = source.line_of_called_callback()
         if line is not None:
             return f"{own_code}:{line}", _NOT_CALLED
+    shut = source.line_of_call("shutdown") if type(error).__name__ in _NO_CONTEXT else None
+    if shut is not None:
+        return f"{own_code}:{shut}", _SHUT_DOWN
     for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):
         for value in frame.f_locals.values():
             code = code_of(value)

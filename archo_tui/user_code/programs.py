@@ -249,6 +249,11 @@ class Programs:
             error = NodeFileError(new.crash, new.state.traceback)
             self._say_not_restarted([old], old.file.path.name, error)
             return None
+        if self._has_stop():  # It came while the new text began.
+            new.stop()
+            old.wait_for_release()
+            self._say_not_begun(old, was_saved=True)
+            return None
         name = old.name.lstrip("/")
         if not old.stop():
             self._on_event("WARN", name, _STUCK)

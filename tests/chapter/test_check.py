@@ -123,6 +123,8 @@ class Expected:
 def test_a_learner_is_told(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    if name == "stop_shuts_rclpy_down" and chosen.ENGINE == "ros2":
+        pytest.skip("there the answer leaves before the node ends")
     expected = Expected(name)
     if "did not return" in expected.refused:
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0

@@ -17,6 +17,7 @@ from archo_tui.session_options import Options
 from archo_tui.user_code.file import ProgramFile
 from tests.support import chosen, clock
 from tests.support.console import console
+from tests.support.waiting import wait_until
 
 LISTINGS = Path(textbook.__file__).parent
 GREETER = """

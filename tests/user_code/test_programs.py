@@ -357,6 +357,27 @@ def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
         wait_until(lambda: said() == ["made"])
 
 
+def test_a_stop_while_a_saved_text_begins_leaves_the_one_before_running(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.watch.FileWatcher.start", lambda self: None)
+    with running(talker(), only=False) as session:
+        wait_until(lambda: said() == ["made"])
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        written("talker.py", "print('begins')" + WAITS + TALKER.replace("{word}", "anew"))
+        (program,) = session.host.programs
+        reload = threading.Thread(target=session.host.programs.reload, args=[program.file])
+        reload.start()
+        wait_until(lambda: "begins" in texts(session))
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        reload.join()
+        assert [*session.host.programs] == [program]
+        assert program.state.life is Life.UP
+        assert program.state.error.startswith("saved behind a STOP")
+        assert said() == ["made"]
+
+
 @pytest.mark.parametrize("is_slow_to_end", [True, False])
 def test_a_program_that_a_stop_keeps_from_running_is_not_called_restarted(
     is_slow_to_end: bool, monkeypatch: pytest.MonkeyPatch

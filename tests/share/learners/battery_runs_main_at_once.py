@@ -14,4 +14,4 @@ def main():
     rclpy.spin(BatteryMonitor())
 
 
-main()  # here
+main()

@@ -15,6 +15,6 @@ def main():
 
 
 try:
-    main()  # here
+    main()
 except KeyboardInterrupt:
     pass

@@ -1,6 +1,7 @@
 """It ends itself before it has answered."""
-# not ok 10: stop_shuts_rclpy_down.py:
-# not ok 11: stop_shuts_rclpy_down.py:
+# not ok 10: HERE:
+# not ok 10: rclpy.shutdown() ends the node that calls it: call it at the end of main() only
+# not ok 11: HERE:
 import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger
