@@ -458,7 +458,8 @@ class Session:
         if sys.platform != "win32":
             from archo_tui.user_code.child import ProgramChild
 
-            output = NodeOutput(io.StringIO(), self.robot.note)
+            is_ready = isinstance(sys.stdout, NodeOutput)  # As that of `check` is.
+            output = sys.stdout if is_ready else NodeOutput(io.StringIO(), self.robot.note)
             return ProgramChild(*arguments, output=output)
         raise ArchoError("--node with --engine ros2 does not work on Windows")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import queue
@@ -13,9 +14,8 @@ import threading
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TextIO
 
-from archo_tui.user_code.output import NodeOutput
 from archo_tui.user_code.program import Callbacks, HostedProgram, Program, ProgramEnd
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
@@ -27,7 +27,12 @@ class ProgramChild(HostedProgram):
     """A program in a child process, without a standard input; docs of the pipes: `child_main`."""
 
     def __init__(
-        self, program: Program, callbacks: Callbacks, is_held: bool = False, *, output: NodeOutput
+        self,
+        program: Program,
+        callbacks: Callbacks,
+        is_held: bool = False,
+        *,
+        output: TextIO | io.TextIOBase | io.TextIOBase,
     ) -> None:
         """Create the hosted program, whose printed lines go to `output`."""
         super().__init__(program, callbacks, is_held)
