@@ -32,7 +32,7 @@ class ProgramChild(HostedProgram):
         callbacks: Callbacks,
         is_held: bool = False,
         *,
-        output: TextIO | io.TextIOBase | io.TextIOBase,
+        output: TextIO | io.TextIOBase,
     ) -> None:
         """Create the hosted program, whose printed lines go to `output`."""
         super().__init__(program, callbacks, is_held)
