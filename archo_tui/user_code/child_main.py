@@ -16,9 +16,7 @@ import signal
 import sys
 import threading
 import time
-from traceback import extract_stack
 from typing import Any
-from weakref import WeakSet
 
 assert sys.platform != "win32"  # As mypy is to know; there the console runs no programs on ROS 2.
 
@@ -67,13 +65,7 @@ class _Reporter:
         from rclpy.executors import Executor
         from rclpy.node import Node
 
-        from archo_tui.user_code.probe import (
-            Probe,
-            constructed_class,
-            is_taken,
-            restore,
-            served_names,
-        )
+        from archo_tui.user_code.probe import Probe, SpinWatch, restore, served_names
         from archo_tui.user_code.program import with_ros_args
 
         file = program.file
@@ -82,8 +74,7 @@ class _Reporter:
         self._asking = threading.Lock()
         nodes: list[Any] = []
         values: dict[str, dict[str, Any]] = {}  # That the operator has set, by node.
-        spun: WeakSet[Any] = WeakSet()
-        taken: WeakSet[Any] = WeakSet()
+        spins = SpinWatch(file.code)
         init_context, make_node, make_service, make_action, add_node = (
             *(Context.init, Node.__init__, Node.create_service),
             *(ActionServer.__init__, Executor.add_node),
@@ -118,22 +109,13 @@ class _Reporter:
 
         def add(this: Executor, node: Node) -> bool:
             name = node.get_fully_qualified_name()
-            if constructed_class(threading.current_thread()):
-                pass  # It may not have declared its parameters yet.
-            elif node not in spun:
-                spun.add(node)
+            if spins.is_first(node):
                 self.report(spins=name)
                 if values.get(name):
                     self.report(restored=[name, *restore(node, values[name])])
-            elif is_taken(node, this, rclpy.get_global_executor()) and node not in taken:
-                taken.add(node)
-                self.report(warning=taken_text(node.get_name()))
+            elif warning := spins.warning(node, this, rclpy.get_global_executor()):
+                self.report(warning=warning)
             return add_node(this, node)
-
-        def taken_text(name: str) -> str:
-            where, line = file.code.place(extract_stack())
-            what = f"takes {name} from the executor of main(), which calls nothing of {name}"
-            return f"{where}: {what} any more: pass executor=self.executor{line}"
 
         probe = Probe(file.code, lambda: nodes, threading.enumerate)
         threading.Thread(target=self._read, args=(requests, probe), daemon=True).start()

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from traceback import extract_stack
 from types import FrameType
 from typing import Any
+from weakref import WeakSet
 
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.executors import Executor
@@ -149,12 +150,32 @@ def restore(node: Node, values: Mapping[str, Any]) -> tuple[dict[str, Any], dict
     return taken, refused
 
 
-def is_taken(node: Node, executor: Executor, global_executor: Executor | None) -> bool:
-    """Return True if `executor` takes a node from one that the program itself has made."""
-    before = node.executor
-    if before is None or before in (executor, global_executor):
-        return False
-    return node in before.get_nodes()
+class SpinWatch:
+    """The spins of a program's nodes: the first of each, and those that take one away."""
+
+    def __init__(self, code: OwnCode) -> None:
+        self._code = code
+        self._spun: WeakSet[Node] = WeakSet()
+        self._taken: WeakSet[Node] = WeakSet()
+
+    def is_first(self, node: Node) -> bool:
+        """Return True once for a node; the spins of its constructor do not count."""
+        if node in self._spun or constructed_class(threading.current_thread()):
+            return False  # It may not have declared its parameters yet.
+        self._spun.add(node)
+        return True
+
+    def warning(self, node: Node, executor: Executor, global_executor: Executor | None) -> str:
+        """Return the line that takes a node from an executor of the program's own, or ""."""
+        before = node.executor
+        if before is None or before in (executor, global_executor) or node in self._taken:
+            return ""
+        if node not in before.get_nodes() or constructed_class(threading.current_thread()):
+            return ""
+        self._taken.add(node)
+        (where, line), name = self._code.place(extract_stack()), node.get_name()
+        what = f"takes {name} from the executor of main(), which calls nothing of {name}"
+        return f"{where}: {what} any more: pass executor=self.executor{line}"
 
 
 def destroy(node: Node) -> None:

@@ -10,7 +10,6 @@ import weakref
 from collections import UserList
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from traceback import extract_stack
 from types import ModuleType
 from typing import Any
 
@@ -23,9 +22,8 @@ from archo_tui.user_code.interrupt import Interrupted, raise_in
 from archo_tui.user_code.output import share_output
 from archo_tui.user_code.probe import (
     Probe,
-    constructed_class,
+    SpinWatch,
     destroy,
-    is_taken,
     restore,
     served_names,
     waits_for_others,
@@ -59,8 +57,7 @@ class _Process(_process.Process):
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
         self.awaited: weakref.WeakSet[threading.Thread] = weakref.WeakSet()  # As non-daemons.
         self.pools: weakref.WeakSet[ThreadPoolExecutor] = weakref.WeakSet()
-        self._spun: weakref.WeakSet[Node] = weakref.WeakSet()
-        self._taken: weakref.WeakSet[Node] = weakref.WeakSet()
+        self._spins = SpinWatch(self.file.code)
 
     def use_as_main(self, module: ModuleType) -> None:
         """Make a module the `__main__` that the threads of this program see."""
@@ -78,21 +75,14 @@ class _Process(_process.Process):
 
     def spin_node(self, node: Node, executor: Executor) -> None:
         """Restore the operator's parameters at the first spin; warn of a spin that takes a node."""
-        name = node.get_fully_qualified_name()
-        if constructed_class(threading.current_thread()):  # It may not have declared them yet.
-            return
-        self._hosted.has_spun = True
-        if node not in self._spun:
-            self._spun.add(node)
-            values = self._hosted.callbacks.operator_values(name)
+        name, callbacks = node.get_fully_qualified_name(), self._hosted.callbacks
+        if self._spins.is_first(node):
+            self._hosted.has_spun = True
+            values = callbacks.operator_values(name)
             if values:
-                self._hosted.callbacks.on_restored(name, *restore(node, values))
-        elif is_taken(node, executor, self.executor) and node not in self._taken:
-            self._taken.add(node)
-            where, line = self.file.code.place(extract_stack())
-            what = f"takes {node.get_name()} from the executor of main(), which calls nothing of "
-            what += f"{node.get_name()} any more: pass executor=self.executor"
-            self._hosted.callbacks.on_event("WARN", name.lstrip("/"), f"{where}: {what}{line}")
+                callbacks.on_restored(name, *restore(node, values))
+        elif warning := self._spins.warning(node, executor, self.executor):
+            callbacks.on_event("WARN", name.lstrip("/"), warning)
 
     def living_nodes(self) -> list[Node]:
         """Return the program's nodes that are on the graph, the oldest first."""

@@ -71,8 +71,10 @@ def move_checks(runner: CheckRunner) -> Iterator[Result]:
             hint = ask()
         except CrashedError as error:
             hint = str(error)
-        raised = runner.last_exception(since) if hint else ""
-        yield Result(title, raised or hint)
+        if hint:  # What a process prints comes a little later.
+            runner.spin_until(lambda: runner.last_exception(since), _FEEDBACK_GRACE)
+            hint = runner.last_exception(since) or hint
+        yield Result(title, hint)
         runner.restart_crashed()
     client.destroy()
 
