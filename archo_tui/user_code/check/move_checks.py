@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -72,7 +73,7 @@ def move_checks(runner: CheckRunner) -> Iterator[Result]:
         except CrashedError as error:
             hint = str(error)
         if hint:  # What a process prints comes a little later.
-            runner.spin_until(lambda: runner.last_exception(since), _FEEDBACK_GRACE)
+            runner.spin_until(partial(runner.last_exception, since), _FEEDBACK_GRACE)
             hint = runner.last_exception(since) or hint
         yield Result(title, hint)
         runner.restart_crashed()
