@@ -198,6 +198,7 @@ async def test_a_goal_ends_with_its_node(here: Path) -> None:
         await save(op, file, file.read_text() + "# another\n")
         await op.until("✗ LOST")
         assert "the robot may still be moving" in op.line("✗ LOST")
+        await op.until(lambda: any("/move_to_shelf" in n.serves for n in op.session.host.states()))
         await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
         await op.press("g", "8", "enter")
         await op.until("MOVING to 8")
@@ -232,6 +233,7 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
     )
     with Session(options, clock.current) as session:
         async with typing(session.station) as person:
+            await until(lambda: any(p.name == "gain" for p in session.robot.snapshot.parameters))
             for typed, value in (("set talker gain 2.5", 2.5), ("undo", 1.0)):
                 person.type(f"{typed}\n")
                 await person.until(f"gain is {value}, was ")
