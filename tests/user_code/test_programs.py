@@ -24,7 +24,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.stop import HELD_BY_NOBODY
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state import Hosted, Latch, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit
@@ -465,6 +465,27 @@ def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
         wait_until(lambda: states(session)["/dashboard"].file == "mine.py")
         others = ["/battery_monitor", "/motor_controller"]
         wait_until(lambda: [h.name for h in session.host.nodes] == others)
+
+
+SECOND = """
+first = Node("first")
+while not Path("go").exists():
+    rclpy.spin_once(first, timeout_sec=0.05)
+rclpy.spin(Motor())
+"""
+
+
+def test_a_second_node_that_replaces_the_motor_makes_the_stop_uncertain() -> None:
+    head = MOTOR.replace("import rclpy\n", "from pathlib import Path\nimport rclpy\n", 1)
+    text = head.replace("rclpy.spin(Motor())\n", SECOND)
+    with running(written("two.py", text), only=False) as session:
+        robot = session.robot
+        wait_until(lambda: "/first" in states(session))
+        wait_until(lambda: "emergency_stop" in robot.snapshot.offered)
+        assert asyncio.run(robot.emergency_stop()).ok
+        wait_until(lambda: robot.snapshot.latch is Latch.HELD)
+        written("go", "")
+        wait_until(lambda: robot.snapshot.latch is Latch.UNCERTAIN)
 
 
 LISTINGS = Path(textbook.__file__).parent
