@@ -17,7 +17,7 @@ from textual.widgets import Input
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.commands.keymap import readable_keys
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station

@@ -27,13 +27,12 @@ from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
 from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.state import LAUNCH
+from archo_tui.robot.state.snapshot import LAUNCH
 from archo_tui.robot_file import load as robot_files
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
-from archo_tui.station.event_journal import EventJournal
-from archo_tui.station.journal import Journal, unreleased_stop
+from archo_tui.station.journal import EventJournal, Journal, unreleased_stop
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 
@@ -50,7 +49,7 @@ if TYPE_CHECKING:
     from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
     from archo_tui.robot.robot import Robot
-    from archo_tui.robot.state import Event
+    from archo_tui.robot.state.snapshot import Event
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
@@ -332,7 +331,7 @@ class Session:
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         if hasattr(self, "robot"):
-            self.robot.stop()
+            self.robot.close()
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
@@ -557,7 +556,7 @@ class Session:
             self._listening = self._server.keep()
         elif self._server is not None:
             self._server.close()
-        self.robot.stop()
+        self.robot.close()
         stuck = self.host.stop()
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()

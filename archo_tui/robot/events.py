@@ -12,13 +12,13 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import audit_records
-from archo_tui.robot.audit_records import AuditRecord
-from archo_tui.robot.consoles import author
-from archo_tui.robot.other_clients import UnexplainedChanges
+from archo_tui.robot.clients.changes import UnexplainedChanges
+from archo_tui.robot.clients.consoles import author
+from archo_tui.robot.clients.requester import YOU, Requester
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.requester import YOU, Requester
-from archo_tui.robot.state import OWN_LEVELS, Event
+from archo_tui.robot.state import audit_records
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.snapshot import OWN_LEVELS, Event
 from archo_tui.safe_text import harmless, harmless_lines
 
 LIMIT = 1000  # Events that are kept.

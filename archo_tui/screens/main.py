@@ -15,7 +15,7 @@ from textual.reactive import Reactive
 from textual.widget import Widget
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
 from archo_tui.terminal.compositor import LayoutOnly

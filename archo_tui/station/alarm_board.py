@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
 
-from archo_tui.robot.period import LEAST_SILENCE, Pause
+from archo_tui.robot.messages.period import LEAST_SILENCE, Pause
 from archo_tui.station.alarms import (
     CONTACT_LOST,
     LAST_KNOWN,

@@ -8,7 +8,8 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from typing import Literal
 
-from archo_tui.robot.state import Goal, Snapshot
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.snapshot import Snapshot
 
 # charge: in %. speed: in the unit of the robot's own messages, m/s in ROS. left: what remains of
 # the running goal, in the unit of its feedback.

@@ -1,8 +1,8 @@
 """The operator's log: JSON lines in the state folder, each appended and flushed by itself.
 
 It holds commands, the ends of goals and what other consoles did, each with its text and as data
-(`verb`, `arguments`, `code`, see robot/audit_records.py), and alarms, warnings and errors. While
-the disk is full or read-only there is an alarm, and each further line tries again.
+(`verb`, `arguments`, `code`, see robot/state/audit_records.py), and alarms, warnings and errors.
+While the disk is full or read-only there is an alarm, and each further line tries again.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from typing import Any
 from archo_tui.paths import make_folder
 from archo_tui.regular_files import open_regular
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.snapshot import Event
 from archo_tui.system import lock, user_name
 
 # Once the file is larger, it is renamed to journal.jsonl.1, which replaces the older one.
@@ -186,3 +187,49 @@ def _locked(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
+
+
+_EVENT_KINDS = {
+    "YOU": "command",
+    "SHELL": "command",
+    "AI": "command",
+    "GOAL": "goal",
+    "PEER": "other console",
+}  # Other levels are events.
+# The counts of a repeated event that the journal notes.
+_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
+
+
+class EventJournal:
+    """The writer of a console's events, with the robot's `place`, to the `Journal`."""
+
+    def __init__(self, journal: Journal, place: Mapping[str, Any]) -> None:
+        self._journal, self._place = journal, place
+        self._repeat_filter = RepeatFilter()
+
+    def record(self, event: Event) -> None:
+        """Write an event, unless it is DEBUG, INFO, or one of many repeats.
+
+        Of a node's lines that differ in numbers only, a `RepeatFilter` chooses. The line of a STOP
+        or a release has the key `place`. Called on the robot's thread, without waiting for the
+        disk.
+        """
+        if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
+            return
+        kind = _EVENT_KINDS.get(event.level, "event")
+        by_node = kind == "event" and event.source != "console"
+        is_new = by_node and event.count == 1
+        if is_new and not self._repeat_filter.passes(event.source, event.text):
+            return
+        what: dict[str, Any] = {
+            "level": event.level,
+            "source": event.source,
+            "text": event.text,
+        }
+        if event.command:
+            what["command"] = event.command
+        if event.audit_record is not None:
+            what |= event.audit_record._asdict()
+            if event.audit_record.verb in ("stop", "release"):
+                what["place"] = self._place
+        self._journal.write(event.time, kind, **what, count=event.count)

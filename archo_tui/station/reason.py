@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.conditions import battery_health, is_battery_low
 
 Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it from others.

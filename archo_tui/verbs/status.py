@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.history import SPANS, Quantity, current_values

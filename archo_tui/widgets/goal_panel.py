@@ -14,7 +14,7 @@ from textual.widgets import Static
 from archo_tui.robot.messages.typed import is_integer, is_number, parse_field
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from archo_tui.widgets.board import Board

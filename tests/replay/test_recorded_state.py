@@ -11,23 +11,19 @@ from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from std_msgs.msg import String
 
-from archo_tui.recordings.console import STATE
+from archo_tui.recordings.console import STATE, TOLD, change_key, to_json
 from archo_tui.recordings.replay.state import ReplayState
-from archo_tui.recordings.state import TOLD, change_key, to_json
+from archo_tui.robot.clients.requester import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.period import MessageRate
-from archo_tui.robot.requester import YOU
-from archo_tui.robot.state import (
+from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.graph import NodeState, Parameter, Resource
+from archo_tui.robot.state.snapshot import (
     Event,
-    Goal,
     Hosted,
     Latch,
     Life,
-    NodeState,
     OpenStop,
-    Parameter,
-    Phase,
-    Resource,
     Snapshot,
     StopAnswer,
 )

@@ -8,7 +8,7 @@ import pytest
 from rich.cells import cell_len
 
 from archo_tui.robot.events import LEFT_OUT, EventLog
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.snapshot import Event
 from archo_tui.safe_text import harmless, safe, safe_in_place
 
 

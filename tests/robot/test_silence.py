@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
-from archo_tui.robot.period import Period, is_silent
+from archo_tui.robot.messages.period import Period, is_silent
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated

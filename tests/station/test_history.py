@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from archo_tui.robot.state import Goal, Phase
+from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.station.history import History
 from archo_tui.widgets.history_panel import covered_span, end_marks
 from archo_tui.widgets.plot import curve

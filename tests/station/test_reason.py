@@ -7,7 +7,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Battery, GaugeReading, Latch, Motion, Parameter, Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.readings import Battery, GaugeReading, Motion
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot_file.model import Gauge, MessageField
 from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from tests.support.archo import ARCHO

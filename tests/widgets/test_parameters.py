@@ -14,7 +14,7 @@ from textual.geometry import Region
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile

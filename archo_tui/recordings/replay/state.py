@@ -10,28 +10,19 @@ from typing import Any, NamedTuple, cast
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
-from archo_tui.recordings.console import JOURNAL, STATE
-from archo_tui.recordings.state import ConsoleState, from_json
-from archo_tui.robot.consoles import author
+from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
+from archo_tui.robot.clients.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
+from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.period import MessageRate
 from archo_tui.robot.readings.subscriptions import News
 from archo_tui.robot.readings.telemetry import SavedReadings, Telemetry
-from archo_tui.robot.state import (
-    OWN_LEVELS,
-    TOPIC,
-    Event,
-    Goal,
-    NodeState,
-    Snapshot,
-    in_namespace,
-    level_word,
-    logger_node,
-)
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.graph import TOPIC, NodeState, in_namespace, level_word, logger_node
+from archo_tui.robot.state.snapshot import OWN_LEVELS, Event, Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard

@@ -24,7 +24,7 @@ from archo_tui.robot.graph.secrets import is_secret, masked, masked_text
 from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
+from archo_tui.robot.state.graph import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterType, ParameterValue
 
-from archo_tui.robot.state import MASK
+from archo_tui.robot.state.graph import MASK
 
 _ALWAYS = ("password", "token", "secret", "apikey")  # Also at the end of a word: `dbpassword`.
 _KEY = "key"  # Secret only as the last word of a part: `api_key`, but not `key_bindings`.

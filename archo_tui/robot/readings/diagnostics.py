@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from archo_tui.robot.period import Period
-from archo_tui.robot.state import WORST_FIRST, Diagnostic, DiagnosticLevel
+from archo_tui.robot.messages.period import Period
+from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLevel
 from archo_tui.safe_text import harmless
 
 _MOST = 1000  # Parts that are kept; a publisher of ever new names must not fill the memory.

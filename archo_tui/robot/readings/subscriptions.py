@@ -11,12 +11,12 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.graph.endpoints import fitting_qos, is_latched
+from archo_tui.robot.messages.period import LEAST_SILENCE
 from archo_tui.robot.messages.types import field_paths, load_class
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import LEAST_SILENCE
 from archo_tui.robot.readings.fields import Fields
-from archo_tui.robot.state import in_namespace
-from archo_tui.robot_file import mismatch
+from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import fields_of
 
 
@@ -118,7 +118,7 @@ class ReadingSubscriptions:
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
         fault = next(filter(None, lacking.values()), "")
-        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
+        fault = fault or check.unexpected_type(reader.topic, kinds, types)
         if fault:
             faults.setdefault(reader.topic, fault)
         if not usable:
@@ -163,7 +163,7 @@ class ReadingSubscriptions:
         try:
             subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
         except Exception as error:  # Fast DDS allows one type of a topic in a process.
-            fault = mismatch.not_subscribed(readers[0].topic, kind, in_one_line(error))
+            fault = check.not_subscribed(readers[0].topic, kind, in_one_line(error))
             self._subscriptions[key] = made._replace(fault=fault)
         else:
             self._subscriptions[key] = made._replace(subscription=subscription)
@@ -176,10 +176,10 @@ class ReadingSubscriptions:
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
     """Return why a type cannot be read: not installed, or without a field of the readers; or ""."""
     if message_class is None:
-        return mismatch.not_installed(topic, kind)
+        return check.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]
     wanted = [(field.where, field.field) for field in named]
-    return mismatch.unknown_field(kind, wanted, field_paths(message_class))
+    return check.unknown_field(kind, wanted, field_paths(message_class))
 
 
 class RecordedTopics:
@@ -208,7 +208,7 @@ class RecordedTopics:
             kind = publishers[0].topic_type
             message_class = load_class(kind)
             if message_class is None:
-                self._warn_once(topic, mismatch.not_installed(topic, kind))
+                self._warn_once(topic, check.not_installed(topic, kind))
                 continue
             self._missing.remove(topic)
             try:
@@ -217,7 +217,7 @@ class RecordedTopics:
                 )
             except Exception as error:  # Fast DDS allows one type of a topic in a process.
                 reason = in_one_line(error)
-                self._warn_once(topic, mismatch.not_subscribed(topic, kind, reason))
+                self._warn_once(topic, check.not_subscribed(topic, kind, reason))
             else:
                 self._subscriptions.append(subscription)
 

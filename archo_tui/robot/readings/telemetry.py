@@ -9,13 +9,14 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from archo_tui.clock import Clock
+from archo_tui.robot.messages.period import Period
 from archo_tui.robot.messages.values import number
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import Period
 from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
 from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
-from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose, Snapshot
+from archo_tui.robot.state.readings import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
 from archo_tui.safe_text import harmless

@@ -18,8 +18,8 @@ from rclpy.serialization import deserialize_message
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.graph.endpoints import fitting_qos
+from archo_tui.robot.messages.period import RATE_INTERVALS
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import RATE_INTERVALS
 
 # Seconds after a subscription in which a latched topic's messages are those that were kept for it.
 _KEPT = 0.5

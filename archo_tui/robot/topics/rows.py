@@ -25,7 +25,7 @@ from archo_tui.robot.messages.types import (
     name_of,
     ros2msg_type,
 )
-from archo_tui.robot.state import (
+from archo_tui.robot.state.topic import (
     SHOWN_ELEMENTS,
     Curve,
     FieldKind,

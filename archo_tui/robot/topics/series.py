@@ -7,7 +7,7 @@ from array import array
 from bisect import bisect_left
 from typing import NamedTuple
 
-from archo_tui.robot.state import Curve, Range
+from archo_tui.robot.state.topic import Curve, Range
 
 SPAN = 60.0  # Seconds of values.
 PER_SECOND = 10  # Least and greatest of a field are kept for each tenth of a second.

@@ -11,10 +11,11 @@ from functools import partial
 from typing import Any
 
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot.state import FieldView, TopicInfo, TopicRequest, TopicView
+from archo_tui.robot.state.graph import TopicInfo
+from archo_tui.robot.state.topic import FieldView, TopicRequest, TopicView
 from archo_tui.robot.topics.inspect import MessageIntake, too_large
 from archo_tui.robot.topics.rows import TopicFields, with_elements
-from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.robot_file.check import not_installed
 from archo_tui.ros_names import package_of
 
 PERIOD = 0.2  # Seconds between two views.

@@ -26,7 +26,9 @@ from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
 from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
-from archo_tui.robot.state import Latch, Motion, StopAnswer, not_offered
+from archo_tui.robot.state.graph import not_offered
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import NOBODY, Do, Facts, Result, Servers, Stop
 from archo_tui.robot_file import model
 

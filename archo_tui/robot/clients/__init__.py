@@ -1,0 +1,1 @@
+"""Who operates the robot: other consoles, other clients, and who requests something here."""
