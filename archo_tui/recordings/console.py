@@ -203,7 +203,8 @@ _FIELDS = [name for name in Snapshot._fields if name not in TOLD]
 _VOLATILE = {"events", "charge", "message_rates", "nodes", "goal", "history"}
 _STEADY = [name for name in _FIELDS if name not in _VOLATILE]
 # The fields by which others are recorded; a replay has the rest from its robot file.
-_SHORT: Mapping[type, tuple[str, ...]] = {
+_SHORT: Mapping[type, Sequence[str]] = {
+    Snapshot: _FIELDS,
     GoalKind: ("id", "title", "action", "type", "noun"),
     QueuedGoal: ("kind", "values"),
     Event: tuple(field.name for field in fields(Event) if field.name != "audit_record"),
@@ -215,10 +216,7 @@ _SCALARS = frozenset({str, int, bool, float})
 
 
 class ConsoleState(NamedTuple):
-    """The console's state at one moment: what no topic of the robot tells.
-
-    But for the snapshot, the fields are those of a view.
-    """
+    """The console's state at one moment: the fields of a view that no topic of the robot tells."""
 
     snapshot: Snapshot = Snapshot()
     engine: str = ""
@@ -247,11 +245,10 @@ def to_json(view: View, since: float, *, with_events: bool) -> str:
 
     The events so far are in the first state of a recording only.
     """
-    snapshot = view.snapshot if with_events else view.snapshot._replace(events=())
-    hints = {**_type_hints(ConsoleState), **_type_hints(Snapshot)}
-    values = {name: getattr(view, name) for name in ConsoleState._fields if name != "snapshot"}
-    values |= {name: getattr(snapshot, name) for name in _FIELDS}
-    data = {name: _to_data(value, hints[name], since) for name, value in values.items()}
+    state = ConsoleState(*(getattr(view, name) for name in ConsoleState._fields))
+    if not with_events:
+        state = state._replace(snapshot=state.snapshot._replace(events=()))
+    data = _to_data(state, ConsoleState, since)
     return json.dumps(data, ensure_ascii=False, separators=(",", ":"))
 
 
@@ -260,9 +257,7 @@ def from_json(text: str) -> ConsoleState:
 
     Missing fields get their defaults, unknown ones are ignored. Texts become safe for a terminal.
     """
-    data = _require_type(dict, json.loads(text))
-    told = {name: data[name] for name in _FIELDS if name in data}
-    return from_data(ConsoleState, {**data, "snapshot": told})  # type: ignore[no-any-return]
+    return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
 def _to_data(value: Any, kind: Any, since: float) -> Any:

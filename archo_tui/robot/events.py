@@ -120,14 +120,6 @@ class EventLog:
         log._all = None
         return log
 
-    def copy(self) -> EventLog:
-        """Return an independent log with the same events."""
-        log = EventLog()
-        log._count, log._all = self._count, self._all
-        log._own, log._routine = self._own.copy(), self._routine.copy()
-        log._worse, log._windows = self._worse.copy(), self._windows.copy()
-        return log
-
     def all(self) -> tuple[Event, ...]:
         """Return all events, the one that was last received or repeated at the end.
 

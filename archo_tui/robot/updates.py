@@ -1,4 +1,4 @@
-"""What happens on the robot's side by itself: what is received, and the poll each second.
+"""The work that nobody requests: the handling of what is received, and the poll each second.
 
 All of it runs on the ROS thread.
 """

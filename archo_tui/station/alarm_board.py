@@ -67,13 +67,6 @@ class AlarmBoard:
         self._last_found: dict[str, tuple[float, str]] = {}  # When, and the text.
         self._pause = Pause()
 
-    def copy(self) -> AlarmBoard:
-        """Return another board with the same alarms, which changes independently."""
-        board = AlarmBoard()
-        board._alarms, board._pending = dict(self._alarms), dict(self._pending)
-        board._pause, board._last_found = self._pause, dict(self._last_found)
-        return board
-
     def update(
         self,
         found: dict[str, str],

@@ -161,7 +161,7 @@ def test_a_secret_is_not_in_a_recording() -> None:
     secret = Parameter("/n", "password", "string", "1234", "1234", is_secret=True)
     said = to_json(view_of(Snapshot(parameters=(secret,))), SINCE, with_events=True)
     assert "1234" not in said
-    assert json.loads(said)["parameters"][0]["value"] == "***"
+    assert json.loads(said)["snapshot"]["parameters"][0]["value"] == "***"
 
 
 LATCHED = """

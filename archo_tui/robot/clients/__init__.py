@@ -1,1 +1,1 @@
-"""Who operates the robot: other consoles, other clients, and who requests something here."""
+"""The clients of the robot: consoles, what others change, and the requesters here."""

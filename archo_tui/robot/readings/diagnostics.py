@@ -25,12 +25,6 @@ class Diagnostics:
         self._by_key: Mapping[_Key, Diagnostic] = {}
         self._periods: dict[_Key, Period] = {}
 
-    def copy(self) -> Diagnostics:
-        """Return an independent table with the same statuses."""
-        copied = Diagnostics()
-        copied.all, copied._by_key, copied._periods = self.all, self._by_key, dict(self._periods)
-        return copied
-
     def add(self, message: Any, now: float) -> bool:
         """Update the table with the statuses of a DiagnosticArray.
 
