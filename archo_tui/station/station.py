@@ -195,9 +195,9 @@ class Station:
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Add a sample to the history, and refresh, once a second; return the changed alarms."""
+        """Go on with the history, and refresh, once a second; return the changed alarms."""
         self._second = self.clock.monotonic()
-        self.history.add_sample(self._snapshot, self._second)
+        self.history.observe(self._snapshot, self._second)
         self._offer_description()
         return self.refresh()
 

@@ -88,7 +88,7 @@ def history_lines(
             else f"{plot.unit} {time_factor_text(view.snapshot)}"
         )
         lines += _plot(plot._replace(unit=unit.rstrip()), values, latest[plot.quantity], rows, mark)
-    ends = end_marks(view.history.ends, view.time, span, cells)
+    ends = end_marks(view.history.ends(view.time), view.time, span, cells)
     lines.append(((" " * (_LABEL_WIDTH + 1), PLAIN), (ends, PLAIN)))
     return [*lines, ((f"{'└':>{_LABEL_WIDTH + 1}}{_time_axis(view, span, cells)}", OLD),)]
 

@@ -98,7 +98,7 @@ async def pictures(
         coming = waits.coming._replace(before=99, is_handed_over=True)  # No snapshot shows it.
         app.station.goals.queue = waits._replace(coming=coming, todo=())
     for before in past(seconds):
-        app.station.history.add_sample(*before)
+        app.station.history.observe(*before)
     found = {}
     async with app.run_test(size=first) as pilot:
         quiet = Quiet(app)

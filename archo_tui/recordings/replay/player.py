@@ -72,7 +72,7 @@ class _Window:
                 yield
             while second <= message.time:  # As the console did, each second.
                 snapshot = state.snapshot
-                self.history.add_sample(snapshot, second)
+                self.history.observe(snapshot, second)
                 alarms = self._mark_alarms(state.alarms(snapshot, second), alarms)
                 second += 1.0
             try:
@@ -304,7 +304,7 @@ class Player:
             now,
             console.engine,
             snapshot.namespace,
-            self._window.history.until(now),
+            self._window.history,
             state.alarms(snapshot, now),
             console.hosted,
             watching=True,
