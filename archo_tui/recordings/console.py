@@ -32,9 +32,10 @@ from archo_tui.recordings.store import KEPT
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.audit_records import json_safe
+from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.graph import LEVELS, Parameter
-from archo_tui.robot.state.snapshot import OWN_LEVELS, Event, Hosted, Snapshot
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot_file.load import dump
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import harmless

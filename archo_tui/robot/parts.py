@@ -10,7 +10,6 @@ from rclpy.timer import Timer
 from archo_tui.clock import Clock
 from archo_tui.robot.calls import Services
 from archo_tui.robot.clients.changes import UnexplainedChanges
-from archo_tui.robot.events import Reporter
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
@@ -21,6 +20,7 @@ from archo_tui.robot.node import Listener
 from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
 from archo_tui.robot.readings.subscriptions import RecordedTopics
 from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state.snapshot import Snapshot

@@ -23,7 +23,6 @@ from archo_tui.robot.calls import Services
 from archo_tui.robot.clients.changes import UnexplainedChanges
 from archo_tui.robot.clients.consoles import new_node_name
 from archo_tui.robot.clients.requester import YOU, current_requester
-from archo_tui.robot.events import MAX_UNREAD, Reporter
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
@@ -37,6 +36,7 @@ from archo_tui.robot.parts import Parts
 from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
 from archo_tui.robot.readings.subscriptions import RecordedTopics
 from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requests import goals as goal_requests
 from archo_tui.robot.requests import nodes as node_requests
 from archo_tui.robot.requests import services as service_requests
@@ -46,8 +46,9 @@ from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import Receiver, SnapshotSender
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.readings import Diagnostic
-from archo_tui.robot.state.snapshot import Event, Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot.updates import POLL_PERIOD, WATCH_PERIOD, Poller, check_goals

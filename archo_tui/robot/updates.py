@@ -13,7 +13,6 @@ from std_msgs.msg import String
 
 from archo_tui.robot.clients.changes import CLIENT, CONSOLE
 from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.events import ROUTINE
 from archo_tui.robot.graph.secrets import is_secret
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.parts import Parts
@@ -21,9 +20,9 @@ from archo_tui.robot.readings.subscriptions import News
 from archo_tui.robot.requests.goals import verb_of, way_length
 from archo_tui.robot.state import audit_records
 from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import ROUTINE, Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import MASK, level_word, logger_node
-from archo_tui.robot.state.snapshot import Event
 from archo_tui.robot_file import check
 
 

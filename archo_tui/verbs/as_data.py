@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from archo_tui.robot.state.audit_records import json_safe
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import Parameter
-from archo_tui.robot.state.snapshot import Event, Latch, Snapshot
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
 from archo_tui.words.goal import remaining_text, running_word

@@ -16,17 +16,10 @@ from archo_tui.recordings.replay.state import ReplayState
 from archo_tui.robot.clients.requester import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.graph import NodeState, Parameter, Resource
-from archo_tui.robot.state.snapshot import (
-    Event,
-    Hosted,
-    Latch,
-    Life,
-    OpenStop,
-    Snapshot,
-    StopAnswer,
-)
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState

@@ -18,7 +18,8 @@ from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
 from archo_tui.recordings.replay.state import Checkpoint, ReplayState, guess_namespace
-from archo_tui.robot.state.snapshot import OWN_LEVELS, Snapshot
+from archo_tui.robot.state.events import OWN_LEVELS
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState

@@ -13,7 +13,6 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from archo_tui.clock import Clock
 from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
 from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
 from archo_tui.robot.messages.period import MessageRate
@@ -22,9 +21,10 @@ from archo_tui.robot.messages.types import TypedField, load_class
 from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.readings.subscriptions import News
 from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.state.events import OWN_LEVELS, Event, EventLog, LineCounter
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import TOPIC, NodeState, in_namespace, level_word, logger_node
-from archo_tui.robot.state.snapshot import OWN_LEVELS, Event, Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard
@@ -115,7 +115,7 @@ def _copied(value: Any) -> Any:
     """Return a copy that changes independently; the frozen values in it are shared."""
     if isinstance(value, dict):
         return value.copy()
-    if isinstance(value, (EventLog, AlarmBoard, Diagnostics)):
+    if isinstance(value, (EventLog, LineCounter, AlarmBoard, Diagnostics)):
         made = copy(value)
         vars(made).update({name: _copied(part) for name, part in vars(value).items()})
         return made

@@ -10,7 +10,7 @@ from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.outcome import WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.state.audit_records import AuditRecord
-from archo_tui.robot.state.snapshot import Event
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Void
 from archo_tui.robot.stop.sender import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.safe_text import harmless

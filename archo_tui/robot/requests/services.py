@@ -22,8 +22,8 @@ from archo_tui.robot.outcome import (
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.graph import not_offered
-from archo_tui.robot.state.snapshot import Event
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import CommandService

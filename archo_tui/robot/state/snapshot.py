@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.types import TypedField
-from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import (
     NodeState,
@@ -80,28 +80,6 @@ class Latch(Enum):
     NONE = "none"  # There was none, or it was released.
     HELD = "held"
     UNCERTAIN = "uncertain"  # It may no longer hold; `Snapshot.latch_doubt` says why.
-
-
-# The levels of the console's own events: what the person, a shell or an assistant did, how goals
-# ended, and what other consoles did.
-OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
-LAUNCH = "launch"  # The source of what the user's launch file says.
-
-
-@dataclass(frozen=True)  # A tuple has a `count` of its own.
-class Event:
-    """A log line of a node, or an event of the console. The times are Unix times of the receipt."""
-
-    time: UnixTime  # When it was received; for equal events, when the last of them was.
-    level: str  # `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
-    source: str  # The name of the logger, or who or what the event is about.
-    text: str
-    command: str = ""  # The `ros2` command line that does the same; "" if there is none.
-    count: int = 1  # The number of equal events for which this one stands.
-    first: UnixTime = 0.0  # When the first of these was received.
-    number: int = 0  # The number of the first of these, which no other event has.
-    audit_record: AuditRecord | None = None  # The record of what was done; None if nothing was.
-    code: str = ""  # The code of its outcome, which recordings keep, too; "" if none is known.
 
 
 class Snapshot(NamedTuple):
