@@ -18,7 +18,6 @@ from archo_tui.robot.graph.nodes import Nodes
 from archo_tui.robot.graph.parameters import Parameters
 from archo_tui.robot.node import Listener
 from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
-from archo_tui.robot.readings.subscriptions import RecordedTopics
 from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
@@ -57,7 +56,6 @@ class Parts:
     lifecycles: Lifecycles
 
     telemetry: Telemetry
-    recorded_topics: RecordedTopics
     clock_offsets: ClockOffsets
     sim_clock: SimClock
     changes: UnexplainedChanges

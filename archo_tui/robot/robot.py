@@ -34,7 +34,6 @@ from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import Listener, MessageCallback
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
-from archo_tui.robot.readings.subscriptions import RecordedTopics
 from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requests import goals as goal_requests
@@ -99,9 +98,8 @@ class Robot(Parts):
         self.clock_offsets, self.sim_clock = ClockOffsets(), SimClock(node, clock, send_soon)
         self.telemetry = Telemetry(
             *(node, file, clock, partial(updates.on_reading, self)),
-            *(self.reporter.warn, partial(updates.on_stamp, self)),
+            *(self.reporter.warn, partial(updates.on_stamp, self), file.record),
         )
-        self.recorded_topics = RecordedTopics(node, file.record, self.reporter.warn)
         self.parameters = Parameters(
             *(node, clock, self.services, send_soon),
             *(partial(updates.on_new_value, self), partial(updates.on_parameter_event, self)),

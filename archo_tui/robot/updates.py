@@ -198,7 +198,6 @@ class Poller:
         for text in self._arrivals.compare(graph.names, robot.own_nodes(), now):
             reporter.warn(text)
         robot.telemetry.resubscribe()
-        robot.recorded_topics.subscribe()
         robot.lifecycles.poll(graph.served_services)
         for text in robot.changes.take_due(robot.clock.monotonic()):
             reporter.note("PEER", text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -51,10 +51,12 @@ class Telemetry:
         on_reading: Callable[[str, News], None],
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
+        record: Sequence[str] = (),  # Further topics, which only the black box has.
     ) -> None:
         self._robot, self._clock = robot, clock
         self._warn = warn
-        readers = tuple(self._make_readers())
+        readers = [*self._make_readers()]
+        readers += [Reader(topic, topic, None, lambda *_: News.NONE) for topic in record]
         self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
         self.periods: dict[object, Period] = {}  # The measured ones, by the key of the reading.
         topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
