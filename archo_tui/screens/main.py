@@ -426,6 +426,10 @@ class MainScreen(Base[None]):
             self._footer.show(bars.footer(*content))
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
+    def forget_refusal(self) -> None:
+        """Remove the hint in the goal's form: a key was pressed."""
+        self.goal.forget_hint()
+
     def _on_goal_typed(self) -> None:
         """Update the footer: in a field with text, letters are text and no commands."""
         if self._view is not None and self._is_filled:

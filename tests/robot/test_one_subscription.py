@@ -77,7 +77,8 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
 ) -> None:
     """Fast DDS refuses a second type of a topic in one process, for example."""
     file = here / "base.yaml"
-    file.write_text(FILE.replace("topic: level", "topic: refused", 1) + "record: [refused, unread]\n")
+    refused = FILE.replace("topic: level", "topic: refused", 1)
+    file.write_text(refused + "record: [refused, unread]\n")
     subscribe = Listener.create_subscription
 
     def refusing(self: Listener, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
