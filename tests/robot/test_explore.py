@@ -46,6 +46,18 @@ BROKEN = [
     # Goals from before a STOP are cancelled, whatever it is answered; those of others, too.
     ("opened._cancel_before(turn, now)", "opened", "a goal and a release"),
     ("return now - stop.asked >= CANCEL_OTHERS_AFTER", "return False", RELEASE),
+    # Nothing starts behind a STOP that is open, holds, or is in doubt.
+    ("return self.open is None and self.state is State.NONE", "return self.open is None", RELEASE),
+    (
+        "return self.open is None and self.state is State.NONE",
+        "return self.state is State.NONE",
+        RELEASE,
+    ),
+    (
+        "return self.open is None and self.state is State.NONE",
+        "return self.open is None and self.state is not State.HELD",
+        RESTART,
+    ),
     # All of that ends when the STOP is given up.
     ("open=None, others_before=0, is_given_up=True", "open=None, is_given_up=True", RELEASE),
     ("and not self.is_given_up", "", RELEASE),
