@@ -28,8 +28,7 @@ from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.graph.nodes import Nodes
-from archo_tui.robot.graph.parameters import Parameters
-from archo_tui.robot.graph.secrets import without_secrets
+from archo_tui.robot.graph.parameters import Parameters, without_secrets
 from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import Listener, MessageCallback
 from archo_tui.robot.parts import Parts

@@ -13,7 +13,7 @@ from std_msgs.msg import String
 
 from archo_tui.robot.clients.changes import CLIENT, CONSOLE
 from archo_tui.robot.clients.consoles import author
-from archo_tui.robot.graph.secrets import is_secret
+from archo_tui.robot.graph.parameter_values import is_secret
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.readings.subscriptions import News

@@ -19,9 +19,8 @@ from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo,
 from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.stop.gate import Stops
-from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.topics.inspect import PERIOD, SHARE, MessageIntake, TopicWatch
 from archo_tui.robot.topics.rows import SPAN
-from archo_tui.robot.topics.watch import PERIOD, SHARE, TopicWatch
 from archo_tui.robot_file.model import field_units
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station

@@ -10,44 +10,31 @@ from archo_tui.clock import Monotonic
 LEAST_SILENCE = 2.5  # A shorter silence is never judged.
 UNMEASURED = 90.0  # Silence allowed before the period is known: longer than most topics' periods.
 LONGEST_SET = 10.0  # A parameter with a larger value is not taken for a period.
-_MEASURED = 5  # Intervals, of which the median is the period.
 _ALIKE = 0.1  # A period that differs from a parameter by less than this share may be set by it.
 _MAYBE_A_BURST = 15.0  # Silence allowed after a few quick messages, longer than most bursts' gaps.
 _FEW = 3  # So many intervals may be one burst.
-_DENSE = LEAST_SILENCE / 3  # Shorter intervals allow no less silence than LEAST_SILENCE.
-_LEARNT = 10.0  # Messages for at least so long are needed to know a topic's typical interval.
-_MAX_GAPS = 20  # After so many longer intervals it is known in any case.
-_LONGER = 1.25  # An interval that is so many times as long as another is not so by chance.
-_GROWING = 3  # So many intervals in a row, each longer than the last: the link becomes slower.
+_KEPT = 50  # Intervals.
+_OTHER = 1.25  # An interval that is so many times as long as another is not so by chance.
 _REGULAR = 3  # So many silences in a row of about the same length become typical.
 _AS_LONG = 1.1  # The longest of them may be so many times as long as the shortest.
-_REGULAR_SHARE = 1 / 3  # Intervals up to this share of the learnt one contradict it ...
-_REGULAR_SPAN = 2  # ... if nothing else comes for so many learnt intervals,
-_REGULAR_MESSAGES = 10  # and for at least so many messages.
-_NOTED = 0.1  # Messages that follow faster are not recorded, once the period is learnt.
+_NOTED = 0.1  # Messages that follow faster are not recorded, once the period is measured.
 
 
 class Period(NamedTuple):
     """The measured period of one topic; immutable.
 
-    Once the typical interval is learnt it does not follow a link that becomes slower, so that the
-    silence of such a link is noticed. Silences of the same length, three in a row, make it longer.
-    Regular messages that are much more frequent show that it was learnt from outages: unless such
-    silences taught it, it is learnt anew.
+    It is the interval at which half of the last time is reached, in order of length: so a burst
+    counts as one message. A silence is no interval, so a link that becomes slower is noticed each
+    time; but silences of the same length, three in a row, as between long bursts, are typical.
     """
 
-    intervals: tuple[float, ...] = ()  # The first intervals between messages, in seconds.
+    intervals: tuple[float, ...] = ()  # The last ones between messages, in seconds.
     last: float | None = None  # When the last message came, in monotonic seconds.
     # The period in seconds from before, which holds until it is measured; or None.
     known: float | None = None
-    dense: float = 0.0  # The sum of all intervals up to `_DENSE`, in seconds.
-    gaps: tuple[float, ...] = ()  # The longer intervals, in seconds.
-    learnt: float | None = None  # The typical interval in seconds; None while it is being learnt.
-    # The last intervals that were longer than is typical, in seconds.
-    silences: tuple[float, ...] = ()
-    is_taught: bool = False  # True if silences of the same length made `learnt` longer.
-    regular: int = 0  # The messages in a row that came much more often than is typical.
-    regular_since: float = 0.0  # When the first of them came, in monotonic seconds.
+    measured: float | None = None  # In seconds; it does not follow small changes.
+    silences: tuple[float, ...] = ()  # The last ones, in seconds.
+    pause: float = 0.0  # In seconds, if silences are typical.
 
     def measured_again(self, old: object, new: object) -> Period:
         """Return an unmeasured period in which the present one holds until it is measured again.
@@ -64,104 +51,45 @@ class Period(NamedTuple):
     def with_message_at(self, now: float) -> Period:
         """Return the period with one more message at `now`, in monotonic seconds.
 
-        Once the typical interval is learnt, a message within 0.1 s of the last one changes nothing.
+        Once it is measured, a message within 0.1 s of the last one changes nothing.
         """
         if self.last is None:
             return self._replace(last=now)
         interval = now - self.last
-        if self.learnt is not None:
-            # Fast messages are not all recorded: that makes no difference to a silence.
-            return self if interval < _NOTED else self._with_typical(interval, now)
-        intervals = (*self.intervals, interval)[:_MEASURED]
-        learning = self._replace(intervals=intervals, last=now)
-        if interval <= _DENSE:
-            learning = learning._replace(dense=self.dense + interval)
-        else:
-            learning = learning._replace(gaps=(*self.gaps, interval))
-        if not learning._is_sure:
-            return learning
-        return learning._replace(learnt=learning._middle)._with_typical(interval, now)
-
-    def _with_typical(self, interval: float, now: float) -> Period:
-        """Return the period with one more message, after the typical interval was learnt.
-
-        Silences of the same length, three in a row as between long bursts, become typical.
-        """
-        assert self.learnt is not None
-        if interval <= max(3 * self.learnt, LEAST_SILENCE):
-            return self._replace(last=now)._with_regularity(interval, now)
-        silences = (*self.silences, interval)[-_REGULAR:]
-        if len(silences) == _REGULAR and max(silences) <= _AS_LONG * min(silences):
-            return self._replace(last=now, learnt=max(silences), silences=(), is_taught=True)
-        return self._replace(last=now, silences=silences, regular=0)
-
-    def _with_regularity(self, interval: float, now: float) -> Period:
-        """Return the period to be learnt anew if regular messages contradict the learnt one."""
-        assert self.learnt is not None
-        if self.is_taught or self.learnt <= _DENSE:
+        if self.measured is not None and interval < _NOTED:
             return self
-        if interval > self.learnt * _REGULAR_SHARE:
-            return self._replace(regular=0)
-        since = self.regular_since if self.regular else now - interval
-        counted = self._replace(regular=self.regular + 1, regular_since=since)
-        is_long = now - since >= _REGULAR_SPAN * self.learnt
-        if is_long and counted.regular >= _REGULAR_MESSAGES:
-            return Period(last=now, known=self.learnt)
-        return counted
+        if is_silent(self.last, self.measured, now, None):
+            silences = (*self.silences, interval)[-_REGULAR:]
+            if len(silences) < _REGULAR or max(silences) > _AS_LONG * min(silences):
+                return self._replace(last=now, silences=silences)
+            pause = max(silences)
+            return self._replace(last=now, measured=pause, pause=pause, silences=())
+        intervals = (*self.intervals, interval)[-_KEPT:]
+        return self._replace(last=now, intervals=intervals, measured=self._measure(intervals))
 
-    @property
-    def _is_sure(self) -> bool:
-        """True if enough was received to tell the typical interval, despite a single long gap."""
-        if len(self.gaps) >= _MAX_GAPS:
-            return True
-        if self._span < _LEARNT or len(self.intervals) < _MEASURED:
-            return False
-        middle = self._middle
-        return middle <= _DENSE or sum(gap * _LONGER >= middle for gap in self.gaps) > 1
-
-    @property
-    def _span(self) -> float:
-        """The seconds from the first message to the last."""
-        return self.dense + sum(self.gaps)
-
-    @property
-    def _middle(self) -> float:
-        """The interval in seconds, in order of length, at which half of the whole time is reached.
-
-        In this way a burst counts as one message. The last intervals do not count while they grow.
-        """
-        gaps = list(self.gaps)
-        grown = 0
-        while grown < len(gaps) - 1 and gaps[-1 - grown] > _LONGER * gaps[-2 - grown]:
-            grown += 1
-        if grown >= _GROWING:
-            gaps = gaps[:-grown]
-        passed, half = self.dense, (self.dense + sum(gaps)) / 2
-        for gap in sorted(gaps):
-            if passed >= half:
+    def _measure(self, intervals: tuple[float, ...]) -> float | None:
+        passed, whole = 0.0, sum(intervals)
+        if whole < LEAST_SILENCE:  # The first messages may be one burst.
+            return self.measured
+        for interval in sorted(intervals):
+            passed += interval
+            if passed >= whole / 2:
                 break
-            passed += gap
-            if passed >= half:
-                return gap
-        # The mean would change with each message, and each change would be shown.
-        return min(self.seconds or 0.0, _DENSE)
+        typical, before = max(interval, self.pause), self.measured
+        is_other = before is None or not before / _OTHER <= typical <= before * _OTHER
+        return typical if is_other else before  # Each change would be shown.
 
     @property
     def seconds(self) -> float | None:
-        """The median of the first intervals in seconds; before two messages, `known`, or None."""
+        """The median of the intervals in seconds; before two messages, `known`, or None."""
         if not self.intervals:
             return self.known
         return sorted(self.intervals)[len(self.intervals) // 2]
 
     @property
     def typical(self) -> float | None:
-        """The interval in seconds by which silence is judged; None if none is known.
-
-        The first messages may be one burst and do not tell it yet: until then `known` holds.
-        """
-        if self.learnt is not None:
-            return self.learnt
-        return self.known if self._span < LEAST_SILENCE else self._middle
+        """The interval in seconds by which silence is judged; None if none is known."""
+        return self.known if self.measured is None else self.measured
 
     @property
     def grace(self) -> float:

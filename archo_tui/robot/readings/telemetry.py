@@ -10,10 +10,9 @@ from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.robot.messages.period import Period
-from archo_tui.robot.messages.values import number
+from archo_tui.robot.messages.values import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.node import Listener
 from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
 from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
 from archo_tui.robot.state.readings import Battery, GaugeReading, Motion, Pose
 from archo_tui.robot.state.snapshot import Snapshot

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 from archo_tui.errors import in_one_line
 from archo_tui.robot.calls import QUESTION_TIMEOUT
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT
+from archo_tui.robot.graph.parameter_values import is_secret, masked
 from archo_tui.robot.graph.resources import SEND
-from archo_tui.robot.graph.secrets import is_secret, masked
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts

@@ -20,10 +20,11 @@ from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info
 from archo_tui.robot.state.graph import TOPIC, Resource, TopicInfo
 from archo_tui.robot.state.topic import TopicRequest, TopicView
-from archo_tui.robot.topics.inspect import Inspection, MessageIntake
-from archo_tui.robot.topics.watch import (
+from archo_tui.robot.topics.inspect import (
     PERIOD,
     SHARE,
+    Inspection,
+    MessageIntake,
     TopicWatch,
     missing_type,
     publisher_fault,
