@@ -16,7 +16,7 @@ from pathlib import Path
 
 from archo_tui import engine
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state import Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.user_code.check.launch_checks import is_launch_file, launch_checks

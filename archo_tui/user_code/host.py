@@ -15,7 +15,7 @@ from rclpy.context import Context
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.node import HostedNode
 from archo_tui.user_code.probe import restore
 from archo_tui.user_code.program import HostedProgram

@@ -15,7 +15,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.launch.evaluate import evaluate
 from archo_tui.launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
 from archo_tui.launch.workspace import Workspace
-from archo_tui.robot.state import LAUNCH
+from archo_tui.robot.state.events import LAUNCH
 from archo_tui.user_code.watch import Stamps, stamps
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.messages.types import kinds
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import outcome_of
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.errors import traceback_without
 from archo_tui.user_code.interrupt import Interrupted, raise_in
 from archo_tui.user_code.probe import destroy, served_names

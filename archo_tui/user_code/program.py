@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.errors import UserFileError
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.interrupt import Interrupted
 

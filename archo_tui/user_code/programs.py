@@ -10,7 +10,7 @@ from typing import Any
 
 from archo_tui.errors import UserFileError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.ros_names import base_name
 from archo_tui.user_code.errors import NodeFileError
 from archo_tui.user_code.file import ProgramFile

@@ -17,7 +17,8 @@ from functools import partial
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop import machine as the_machine
 from tests.robot.exploring import Found, breadth_first, promise
 

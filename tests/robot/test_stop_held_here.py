@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 
-from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import Result, Servers, Stop
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import (
     CANCEL_AFTER,
     CANCEL_OTHERS_AFTER,

@@ -14,7 +14,7 @@ import pytest
 
 from archo_tui.cli import main
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Launch, Options, check_options
 from archo_tui.user_code import program as hosted_program

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen

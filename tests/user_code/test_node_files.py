@@ -10,7 +10,7 @@ import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state import Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.safe_text import HIDDEN
 from archo_tui.session import Session
 from archo_tui.session_options import Options

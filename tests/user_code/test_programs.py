@@ -24,7 +24,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.stop import HELD_BY_NOBODY
-from archo_tui.robot.state import Hosted, Latch, Life
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit

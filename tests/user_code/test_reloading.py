@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Static
 
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.events import Event
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.user_code.program import HostedProgram

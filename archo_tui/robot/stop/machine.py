@@ -17,7 +17,8 @@ from collections.abc import Collection, Mapping
 from enum import Enum, auto
 from typing import NamedTuple
 
-from archo_tui.robot.state import Latch, Motion, OpenStop, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, OpenStop, StopAnswer
 
 # All in seconds.
 OBEYED = 1.0  # From a confirmed STOP until the robot must stand and its goals must have ended.

@@ -13,7 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Life, logger_node
+from archo_tui.robot.state.graph import logger_node
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.user_code.errors import WORDLESS
 from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.program import HostedProgram
