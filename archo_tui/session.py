@@ -382,7 +382,7 @@ class Session:
         `--only`. What the user's files print meanwhile becomes events.
         """
         # What programs print before the frontend comes is an event as well.
-        if not isinstance(sys.stdout, NodeOutput):
+        if self._programs and not isinstance(sys.stdout, NodeOutput):
             self._stdout = sys.stdout
             self._output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
             sys.stdout = self._output
