@@ -77,6 +77,7 @@ class Session:
         """
         check_options(options)
         self._early_events: list[LaunchNote] | None = []  # Until `start`.
+        self._noted: set[str] = set()  # Nodes of the user whose defaults were told.
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
@@ -198,6 +199,7 @@ class Session:
             on_early_stop=robot.on_early_stop,
             on_restored=robot.on_parameters_restored,
             make_program=self._make_program,
+            on_spin=self._note_own_defaults,
         )
         robot.own_nodes = self.host.names
         robot.unended_nodes = self.host.unended_names
@@ -516,30 +518,32 @@ class Session:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():
             self.robot.note(note.level, LAUNCH, str(note))
-        options = self.options
-        users = [*self._user_overrides, *files.parse_typed(options.ros_args)]
-        if not (options.only or options.attach):
-            self._note_own_defaults(users)
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
-            for line in files.unknown_lines(users, declared):
+            for line in files.unknown_lines(self._all_user_overrides(), declared):
                 self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
 
-    def _note_own_defaults(self, users: list[Override]) -> None:
-        """Say which parameters of the user's nodes ARCHO's own files do not set."""
-        for program in self.host.programs:
-            for node in program.ask({"ask": "nodes"}).get("nodes", ()):
-                own = [o for o in self._own_overrides if matches(o.pattern, node["name"])]
-                given = {o.name for o in users if matches(o.pattern, node["name"])}
-                names = {o.name for o in own} & node["parameters"].keys() - given
-                if names:
-                    named = {Path(o.where.rpartition(":")[0]).name for o in own}
-                    text = f"{', '.join(sorted(names))}: the default of {program.file.path.name}; "
-                    text += f"{', '.join(sorted(named))} is for ARCHO's own node, --params-file "
-                    text += "gives it to yours"
-                    self.robot.note("INFO", node["name"].lstrip("/"), text)
+    def _note_own_defaults(
+        self, program: HostedProgram, node: str, declared: Sequence[str]
+    ) -> None:
+        """Say once which parameters of a user's node ARCHO's own files do not set. Any thread."""
+        if node in self._noted or self.options.only:
+            return
+        self._noted.add(node)
+        own = [o for o in self._own_overrides if matches(o.pattern, node)]
+        given = {o.name for o in self._all_user_overrides() if matches(o.pattern, node)}
+        names = {o.name for o in own} & {*declared} - given
+        if names:
+            named = {Path(o.where.rpartition(":")[0]).name for o in own}
+            text = f"{', '.join(sorted(names))}: the default of {program.file.path.name}; "
+            text += f"{', '.join(sorted(named))} is for ARCHO's own node, --params-file "
+            text += "gives it to yours"
+            self.robot.note("INFO", node.lstrip("/"), text)
+
+    def _all_user_overrides(self) -> list[Override]:
+        return [*self._user_overrides, *files.parse_typed(self.options.ros_args)]
 
     def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.

@@ -90,6 +90,7 @@ class ProgramChild(HostedProgram):
             self._send(go_on=may_go_on, values=values)
         elif "spins" in report:
             self.has_spun = True
+            self.callbacks.on_spin(self, report["spins"], report["declares"])
         elif "restored" in report:
             self.callbacks.on_restored(*report["restored"])
         elif "warning" in report:

@@ -110,7 +110,7 @@ class _Reporter:
         def add(this: Executor, node: Node) -> bool:
             name = node.get_fully_qualified_name()
             if spins.is_first(node):
-                self.report(spins=name)
+                self.report(spins=name, declares=[*node.list_parameters([], 0).names])
                 if values.get(name):
                     self.report(restored=[name, *restore(node, values[name])])
             elif warning := spins.warning(node, this, rclpy.get_global_executor()):

@@ -42,6 +42,7 @@ class Host:
         on_early_stop: Callable[[str], None],  # A node has confirmed it before it spins.
         on_restored: Callable[[str, Mapping[str, Any]], None],
         make_program: Callable[..., HostedProgram],
+        on_spin: Callable[[HostedProgram, str, Sequence[str]], None],
     ) -> None:
         self._context = context
         self._on_event, self._on_end = on_event, on_end
@@ -58,6 +59,7 @@ class Host:
             lambda: bool(early_stop_request()[0]),
             lambda name: self.operator_values(name),
             on_restored,
+            on_spin,
         )
 
     def add(self, make: Callable[..., Any]) -> None:

@@ -55,6 +55,8 @@ class Callbacks(NamedTuple):
     on_restored: Callable[[str, Mapping[str, Any], Mapping[str, str]], None]
     """The values that a node was given again, and why it refused others, by parameter."""
     on_event: Callable[[str, str, str], None]  # Level, source and text.
+    on_spin: Callable[[HostedProgram, str, Sequence[str]], None]
+    """A node spins for the first time: its full name, and the parameters that it declares."""
 
 
 class HostedProgram(ABC):

@@ -39,6 +39,7 @@ class Programs:
         has_stop: Callable[[], bool],
         operator_values: Callable[[str], Mapping[str, Any]],
         on_restored: Callable[[str, Mapping[str, Any]], None],
+        on_spin: Callable[[HostedProgram, str, Sequence[str]], None],
     ) -> None:
         self._make, self._on_event, self._on_gone = make, on_event, on_gone
         self._has_stop, self._on_restored = has_stop, on_restored
@@ -49,6 +50,7 @@ class Programs:
             operator_values=operator_values,
             on_restored=self._restored,
             on_event=on_event,
+            on_spin=on_spin,
         )
         self._changing = threading.Lock()
         self._hosted: list[HostedProgram] = []

@@ -78,6 +78,7 @@ class _Process(_process.Process):
         name, callbacks = node.get_fully_qualified_name(), self._hosted.callbacks
         if self._spins.is_first(node):
             self._hosted.has_spun = True
+            callbacks.on_spin(self._hosted, name, node.list_parameters([], 0).names)
             values = callbacks.operator_values(name)
             if values:
                 callbacks.on_restored(name, *restore(node, values))

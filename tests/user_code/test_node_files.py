@@ -91,6 +91,7 @@ async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
 async def test_it_is_stopped_started_and_copied(here: Path) -> None:
     async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
         await op.until("● greeter")
+        await op.until(lambda: op.session.host.names() == ["/greeter"])
         await op.press("5", "s")
         await op.until("○ greeter          stopped by you")
         await op.press("s")
@@ -144,8 +145,11 @@ async def test_what_a_file_prints_when_it_is_imported_is_an_event(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with console(node_files=[written(here, PRINTS)]) as op:
-        events = op.app.view.snapshot.events
-        assert [e.text for e in events if e.source == "my_node stdout"] == [f"{HIDDEN}[31m"]
+        printed = lambda: [  # noqa: E731
+            e.text for e in op.app.view.snapshot.events if e.source == "my_node stdout"
+        ]
+        await op.until(printed)
+        assert printed() == [f"{HIDDEN}[31m"]
     assert "\x1b[31m" not in capsys.readouterr().out
 
 
