@@ -234,9 +234,11 @@ async def test_a_file_that_is_saved_behind_a_stop_waits_for_a_key(
     motor.write_text(Path(own.__file__).read_text())
     async with operated(node_files=[motor], ros_args=FAST) as person:
         await person.until("motor_params.yaml is for ARCHO's own node")
+        station = person._plain._station
+        await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
         person.type("stop\n")
         await person.until("alarm unacknowledged: STOPPED")
-        programs = person._plain._station.host.programs
+        programs = station.host.programs
         (hosted,) = programs
         await asyncio.to_thread(programs.reload, hosted.file)
         await person.until("motor.py was saved, and is not started behind a STOP")

@@ -467,6 +467,19 @@ def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
         wait_until(lambda: [h.name for h in session.host.nodes] == others)
 
 
+def test_a_stop_reaches_a_service_that_a_running_program_offers_later() -> None:
+    waits = 'super().__init__("motor_controller")\n        while not Path("go").exists():\n'
+    waits += "            time.sleep(0.02)"
+    text = "import time\nfrom pathlib import Path\n"
+    text += MOTOR.replace('super().__init__("motor_controller")', waits)
+    with running(written("slow.py", text)) as session:
+        robot = session.robot
+        wait_until(lambda: "/motor_controller" in states(session))
+        assert asyncio.run(robot.emergency_stop()).code is Code.NOT_OFFERED
+        written("go", "")
+        wait_until(lambda: robot.snapshot.latch is Latch.HELD)
+
+
 SECOND = """
 first = Node("first")
 while not Path("go").exists():

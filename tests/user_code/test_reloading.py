@@ -235,6 +235,7 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
         async with typing(session.station) as person:
             await until(lambda: any(p.name == "gain" for p in session.robot.snapshot.parameters))
             for typed, value in (("set talker gain 2.5", 2.5), ("undo", 1.0)):
+                await until(lambda: any(n.name == "/talker" for n in session.robot.snapshot.nodes))
                 person.type(f"{typed}\n")
                 await person.until(f"gain is {value}, was ")
                 file.write_text(says(f"after {typed}"))
