@@ -274,9 +274,12 @@ def peer_does(what: str, world: World) -> World:
         for server in world.servers
     )
     left = tuple(other for other in world.peer_left if other != what)
-    is_last = world.is_last and what == "stop"
     return world._replace(
-        servers=servers, peer_left=left, peer_says=(*world.peer_says, what), is_last=is_last
+        servers=servers,
+        peer_left=left,
+        peer_says=(*world.peer_says, what),
+        is_reported=world.reports != "stop",
+        is_last=world.is_last and what == "stop",
     )
 
 

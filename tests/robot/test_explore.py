@@ -13,6 +13,7 @@ SOURCE = source_of(machine)
 RELEASE, RESTART = "two servers and a release", "two servers and a restart"
 STOPS, PEER = "two STOPs and a release", "a peer and a release"
 SUSPENDED = "two servers, of which one is suspended"
+REPORTED_PEER = "a peer's release and ours of a robot that reports its stop"
 REPORTS = "a robot that reports its stop, and a restart"
 # A rule, what it says instead, and the world in which that is found.
 BROKEN = [
@@ -40,6 +41,13 @@ BROKEN = [
     # Another console's STOP that crosses a release is not certain.
     (" and self.undone_by != console", " and False", PEER),
     ("turn > self.peer_turn:", "True:", PEER),
+    # So is another console's release that crosses it.
+    ("if is_held and self.peer == console:", "if is_held:", PEER),
+    (
+        "if is_held and self.peer == console:",
+        "if is_held and (self.reports or self.peer == console):",
+        REPORTED_PEER,
+    ),
     # Never two calls at once; a refusal is asked again.
     ("or self.awaited:", "or False:", RELEASE),
     ("open.answer is StopAnswer.UNCONFIRMED and", "open.answer is StopAnswer.REFUSED or", RELEASE),
