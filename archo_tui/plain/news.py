@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Event, Goal, Hosted, Phase
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.words.event import is_of_own_file
 
 _PRINTED_LEVELS = ("YOU", "SHELL", "AI", "PEER", "WARN", "ERROR", "FATAL")

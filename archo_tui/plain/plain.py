@@ -25,7 +25,8 @@ from archo_tui.plain.printer import Printer
 from archo_tui.plain.stop_sender import StopSender
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT, Void
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.approvals import READING_TIME

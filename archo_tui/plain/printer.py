@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from archo_tui.clock import time_of_day
 from archo_tui.plain.news import is_event_news, is_goal_news
 from archo_tui.plain.output import Output
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.approvals import LIFETIME

@@ -16,9 +16,9 @@ from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, RESTARTS, is_stop, words_of
 from archo_tui.remote.server import ClientSession
 from archo_tui.remote.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
+from archo_tui.robot.clients.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.messages.text import as_json
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
-from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
