@@ -15,8 +15,9 @@ def test_a_machine_to_which_nothing_has_happened_wants_nothing() -> None:
     stop = Stop()
     assert stop.shown == (None, Latch.NONE, "", False, False)
     assert stop.may_start
-    assert not (stop.has_reached_nobody or stop.is_held_by_nobody or stop.is_given_up)
-    assert not (stop.reports or stop.says_stopped or stop.is_held_here)
+    claims = stop.has_reached_nobody, stop.is_held_by_nobody, stop.is_given_up
+    claims += stop.reports, stop.says_stopped, stop.is_held_here
+    assert not any(claims)
     assert stop.tick(60.0, ALL)[1] == []
     assert stop.must_be_obeyed(60.0) == 0
     assert not stop.must_follow(1)
@@ -125,7 +126,8 @@ def test_an_answer_to_a_stop_that_is_over_is_not_shown() -> None:
 def test_what_ends_a_stop_ends_all_that_followed_it() -> None:
     disobeying = HELD.moved(moving(OBEYED), OBEYED, MOTOR, ())._replace(holders_have_ended=True)
     over = disobeying.goal_accepted(9, 5.0)
-    assert not (over.is_not_obeyed or over.holders_have_ended)
+    assert not over.is_not_obeyed
+    assert not over.holders_have_ended
     assert not over.must_follow(1)
     done, _ = called().tick(2.0, ALL)
     assert Do.CANCEL_OTHERS not in todo(done.goal_accepted(9, 5.0), 6.0)
