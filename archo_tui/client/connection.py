@@ -26,6 +26,12 @@ class Silent(Unreached):
     """The error for a console that did not send what was waited for in time."""
 
 
+def _unix_socket() -> socket.socket:
+    if sys.platform == "win32":  # Nobody listens there: see `find`.
+        raise OSError("Windows has no such sockets")
+    return socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+
+
 class Connection:
     """A connection to one console, which its card describes also while it does not answer."""
 
@@ -33,8 +39,7 @@ class Connection:
         self.path, self.card = path, sockets.read_card(path)
         self._buffer = b""
         self._number = 0
-        assert sys.platform != "win32"  # Nobody listens there: see `find`.
-        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.socket = _unix_socket()
         self.socket.setblocking(False)
 
     def connect(self) -> bool:

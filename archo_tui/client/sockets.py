@@ -31,7 +31,9 @@ def folder() -> str:
 
 def uid() -> int:
     """Return the number of this user; 0 on Windows."""
-    return 0 if sys.platform == "win32" else os.getuid()
+    if sys.platform == "win32":
+        return 0
+    return os.getuid()
 
 
 def folder_fault(path: str) -> str:
