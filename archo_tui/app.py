@@ -22,7 +22,7 @@ from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen

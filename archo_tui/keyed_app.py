@@ -17,7 +17,8 @@ from textual.widgets import Input
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.commands.keymap import readable_keys
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
@@ -170,6 +171,8 @@ class KeyedApp(TerminalApp):
                 return
         if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
             return
+        if isinstance(event, events.Key) and isinstance(self.screen, (Dialog, MainScreen)):
+            self.screen.forget_refusal()
         await self._handle(event, repeated)
 
     def closed_by_stop(self, why: str) -> None:

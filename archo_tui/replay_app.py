@@ -9,7 +9,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.commands.base import Command
 from archo_tui.commands.replay import replay_commands
 from archo_tui.recordings.replay.station import RecordedStation
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.time_line import TimeLine

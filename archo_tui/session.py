@@ -27,12 +27,11 @@ from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.state import LAUNCH
+from archo_tui.robot.state.events import LAUNCH
 from archo_tui.robot_file import load as robot_files
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
-from archo_tui.station.event_journal import EventJournal
 from archo_tui.station.journal import Journal, unreleased_stop
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
@@ -50,7 +49,7 @@ if TYPE_CHECKING:
     from archo_tui.recordings.console import ConsoleRecorder
     from archo_tui.recordings.recorder import BlackBox
     from archo_tui.robot.robot import Robot
-    from archo_tui.robot.state import Event
+    from archo_tui.robot.state.events import Event
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
@@ -98,9 +97,8 @@ class Session:
             and options.engine == engine.EMBEDDED,
         )
         self._context = self._rclpy.context
-        self.journal = Journal(journal_file())
         self._place = self._journal_place()
-        self._event_journal = EventJournal(self.journal, self._place)
+        self.journal = Journal(journal_file(), self._place)
         self._make_nodes()
         self.station = Station(
             self.robot,
@@ -332,7 +330,7 @@ class Session:
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         if hasattr(self, "robot"):
-            self.robot.stop()
+            self.robot.close()
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
@@ -346,7 +344,7 @@ class Session:
     def _record_event(self, event: Event) -> None:
         """Give an event to the recorder and to the journal. Called on the robot's thread."""
         self._console_recorder.record_event(event)
-        self._event_journal.record(event)
+        self.journal.record(event)
 
     def _journal_place(self) -> dict[str, Any]:
         """Return which robot this is, for the journal: a later start finds a STOP of it by that."""
@@ -557,7 +555,7 @@ class Session:
             self._listening = self._server.keep()
         elif self._server is not None:
             self._server.close()
-        self.robot.stop()
+        self.robot.close()
         stuck = self.host.stop()
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()

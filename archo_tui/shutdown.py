@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Goal
+from archo_tui.robot.state.goal import Goal
 from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:

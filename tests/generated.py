@@ -20,8 +20,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.keymap import readable_key
 from archo_tui.robot_file import model
-from archo_tui.robot_file.load import default_path, load
-from archo_tui.robot_file.typed_yaml import NONE_WORDS
+from archo_tui.robot_file.load import NONE_WORDS, default_path, load
 from tests.state_pictures import goal_picture, goal_table, stop_picture, stop_table
 
 ROOT = Path(__file__).parent.parent

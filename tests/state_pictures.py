@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.goals import machine as goals
-from archo_tui.robot.state import RUNNING, Phase
+from archo_tui.robot.state.goal import RUNNING, Phase
 from archo_tui.robot.stop import machine as stop
 
 _N, _H, _U, _D = stop.State

@@ -17,7 +17,8 @@ from archo_tui.hosting.explain import WORDLESS, code_of
 from archo_tui.hosting.hosted_node import HostedNode
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.time_limit import stack_of
-from archo_tui.robot.state import Life, logger_node
+from archo_tui.robot.state.graph import logger_node
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 
 T = TypeVar("T")

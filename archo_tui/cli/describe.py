@@ -26,7 +26,7 @@ def describe_robot(options: Namespace) -> int:
     import asyncio
 
     from archo_tui.parameters.save_load import write_atomically
-    from archo_tui.robot_file.proposal import SeveralRobots
+    from archo_tui.robot_file.propose import SeveralRobots
     from archo_tui.session import Session
     from archo_tui.session_options import Options
 

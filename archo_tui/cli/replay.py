@@ -29,7 +29,7 @@ def replay(options: Namespace) -> int:
         complain(f"not read: {line}")
     engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
-    from archo_tui.recordings.replay.open import load_robot_file, make_player, open_bag
+    from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
 
     bag = open_bag(options.recording)
     robot = load_robot_file(bag, options.robot)

@@ -15,7 +15,7 @@ from archo_tui.commands.base import (
     VerbCommand,
     Work,
 )
-from archo_tui.robot.state import Diagnostic
+from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.system import CAN_SUSPEND

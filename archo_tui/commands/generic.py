@@ -12,10 +12,10 @@ from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot_file.dump import dump, without
-from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.robot_file.check import not_installed
+from archo_tui.robot_file.load import dump, without
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
-from archo_tui.robot_file.proposal import SeveralRobots
+from archo_tui.robot_file.propose import SeveralRobots
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
 from archo_tui.verbs.base import Verb

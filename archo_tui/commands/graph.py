@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
-from archo_tui.robot.state import TOPIC, TopicView
+from archo_tui.robot.requests import ros2_command
+from archo_tui.robot.state.graph import TOPIC
+from archo_tui.robot.state.topic import TopicView
 
 if TYPE_CHECKING:
     from archo_tui.screens.topic import WatchedTopic

@@ -7,7 +7,7 @@ from functools import partial
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.commands.graph import show_topic
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Hosted
+from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.station.view import View
 from archo_tui.words.nodes import NodeRow, node_rows
 

@@ -9,7 +9,7 @@ from functools import partial
 from archo_tui.commands import graph, nodes, parameters
 from archo_tui.commands.base import Command, Console
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.state import TOPIC
+from archo_tui.robot.state.graph import TOPIC
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.nodes import node_rows

@@ -9,7 +9,7 @@ from typing import Any
 from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, VerbCommand, Work
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.verbs.parameters import CHANGE, NOBODY
 
 _DEFAULT_FILE = "archo_params.yaml"

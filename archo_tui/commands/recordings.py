@@ -82,7 +82,7 @@ async def _open_replay(console: Console, recording: Recording, dialog: Recording
 
 
 def _open(recording: Recording, clock: Clock) -> Player:
-    from archo_tui.recordings.replay.open import load_robot_file, make_player, open_bag
+    from archo_tui.recordings.replay.player import load_robot_file, make_player, open_bag
 
     bag = open_bag(str(recording.folder))
     return make_player(bag, load_robot_file(bag, ""), clock)

@@ -74,7 +74,6 @@ class ReplayConsole:
 
     @property
     def repeated(self) -> bool:
-        """True if the key that is being handled is held down, and so came before."""
         return self._live.repeated
 
     @property
@@ -83,7 +82,6 @@ class ReplayConsole:
 
     @property
     def theme(self) -> str:
-        """The name of the theme, which the live console has, too."""
         return self._live.theme
 
     @theme.setter
@@ -92,37 +90,30 @@ class ReplayConsole:
 
     @property
     def screen(self) -> Screen[Any]:
-        """The screen in front: a dialog, or the screen of the replay."""
         return self._live.screen
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """All screens, from the live console's main screen to the one in front."""
         return self._live.screens
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal has not read what was drawn last."""
         return self._live.is_stuck
 
     @property
     def available_themes(self) -> Mapping[str, Theme]:
-        """All themes by name."""
         return self._live.available_themes
 
     def disabled_reason(self, command: Command) -> str:
-        """Return why a command cannot run now, or ""."""
         return command.disabled_reason(self)
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog over the replay, to which the following keys go."""
         self._live.open(dialog)
 
     def begin_replay(self, player: Player) -> None:
         """Do nothing: a replay lists no recordings."""
 
     def end_replay(self) -> None:
-        """Close the replay with its dialogs, and show the live console again."""
         self._live.end_replay()
 
     def opening(self) -> AbstractContextManager[None]:
@@ -134,7 +125,6 @@ class ReplayConsole:
         return None
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Show a question, as the live console does."""
         self._live.confirm(title, question, safe, answers)
 
     def report_failure(self, outcome: Outcome) -> None:
@@ -146,7 +136,6 @@ class ReplayConsole:
         self._live.drop_following_keys(why)
 
     def show_message(self, text: str, title: str = "") -> None:
-        """Show a notification, as `title: text`."""
         self._live.show_message(text, title)
 
     def copy(self, text: str) -> None:
@@ -169,7 +158,6 @@ class ReplayConsole:
         """Do nothing: only the live console can be suspended."""
 
     def leave(self) -> None:
-        """Close the replay with its dialogs, and show the live console again."""
         self.end_replay()
 
 

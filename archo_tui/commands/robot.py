@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work, asking_first
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb

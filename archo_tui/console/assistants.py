@@ -8,11 +8,11 @@ from typing import Any
 
 from archo_tui.client.protocol import words_of
 from archo_tui.console.waits import RequestTimedOut, timeout_of, until, wait_for
+from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import parse_all, typed_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
-from archo_tui.robot.requester import Requester
-from archo_tui.robot.state import values_text
+from archo_tui.robot.state.goal import values_text
 from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station

@@ -15,7 +15,7 @@ from archo_tui.client.protocol import is_stop
 from archo_tui.console.session import RequestHandler
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import ROBOT_TIMEOUT
 from archo_tui.words.state import elsewhere_text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-from archo_tui.robot.requester import Requester
+from archo_tui.robot.clients.requester import Requester
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, goal, state
 from archo_tui.verbs.base import Values

@@ -25,10 +25,11 @@ from archo_tui.console.printing import Output, Printer
 from archo_tui.console.session import RequestHandler, Session
 from archo_tui.console.typing import Input, TypedLine
 from archo_tui.errors import ArchoError
+from archo_tui.robot.clients.requester import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import YOU
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.approvals import READING_TIME
 from archo_tui.verbs.base import Question, Verb

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Event, Goal, Hosted, Phase, Snapshot
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.approvals import LIFETIME

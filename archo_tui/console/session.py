@@ -19,9 +19,9 @@ from archo_tui.console.follow import follow_events, follow_goal, follow_topic
 from archo_tui.console.waits import POLL_PERIOD, RequestTimedOut, timeout_of, until, wait_for
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.robot.clients.requester import ASSISTANT, YOU, Requester, on_behalf_of
 from archo_tui.robot.messages.text import as_json
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
-from archo_tui.robot.requester import ASSISTANT, YOU, Requester, on_behalf_of
 from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station

@@ -6,10 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.client.protocol import is_valid_timeout
+from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.messages.typed import parse_number
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import Requester
-from archo_tui.robot.state import Goal, Latch
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import DISCOVERY_TIME, Verb

@@ -20,7 +20,7 @@ from archo_tui.hosting.node_files import NodeFile
 from archo_tui.hosting.programs import Programs
 from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 
 END_TIMEOUT = 1.5  # Seconds for all nodes when the console ends.
 _LOCK_POLL = 0.05  # Seconds between two checks whether a node that waits for the lock is stopped.

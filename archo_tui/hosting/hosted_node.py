@@ -31,7 +31,7 @@ from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot.messages.types import kinds
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import outcome_of
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 
 # Seconds to wait for a constructor before other nodes start, or for a callback before a node spins.
 CONSTRUCTION_TIME = 2.0

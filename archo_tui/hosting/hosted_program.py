@@ -13,7 +13,7 @@ from archo_tui.errors import UserFileError
 from archo_tui.hosting.hosted_node import CONSTRUCTION_TIME, CONSTRUCTOR_POLL, without_file_name
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.time_limit import Interrupted
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 
 JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
 KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.

@@ -16,7 +16,7 @@ from archo_tui.hosting.watch import Stamps, stamps
 from archo_tui.launch.evaluate import evaluate
 from archo_tui.launch.plan import LaunchedProgram, LaunchNote, LaunchPlan
 from archo_tui.launch.workspace import Workspace
-from archo_tui.robot.state import LAUNCH
+from archo_tui.robot.state.events import LAUNCH
 
 if TYPE_CHECKING:
     from archo_tui.hosting.hosted_program import Program

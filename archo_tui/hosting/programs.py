@@ -12,7 +12,7 @@ from archo_tui.hosting.hosted_program import KILL_TIMEOUT, HostedProgram, Progra
 from archo_tui.hosting.program_file import ProgramFile
 from archo_tui.hosting.user_file import NodeFileError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 
 _BEHIND_STOP = "is not started behind a STOP that is not released: release it first"
 

@@ -16,7 +16,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import files
 from archo_tui.robot.graph.parameter_values import fit
 from archo_tui.robot.messages.values import same
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.system import create_exclusively, keep_owner_and_mode
 
 # Types for which ROS's parameter files have no notation.

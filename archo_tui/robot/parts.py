@@ -9,8 +9,7 @@ from rclpy.timer import Timer
 
 from archo_tui.clock import Clock
 from archo_tui.robot.calls import Services
-from archo_tui.robot.clocks import ClockOffsets, SimClock
-from archo_tui.robot.events import Reporter
+from archo_tui.robot.clients.changes import UnexplainedChanges
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
@@ -18,14 +17,14 @@ from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.graph.nodes import Nodes
 from archo_tui.robot.graph.parameters import Parameters
 from archo_tui.robot.node import Listener
-from archo_tui.robot.other_clients import UnexplainedChanges
-from archo_tui.robot.readings.subscriptions import RecordedTopics
+from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
 from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
-from archo_tui.robot.stop_sender import StopSender
+from archo_tui.robot.stop.sender import StopSender
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -57,7 +56,6 @@ class Parts:
     lifecycles: Lifecycles
 
     telemetry: Telemetry
-    recorded_topics: RecordedTopics
     clock_offsets: ClockOffsets
     sim_clock: SimClock
     changes: UnexplainedChanges

@@ -18,33 +18,38 @@ from rclpy.context import Context
 from std_msgs.msg import String
 
 from archo_tui.clock import Clock
-from archo_tui.robot import audit_records, calls, received
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot import calls, updates
 from archo_tui.robot.calls import Services
-from archo_tui.robot.clocks import ClockOffsets, SimClock
-from archo_tui.robot.consoles import new_node_name
-from archo_tui.robot.events import MAX_UNREAD, Reporter
+from archo_tui.robot.clients.changes import UnexplainedChanges
+from archo_tui.robot.clients.consoles import new_node_name
+from archo_tui.robot.clients.requester import YOU, current_requester
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.graph.lifecycle import Lifecycles
 from archo_tui.robot.graph.nodes import Nodes
-from archo_tui.robot.graph.parameters import Parameters
-from archo_tui.robot.graph.secrets import without_secrets
+from archo_tui.robot.graph.parameters import Parameters, without_secrets
 from archo_tui.robot.messages.types import load_all
 from archo_tui.robot.node import Listener, MessageCallback
-from archo_tui.robot.other_clients import UnexplainedChanges
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.poller import POLL_PERIOD, WATCH_PERIOD, Poller, check_goals
-from archo_tui.robot.readings.subscriptions import RecordedTopics
+from archo_tui.robot.readings.clocks import ClockOffsets, SimClock
 from archo_tui.robot.readings.telemetry import Telemetry
-from archo_tui.robot.requester import YOU, current_requester
-from archo_tui.robot.requests import goals, nodes, services, stop, topics
+from archo_tui.robot.reporter import MAX_UNREAD, Reporter
+from archo_tui.robot.requests import goals as goal_requests
+from archo_tui.robot.requests import nodes as node_requests
+from archo_tui.robot.requests import services as service_requests
+from archo_tui.robot.requests import stop as stop_requests
+from archo_tui.robot.requests import topics as topic_requests
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import Receiver, SnapshotSender
-from archo_tui.robot.state import Diagnostic, Event, Snapshot
+from archo_tui.robot.state import audit_records
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.readings import Diagnostic
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
-from archo_tui.robot.stop_sender import StopSender
+from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.updates import POLL_PERIOD, WATCH_PERIOD, Poller, check_goals
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -83,7 +88,7 @@ class Robot(Parts):
         send_soon = lambda: self.snapshots.send_soon()  # noqa: E731
         self.snapshots = SnapshotSender(node, steady, self._build_snapshot)
         self.services = Services(node, clock)
-        self.services.on_answered = partial(received.on_answered, self)
+        self.services.on_answered = partial(updates.on_answered, self)
         self.graph = Graph(node, file)
         self.checks = InterfaceChecks(node, file, self.graph)
         self.nodes = Nodes(node, self.services)
@@ -91,17 +96,16 @@ class Robot(Parts):
         self.reporter = Reporter(node, clock, self.changes, on_event, send_soon)
         self.clock_offsets, self.sim_clock = ClockOffsets(), SimClock(node, clock, send_soon)
         self.telemetry = Telemetry(
-            *(node, file, clock, partial(received.on_reading, self)),
-            *(self.reporter.warn, partial(received.on_stamp, self)),
+            *(node, file, clock, partial(updates.on_reading, self)),
+            *(self.reporter.warn, partial(updates.on_stamp, self), file.record),
         )
-        self.recorded_topics = RecordedTopics(node, file.record, self.reporter.warn)
         self.parameters = Parameters(
             *(node, clock, self.services, send_soon),
-            *(partial(received.on_new_value, self), partial(received.on_parameter_event, self)),
+            *(partial(updates.on_new_value, self), partial(updates.on_parameter_event, self)),
         )
         self.goals = Goals(
-            *(node, clock, self.services, partial(received.on_goal_change, self)),
-            *(self.reporter.note, partial(received.on_goal_end, self)),
+            *(node, clock, self.services, partial(updates.on_goal_change, self)),
+            *(self.reporter.note, partial(updates.on_goal_end, self)),
             lambda: self.graph.consoles,
             frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
             watching,
@@ -120,8 +124,8 @@ class Robot(Parts):
         submit = lambda work: self.thread.submit(work)  # noqa: E731
         self.lifecycles = Lifecycles(node, clock, self.services, submit, send_soon)
         self._poller = Poller(self)
-        node.listen_quietly(Log, "/rosout", partial(received.on_log, self), 1000)
-        on_record = partial(received.on_audit_record, self)
+        node.listen_quietly(Log, "/rosout", partial(updates.on_log, self), 1000)
+        on_record = partial(updates.on_audit_record, self)
         node.listen_quietly(String, audit_records.TOPIC, on_record, MAX_UNREAD)
         node.create_timer(POLL_PERIOD, self._poller.poll_if_due, clock=steady)
         for kind in file.goals:
@@ -132,37 +136,37 @@ class Robot(Parts):
             self.reporter.warn(text)
         self.snapshots.send()  # What the robot file says is known before any message comes.
 
-    emergency_stop = stop.emergency_stop
-    release_emergency_stop = stop.release_emergency_stop
-    give_up_stop = stop.give_up_stop
-    early_stop_request = stop.early_stop_request
-    on_early_stop = stop.on_early_stop
+    emergency_stop = stop_requests.emergency_stop
+    release_emergency_stop = stop_requests.release_emergency_stop
+    give_up_stop = stop_requests.give_up_stop
+    early_stop_request = stop_requests.early_stop_request
+    on_early_stop = stop_requests.on_early_stop
 
-    send = goals.send
-    cancel = goals.cancel
-    cancel_all = goals.cancel_all
-    stop_sending_goals = goals.stop_sending_goals
-    allow_sending_goals = goals.allow_sending_goals
-    end_goals_of_node = goals.end_goals_of_node
+    send = goal_requests.send
+    cancel = goal_requests.cancel
+    cancel_all = goal_requests.cancel_all
+    stop_sending_goals = goal_requests.stop_sending_goals
+    allow_sending_goals = goal_requests.allow_sending_goals
+    end_goals_of_node = goal_requests.end_goals_of_node
 
-    command = services.command
-    call = services.call
+    command = service_requests.command
+    call = service_requests.call
 
-    set_parameters = nodes.set_parameters
-    on_parameters_restored = nodes.on_parameters_restored
-    describe = nodes.describe
-    topic_info = nodes.topic_info
-    types_anywhere = nodes.types_anywhere
-    log_level = nodes.log_level
-    set_log_level = nodes.set_log_level
-    change_lifecycle = nodes.change_lifecycle
-    lifecycle_transitions = nodes.lifecycle_transitions
+    set_parameters = node_requests.set_parameters
+    on_parameters_restored = node_requests.on_parameters_restored
+    describe = node_requests.describe
+    topic_info = node_requests.topic_info
+    types_anywhere = node_requests.types_anywhere
+    log_level = node_requests.log_level
+    set_log_level = node_requests.set_log_level
+    change_lifecycle = node_requests.change_lifecycle
+    lifecycle_transitions = node_requests.lifecycle_transitions
 
-    form = topics.form
-    inspect = topics.inspect
-    resubscribe_if_needed = topics.resubscribe_if_needed
-    follow_topic = topics.follow_topic
-    take_sightings = topics.take_sightings
+    form = topic_requests.form
+    inspect = topic_requests.inspect
+    resubscribe_if_needed = topic_requests.resubscribe_if_needed
+    follow_topic = topic_requests.follow_topic
+    take_sightings = topic_requests.take_sightings
 
     def start(self) -> None:
         """Start the ROS thread: poll the graph at once, and receive messages from now on."""
@@ -177,8 +181,8 @@ class Robot(Parts):
         self.snapshots.mailbox.open(receiver)
         receiver(self.snapshot)
 
-    def stop(self) -> None:
-        """Deliver no more snapshots, end the ROS thread, and leave the graph. No STOP is sent.
+    def close(self) -> None:
+        """Deliver no more snapshots, end the ROS thread, and leave the graph.
 
         Waits up to 3 s for a callback that is running; if that does not end, nothing is destroyed.
         """

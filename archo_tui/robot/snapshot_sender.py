@@ -10,7 +10,7 @@ from collections.abc import Callable
 from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 
 FLUSH_PERIOD = 0.2  # Seconds between two snapshots while much happens: 5 a second.
 # Seconds between two while only numbers change and nodes log: nobody reads faster.

@@ -1,14 +1,29 @@
-"""Reader of robot files; an error names file, line and the nearest valid word."""
+"""Reader and writer of robot files; an error names file, line and the nearest valid word.
+
+The dataclasses of the model guide both: one whose only required field is a string may be written as
+that string alone, and a field named `where` receives `FILE:LINE`.
+"""
 
 from __future__ import annotations
 
+import functools
+import math
+import sys
+import types
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import yaml
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot_file import typed_yaml, validate
+from archo_tui.nearest import nearest_hint
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.safe_text import harmless
-from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text import bounded_yaml, core_schema
+from archo_tui.yaml_text import dump as yaml_dump
 
 _PACKAGE = Path(__file__).parent.parent
 
@@ -48,7 +63,210 @@ def _parse(text: str, path: Path) -> RobotFile:
     node = bounded_yaml.compose(text, path)
     if node is None:
         raise ArchoError(f"{path}:1: the file is empty: it describes no robot")
-    robot: RobotFile = typed_yaml.read(RobotFile, node, path)
-    for where, reason in validate.find_faults(robot):
+    robot: RobotFile = read_node(RobotFile, node, path)
+    for where, reason in check.find_faults(robot):
         raise ArchoError(f"{where}: {reason}")
     return robot
+
+
+NONE_WORDS = ("", "~", "null", "none")
+_MAP = "tag:yaml.org,2002:map"  # A `!!set` is a MappingNode as well, but without values.
+_SHOWN = 40  # Characters of a wrong value that an error quotes.
+_EXPECTED = {str: "a text", float: "a number", int: "a whole number", bool: "true or false"}
+
+
+def read_node(kind: Any, node: yaml.Node, path: Path) -> Any:
+    """Convert a YAML node to the type of a hint; ArchoError is `FILE:LINE: reason`.
+
+    The hint is a dataclass, a scalar type, or made of `Union`, `Literal`, `tuple[...]`,
+    `Mapping[str, ...]` and `Any`. Of a single value that is not below a key, the error has only the
+    reason.
+    """
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin in (Union, types.UnionType):
+        return _read_union(arguments, node, path)
+    if kind is Any:
+        return _read_any(node, path)
+    if origin is Literal:
+        return _read_literal(arguments, node, path)
+    if origin is tuple:
+        if not isinstance(node, yaml.SequenceNode):
+            raise _error(node, path, "expected a list")
+        return tuple(read_node(arguments[0], item, path) for item in node.value)
+    if origin is not None and issubclass(origin, Mapping):
+        return {
+            name: _read_named(name, arguments[1], value, path)
+            for name, _, value in _checked_pairs(node, path)
+        }
+    if is_dataclass(kind):
+        return _read_dataclass(kind, node, path)
+    return _read_scalar(kind, node)
+
+
+def _error(node: yaml.Node, path: Path, reason: str) -> ArchoError:
+    return ArchoError(f"{path}:{node.start_mark.line + 1}: {reason}")
+
+
+def _read_named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
+    """Convert the value of a key; an error for a wrong scalar names the key and the line."""
+    try:
+        return read_node(kind, node, path)
+    except _TypeMismatch as error:
+        raise _error(node, path, f"{name}: {error}") from None
+
+
+def _checked_pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
+    """Return name, key node and value node of each entry; ArchoError for no or a wrong mapping."""
+    if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
+        raise _error(node, path, "expected lines like 'name: value'")
+    found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}
+    for key, value in node.value:
+        name = key.value if isinstance(key, yaml.ScalarNode) else ""
+        if not name:
+            raise _error(key, path, "expected a name")
+        if name in found:
+            raise _error(key, path, f"{name} is given twice")
+        found[name] = name, key, value
+    return list(found.values())
+
+
+def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
+    known: dict[str, Field[Any]] = {item.name: item for item in fields(kind)}
+    hints = _type_hints(kind)
+    where = f"{path}:{node.start_mark.line + 1}"
+    given = {"where": where} if known.pop("where", None) else {}
+    needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
+    if isinstance(node, yaml.ScalarNode) and [hints[name] for name in needed] == [str]:
+        return kind(**given, **{needed[0]: _read_scalar(str, node)})
+    for name, key, value in _checked_pairs(node, path):
+        if name in known and hints[name] is str and name not in needed and _is_left_out(value):
+            continue
+        if name not in known:
+            hint = nearest_hint(name, known) or f": one of {', '.join(known)}"
+            raise _error(key, path, f"unknown key {name}{hint}")
+        given[name] = _read_named(name, hints[name], value, path)
+        if known[name].metadata.get("filled") and not given[name]:
+            raise _error(value, path, f"{name} is empty: expected lines like 'name: value'")
+    for name in needed:
+        if name not in given:
+            raise _error(node, path, f"{name} is missing")
+    return kind(**given)
+
+
+@functools.cache
+def _type_hints(kind: type) -> dict[str, Any]:
+    """Return the evaluated hints of a dataclass, cached because evaluation is slow."""
+    return get_type_hints(kind)
+
+
+def _read_any(node: yaml.Node, path: Path) -> Any:
+    try:
+        return core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise ArchoError(f"{path}:{fault.line}: {fault.reason}") from None
+
+
+class _TypeMismatch(ArchoError):
+    """The error for a node that is not the wanted scalar; `_read_named` adds key and line."""
+
+
+def _read_union(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
+    if type(None) in kinds and _is_left_out(node):
+        return None
+    kinds = tuple(kind for kind in kinds if kind is not type(None))
+    lists = tuple(kind for kind in kinds if get_origin(kind) is tuple)
+    if lists:
+        is_list = isinstance(node, yaml.SequenceNode)
+        kinds = lists if is_list else tuple(kind for kind in kinds if kind not in lists)
+    if len(kinds) > 1:  # A dataclass is written as a mapping, everything else as a scalar.
+        is_mapping = isinstance(node, yaml.MappingNode)
+        kinds = tuple(kind for kind in kinds if is_dataclass(kind) == is_mapping)
+    if len(kinds) == 1:
+        return read_node(kinds[0], node, path)
+    for kind in kinds:  # The hints list the narrowest first: bool, int, float, str.
+        try:
+            return _read_scalar(kind, node)
+        except _TypeMismatch:
+            continue
+    raise _TypeMismatch("expected a single value")
+
+
+def _is_left_out(node: yaml.Node) -> bool:
+    """Return True for an unquoted empty value, `~`, `null` or `none`, in any case."""
+    return isinstance(node, yaml.ScalarNode) and not node.style and node.value.lower() in NONE_WORDS
+
+
+def _read_literal(words: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
+    text = node.value if isinstance(node, yaml.ScalarNode) else ""
+    for word in words:
+        if text == str(word):
+            return word
+    hint = nearest_hint(text, map(str, words))
+    raise _error(node, path, f"{text or '?'} is not one of {', '.join(map(str, words))}{hint}")
+
+
+def _read_scalar(kind: Any, node: yaml.Node) -> Any:
+    if not isinstance(node, yaml.ScalarNode):
+        raise _TypeMismatch(f"expected {_EXPECTED[kind]}")
+    try:
+        value = core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise _TypeMismatch(f"expected {_EXPECTED[kind]}: {fault.reason}") from None
+    if kind is str and (value is not None or not node.value):
+        return node.value  # A text stays as written, even if it looks like a number.
+    if kind is float and type(value) is int:
+        value = float(value) if abs(value) < sys.float_info.max else math.inf
+    if type(value) is not kind or (kind is float and not math.isfinite(value)):
+        raise _TypeMismatch(f"expected {_EXPECTED[kind]}, not {node.value[:_SHOWN]}")
+    return value
+
+
+# Writing.
+
+_HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
+
+
+def dump(robot: RobotFile) -> str:
+    """Return YAML text from which `load` makes an equal robot; defaults are left out of it."""
+    return _HEAD + yaml_dump.block({"version": robot.version, **plain(robot)})
+
+
+def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
+    """Return a copy of a robot file without the parts that need something which is not there.
+
+    Parts are left out for their topic, their action, or the service that they call; `record` and
+    the STOP's release stay. A copy that lacks a part gets the name of a robot without a name.
+    """
+    battery, motion, pose, stop = robot.battery, robot.motion, robot.pose, robot.stop
+    kept = replace(
+        robot,
+        battery=None if battery is None or battery.topic in names else battery,
+        motion=None if motion is None or motion.topic in names else motion,
+        pose=None if pose is None or pose.topic in names else pose,
+        goals=tuple(kind for kind in robot.goals if kind.action not in names),
+        stop=None if stop is None or stop.service in names else stop,
+        commands=tuple(command for command in robot.commands if command.service not in names),
+        gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
+        diagnostics="" if robot.diagnostics in names else robot.diagnostics,
+    )
+    return kept if kept == robot else replace(kept, name=RobotFile.name)
+
+
+def plain(value: Any) -> Any:
+    """Return a dataclass of a robot file as mappings and lists, without defaults and `where`.
+
+    A dataclass of which only `field` is set becomes the value of `field`.
+    """
+    if is_dataclass(value):
+        found = {}
+        for item in fields(value):
+            given = getattr(value, item.name)
+            default = item.default
+            if item.default_factory is not MISSING:
+                default = item.default_factory()
+            if item.name != "where" and given != default:
+                found[item.name] = plain(given)
+        return next(iter(found.values())) if list(found) == ["field"] else found
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, tuple) else value

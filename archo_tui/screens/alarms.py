@@ -10,7 +10,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.robot.state import Diagnostic
+from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.screens.diagnostics import DiagnosticList
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason

@@ -10,7 +10,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.robot.state import Diagnostic, DiagnosticLevel
+from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.view import View

@@ -11,15 +11,12 @@ from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
-from archo_tui.station.reason import CauseWatch, refusal_causes
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.notice_line import NoticeLine
-from archo_tui.widgets.screen_state import ScreenState
 
 _HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.
@@ -87,8 +84,7 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
     """
 
     head: DialogHead
-    _causes: CauseWatch | None = None  # Of the refusal that is shown.
-    _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
+    _shows_refusal = False
 
     def compose(self) -> ComposeResult:
         main = main_screen(self.app)
@@ -116,20 +112,17 @@ class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
 
     def show_message(self, text: str = "") -> None:
         """Show a message in the dialog, in place of the one before; "" removes that."""
-        self._causes = None
+        self._shows_refusal = False
         self.set_text(".error", Content(text))
 
     def refuse(self, text: str) -> None:
-        """Show why the robot or a node refused, until a possible cause is over."""
+        """Show why the robot or a node refused, until the next key."""
         self.show_message(text)
-        self._causes = CauseWatch(refusal_causes)
-        if self._snapshot is not None:
-            self._causes.observe(self._snapshot)  # The first call records the present causes.
+        self._shows_refusal = True
 
-    def show_view(self, view: ScreenState) -> None:
-        """Remove a refusal whose possible cause is over. An override calls this."""
-        self._snapshot = view.snapshot
-        if self._causes is not None and self._causes.observe(view.snapshot):
+    def forget_refusal(self) -> None:
+        """Remove a refusal that is shown: a key was pressed."""
+        if self._shows_refusal:
             self.show_message()
 
     def finish(self, outcome: Outcome) -> None:

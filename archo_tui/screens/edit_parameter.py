@@ -16,7 +16,7 @@ from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.typed import typed_text
 from archo_tui.robot.messages.values import same, text_of
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.safe_text import HIDDEN, harmless, safe
 from archo_tui.screens.dialog import Form
 from archo_tui.terminal.app import COMMANDS, start_worker

@@ -15,7 +15,7 @@ from textual.reactive import Reactive
 from textual.widget import Widget
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import harmless
 from archo_tui.screens.base import Base
 from archo_tui.terminal.compositor import LayoutOnly
@@ -425,6 +425,10 @@ class MainScreen(Base[None]):
             self._footer_content = content
             self._footer.show(bars.footer(*content))
             self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
+
+    def forget_refusal(self) -> None:
+        """Remove the hint in the goal's form: a key was pressed."""
+        self.goal.forget_hint()
 
     def _on_goal_typed(self) -> None:
         """Update the footer: in a field with text, letters are text and no commands."""

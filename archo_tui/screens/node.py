@@ -14,7 +14,7 @@ from textual.markup import escape
 from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import LEVELS, NodeInfo
+from archo_tui.robot.state.graph import LEVELS, NodeInfo
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View

@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.geometry import Size
 
 from archo_tui.recordings.replay.player import Player
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import start_worker

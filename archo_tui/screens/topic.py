@@ -13,11 +13,11 @@ from textual.markup import escape
 from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.state import (
+from archo_tui.robot.state.graph import TopicInfo
+from archo_tui.robot.state.topic import (
     SHOWN_ELEMENTS,
     FieldKind,
     FieldView,
-    TopicInfo,
     TopicRequest,
     TopicView,
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
 
-from archo_tui.robot.period import LEAST_SILENCE, Pause
+from archo_tui.robot.messages.period import LEAST_SILENCE, Pause
 from archo_tui.station.alarms import (
     CONTACT_LOST,
     LAST_KNOWN,
@@ -66,13 +66,6 @@ class AlarmBoard:
         self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
         self._last_found: dict[str, tuple[float, str]] = {}  # When, and the text.
         self._pause = Pause()
-
-    def copy(self) -> AlarmBoard:
-        """Return another board with the same alarms, which changes independently."""
-        board = AlarmBoard()
-        board._alarms, board._pending = dict(self._alarms), dict(self._pending)
-        board._pause, board._last_found = self._pause, dict(self._last_found)
-        return board
 
     def update(
         self,

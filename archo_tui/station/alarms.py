@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.goals.queue import Holding
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station import conditions as when
 from archo_tui.station.conditions import Found, Situation
 

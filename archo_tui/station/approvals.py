@@ -11,13 +11,13 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clients.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
-from archo_tui.robot.state import Goal
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.yaml_text.dump import flow
 

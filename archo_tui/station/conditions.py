@@ -12,19 +12,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import (
-    WORST_FIRST,
-    Diagnostic,
-    DiagnosticLevel,
-    Hosted,
-    Latch,
-    Life,
-    OpenStop,
-    Phase,
-    Snapshot,
-    StopAnswer,
-    not_offered,
-)
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.graph import not_offered
+from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLevel
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 
 Found = Iterator[tuple[str, str | None]]
 

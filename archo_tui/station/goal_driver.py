@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.clock import Clock
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clients.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.goals.queue import Deed, Do, GoalQueue, Holding, QueuedGoal, ours_since
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
-from archo_tui.robot.state import Goal, Snapshot
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT, NOT_SENT
-from archo_tui.station.frontend import Frontend
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot
@@ -23,6 +23,36 @@ MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"
 # Attempts to cancel the goal of a requester that has left. Each waits for its answer.
 _CANCEL_ATTEMPTS = 3
+
+
+class Frontend(Protocol):
+    """The part that shows the station to its operator and runs its work.
+
+    It is the app, `--plain`, or the connection of a shell verb that runs without a console. All
+    methods but `restart` are called on its event loop.
+    """
+
+    def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Start work that the operator requested; the app's shutdown waits for it."""
+
+    def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Start work that another program requested; the shutdown does not wait for it."""
+
+    def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
+        """Tell the operator how the robot answered a queued goal: its verb returned long before."""
+
+    @property
+    def has_person(self) -> bool:
+        """True if somebody sees the requests of assistants and can answer them."""
+
+    def close_questions(self) -> None:
+        """Close the questions to the operator, because another console sent a STOP."""
+
+    def restart(self, why: str) -> None:
+        """Start the process again, or say that this is left to a person; `why` is for the operator.
+
+        Do nothing in a process that hosts no nodes. May be called on any thread.
+        """
 
 
 class GoalDriver:

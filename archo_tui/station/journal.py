@@ -1,8 +1,8 @@
 """The operator's log: JSON lines in the state folder, each appended and flushed by itself.
 
 It holds commands, the ends of goals and what other consoles did, each with its text and as data
-(`verb`, `arguments`, `code`, see robot/audit_records.py), and alarms, warnings and errors. While
-the disk is full or read-only there is an alarm, and each further line tries again.
+(`verb`, `arguments`, `code`, see robot/state/audit_records.py), and alarms, warnings and errors.
+While the disk is full or read-only there is an alarm, and each further line tries again.
 """
 
 from __future__ import annotations
@@ -18,19 +18,29 @@ import time
 from collections.abc import Iterator, Mapping
 from datetime import datetime, timezone
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from archo_tui.paths import make_folder
 from archo_tui.regular_files import open_regular
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.events import Event, LineCounter
 from archo_tui.system import lock, user_name
 
 # Once the file is larger, it is renamed to journal.jsonl.1, which replaces the older one.
 MAX_BYTES = 1_000_000
 VERSION = 1  # Of the lines' format: grows if the meaning of a key changes.
+_KINDS = {
+    "YOU": "command",
+    "SHELL": "command",
+    "AI": "command",
+    "GOAL": "goal",
+    "PEER": "other console",
+}  # Other levels are events.
+# The counts of a repeated event that the journal notes.
+_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 _ALL_WRITTEN = 100  # Similar lines of a node that are all written; more are thinned out.
 _THINNED_TO = 1000  # One in as many is written then.
-_KINDS = 1000  # Kinds of similar lines that are counted at a time.
 _WAITING = 1000  # Lines that may wait for the disk.
 _STOP_TIMEOUT = 2.0  # Seconds.
 _LOCK_TIMEOUT = 1.0  # Seconds to wait for another console that writes; far more than a line takes.
@@ -79,29 +89,13 @@ def _unix_time(text: object) -> float:
         return 0.0
 
 
-class RepeatFilter:
-    """The filter of log lines that a node writes again and again, differing in numbers only.
-
-    The journal's size is limited, so that all of them would push everything else out.
-    """
-
-    def __init__(self) -> None:
-        self._counts: dict[tuple[str, str], int] = {}  # The kind that was counted last comes last.
-
-    def passes(self, source: str, text: str) -> bool:
-        """Count a line of a node, and return True if it is to be written."""
-        kind = source, _NUMBER.sub("#", text)
-        count = self._counts[kind] = self._counts.pop(kind, 0) + 1
-        if len(self._counts) > _KINDS:
-            del self._counts[next(iter(self._counts))]
-        return count <= _ALL_WRITTEN or count % _THINNED_TO == 0
-
-
 class Journal:
     """The journal: takes entries from any thread without waiting, and writes them on its own."""
 
-    def __init__(self, file: Path) -> None:
-        self._file = file
+    def __init__(self, file: Path, place: Mapping[str, Any] = MappingProxyType({})) -> None:
+        """Write to a file; `place`, the robot of this console, stands in the lines of a STOP."""
+        self._file, self._place = file, place
+        self._lines = LineCounter()  # Of nodes, by what is left without their numbers.
         self.failure = ""  # Why the last entry could not be written.
         self._who = {
             "user": user_name(),
@@ -111,6 +105,29 @@ class Journal:
         self._lost = 0
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
+
+    def record(self, event: Event) -> None:
+        """Write an event, unless it is DEBUG, INFO, or one of many repeats.
+
+        Of a node's lines that differ in numbers only, the first 100 are written, then one in 1000:
+        all of them would push everything else out. Any thread.
+        """
+        if event.level in ("DEBUG", "INFO") or event.count not in _COUNTS:
+            return
+        kind = _KINDS.get(event.level, "event")
+        if kind == "event" and event.source != "console" and event.count == 1:
+            like = event.source, _NUMBER.sub("#", event.text)
+            count = self._lines.count(like, event.time)
+            if count > _ALL_WRITTEN and count % _THINNED_TO:
+                return
+        what: dict[str, Any] = {"level": event.level, "source": event.source, "text": event.text}
+        if event.command:
+            what["command"] = event.command
+        if event.audit_record is not None:
+            what |= event.audit_record._asdict()
+            if event.audit_record.verb in ("stop", "release"):
+                what["place"] = self._place
+        self.write(event.time, kind, **what, count=event.count)
 
     def write(self, unix_time: float, kind: str, **what: object) -> None:
         """Add an entry; if 1000 wait for the disk already, it is only counted as lost.

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 from archo_tui.clock import Clock
 from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Goal, Latch, Snapshot
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
 from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
 from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
 from archo_tui.station.approvals import Approvals
 from archo_tui.station.conditions import Situation
-from archo_tui.station.frontend import Frontend
-from archo_tui.station.goal_driver import GoalDriver
+from archo_tui.station.goal_driver import Frontend, GoalDriver
 from archo_tui.station.history import History
 from archo_tui.station.undo import Edit, UndoList
 from archo_tui.station.view import Recorder, View
@@ -195,9 +195,9 @@ class Station:
         return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """Add a sample to the history, and refresh, once a second; return the changed alarms."""
+        """Go on with the history, and refresh, once a second; return the changed alarms."""
         self._second = self.clock.monotonic()
-        self.history.add_sample(self._snapshot, self._second)
+        self.history.observe(self._snapshot, self._second)
         self._offer_description()
         return self.refresh()
 

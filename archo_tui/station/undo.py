@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.robot.messages.values import same
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from archo_tui.robot.robot import Robot

@@ -8,7 +8,7 @@ from typing import Protocol
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Hosted, Snapshot
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.approvals import ApprovalRequest
 from archo_tui.station.history import History

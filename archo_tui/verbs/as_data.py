@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from archo_tui.robot.audit_records import json_safe
-from archo_tui.robot.state import Event, Goal, Latch, Parameter, Snapshot
+from archo_tui.robot.state.audit_records import json_safe
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
 from archo_tui.words.goal import remaining_text, running_word

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from archo_tui.robot.messages.typed import as_typed, typed_request
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go, kind_of

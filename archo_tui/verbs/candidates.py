@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from archo_tui.robot.state import LEVELS, TOPIC, Parameter, Snapshot
+from archo_tui.robot.state.graph import LEVELS, TOPIC, Parameter
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go

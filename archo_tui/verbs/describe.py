@@ -6,9 +6,7 @@ import time
 from collections.abc import Sequence
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot_file.proposal import propose
-from archo_tui.robot_file.proposal_text import text_of
-from archo_tui.robot_file.sighting import Sighting
+from archo_tui.robot_file.propose import Sighting, propose, text_of
 from archo_tui.station.station import Station
 
 LISTENING = 5.0  # Seconds: enough for two messages of a battery that is published every 2 s.

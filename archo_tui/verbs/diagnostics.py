@@ -6,7 +6,7 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
-from archo_tui.robot.state import GONE, Diagnostic
+from archo_tui.robot.state.readings import GONE, Diagnostic
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Values, Verb

@@ -8,8 +8,9 @@ from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase, Snapshot
-from archo_tui.robot_file import mismatch
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
 from archo_tui.station.alarms import Alarm
@@ -96,7 +97,7 @@ class Go(Verb):
         has a `=`.
         """
         if self._fields is None:
-            raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
+            raise ValueError(check.not_installed(self.kind.action, self.kind.type))
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
         form = self.kind.form

@@ -8,8 +8,9 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.typed import mapping, parse_all, texts_by_path
-from archo_tui.robot.state import Snapshot, in_namespace
-from archo_tui.robot_file import mismatch
+from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot_file import check
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import DISCOVERY_TIME
 
@@ -67,7 +68,7 @@ async def fields_of(
     """
     fields = await in_daemon(station.robot.form, type_name)  # Reads files.
     if fields is None:
-        raise ValueError(mismatch.not_installed(name, type_name))
+        raise ValueError(check.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
     return parse_all(fields, {}, texts_by_path(fields, {}, words, partial=True))

@@ -12,8 +12,9 @@ from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.text import as_data, as_text
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.outcome import Code, Outcome, Report
-from archo_tui.robot.state import TOPIC, Snapshot, TopicInfo
-from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.robot.state.graph import TOPIC, TopicInfo
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot_file.check import not_installed
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import DISCOVERY_TIME, Argument, Values, Verb
 from archo_tui.verbs.graph_names import full_name

@@ -7,7 +7,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.definitions import definition_text, names_in
 from archo_tui.robot.outcome import Outcome, Report
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import DISCOVERY_TIME, Argument, Values, Verb

@@ -6,7 +6,8 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import ACTION, SERVICE, NodeState, Snapshot
+from archo_tui.robot.state.graph import ACTION, SERVICE, NodeState
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
 from archo_tui.verbs.graph_names import full_name, nearest_node_hint

@@ -7,9 +7,10 @@ from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import LEVELS, Hosted
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.graph import LEVELS
+from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station

@@ -13,12 +13,13 @@ from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
 from archo_tui.paths import typed_path
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import current_requester
-from archo_tui.robot.state import NOT_REPORTED, Parameter, Snapshot
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.graph import NOT_REPORTED, Parameter
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data

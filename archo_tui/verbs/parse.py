@@ -7,7 +7,7 @@ from typing import Any
 
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.types import INTEGERS, element_of
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Values, Verb, split_options
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.history import SPANS, Quantity, current_values
@@ -135,14 +135,15 @@ _NAMES: dict[Quantity, str] = {
     "x": "x",
     "y": "y",
 }
-_PARTS = 60  # Parts of a span; the value of the oldest one is shown.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
     """Yield an age in seconds and the finite value then, or None, for now and each of SPANS."""
     now, history = station.clock.monotonic(), station.history
     found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
-    found += [(span, history.last_values(quantity, span, _PARTS, now)[0]) for span in SPANS]
+    for span in SPANS:
+        oldest = history.ranges(quantity, span, int(span), now)[0]
+        found.append((span, None if oldest is None else oldest[1]))
     for age, value in found:
         yield age, value if value is None or math.isfinite(value) else None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file import model
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Question, Values, Verb

@@ -11,8 +11,10 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.requester import ASSISTANT
-from archo_tui.robot.state import Battery, Latch, Motion, Phase, StopAnswer
+from archo_tui.robot.clients.requester import ASSISTANT
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.readings import Battery, Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
 from archo_tui.station.view import View

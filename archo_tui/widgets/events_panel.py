@@ -9,7 +9,8 @@ from textual.app import ComposeResult
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
+from archo_tui.robot.state.events import OWN_LEVELS, Event
+from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState

@@ -6,7 +6,7 @@ import math
 import sys
 from collections.abc import Collection, Mapping, Sequence
 
-from archo_tui.robot.state import Curve, FieldKind, FieldView
+from archo_tui.robot.state.topic import Curve, FieldKind, FieldView
 from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.plot import plot_lines
 from archo_tui.widgets.rows import QUIET, Columns, Text, column, crop, pad

@@ -14,9 +14,8 @@ from textual.widgets import Static
 from archo_tui.robot.messages.typed import is_integer, is_number, parse_field
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.reason import CauseWatch, limits, refusal_causes
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
@@ -51,8 +50,7 @@ class GoalPanel(Panel):
     number, title_text = 3, "Goal"
     other_keys = {"go": "enter"}
     _watching = _is_read_only = False
-    _causes: CauseWatch | None = None  # Of the hint; None if only typing removes it.
-    _shows_refusal = False  # True if the hint is a refusal of the robot.
+    _shows_hint = _shows_refusal = False  # Of the robot.
 
     # Called with the values of each goal by dotted path, in the order of sending, and the typed
     # texts. Set by the owner, as `on_typed`.
@@ -149,8 +147,6 @@ class GoalPanel(Panel):
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
-        if self._causes is not None and self._causes.observe(snapshot):
-            self.show_hint("")
 
     def _show_board(self, view: ScreenState, width: int) -> None:
         snapshot, kind, size = view.snapshot, self._kind, self.app.size
@@ -274,22 +270,25 @@ class GoalPanel(Panel):
         if any(field.value for field in self.fields):
             self.scroll_visible(animate=False)
 
-    def show_hint(self, text: str = "", causes: CauseWatch | None = None) -> None:
-        """Show why a goal is not sent, until typing or the end of a cause; "" removes it."""
-        self._causes, self._shows_refusal = causes, False
-        if causes is not None:
-            causes.observe(self._snapshot)  # The first call records what holds now.
+    def show_hint(self, text: str = "") -> None:
+        """Show why a goal is not sent, until the next key; "" removes it."""
+        self._shows_hint, self._shows_refusal = text != "", False
         if self._has_several_fields:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.show_spans(((text, BAD),))
 
+    def forget_hint(self) -> None:
+        """Remove the hint that is shown: a key was pressed."""
+        if self._shows_hint:
+            self.show_hint()
+
     def show_refusal(self, text: str) -> None:
-        """Show why the robot refuses a goal, until a possible cause is over.
+        """Show why the robot refuses a goal, until the next key.
 
         "" removes the refusal that is shown, but no hint about what is typed.
         """
         if text or self._shows_refusal:
-            self.show_hint(text, CauseWatch(refusal_causes))
+            self.show_hint(text)
             self._shows_refusal = text != ""
 
     def submit(self) -> None:
@@ -306,7 +305,7 @@ class GoalPanel(Panel):
         try:
             goals = self._parse(self._kind, typed)
         except _InvalidTextError as error:
-            self.show_hint(str(error), CauseWatch(limits))
+            self.show_hint(str(error))
             self.screen.set_focus(self.fields[error.number])
             return
         self.show_hint("")
@@ -332,7 +331,7 @@ class GoalPanel(Panel):
     def send_numbers(self, typed: str) -> None:
         """Send goals that were typed elsewhere, as `7 3`; the form keeps its text."""
         why = WATCHING if self._watching else self.refusal(typed)
-        self.show_hint(why, CauseWatch(limits) if why else None)
+        self.show_hint(why)
         if not why and self._kind is not None:
             self.send(self._parse(self._kind, [typed]), [typed])
 

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from textual.app import ComposeResult
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Goal, Phase, Range
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.topic import Range
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, History, Quantity, current_values
 from archo_tui.station.view import View
@@ -87,7 +88,7 @@ def history_lines(
             else f"{plot.unit} {time_factor_text(view.snapshot)}"
         )
         lines += _plot(plot._replace(unit=unit.rstrip()), values, latest[plot.quantity], rows, mark)
-    ends = end_marks(view.history.ends, view.time, span, cells)
+    ends = end_marks(view.history.ends(view.time), view.time, span, cells)
     lines.append(((" " * (_LABEL_WIDTH + 1), PLAIN), (ends, PLAIN)))
     return [*lines, ((f"{'└':>{_LABEL_WIDTH + 1}}{_time_axis(view, span, cells)}", OLD),)]
 

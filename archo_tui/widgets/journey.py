@@ -8,7 +8,8 @@ from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Vertical
 
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.words.goal import known_length, remaining_text, time_left_text

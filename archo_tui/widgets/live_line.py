@@ -6,7 +6,7 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.widgets.bars import activity, contact, past_alarm

@@ -10,7 +10,7 @@ from textual.widget import Widget
 
 from archo_tui.robot.graph.parameter_values import range_text
 from archo_tui.robot.messages.values import same, text_of
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.safe_text import harmless
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel

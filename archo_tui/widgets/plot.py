@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from archo_tui.robot.state import Range
+from archo_tui.robot.state.topic import Range
 from archo_tui.words.state import EDGE, OLD, Spans, share
 
 _BLANK = 0x2800

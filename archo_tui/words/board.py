@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.types import INTEGERS
-from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.words.state import BAD, OLD, PLAIN, STRONG, WARN
 

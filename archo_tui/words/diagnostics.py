@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from archo_tui.robot.state import Diagnostic, DiagnosticLevel, Snapshot
+from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.words.state import age_text
 
 GLYPHS = {

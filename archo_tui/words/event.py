@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import LAUNCH, Event, Hosted, logger_node
+from archo_tui.robot.state.events import LAUNCH, Event
+from archo_tui.robot.state.graph import logger_node
+from archo_tui.robot.state.snapshot import Hosted
 
 _GRAVITY = {"WARN": "▲", "ERROR": "✗", "FATAL": "✗"}
 _INDENT = " " * len("12:04:31 ")

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
+from archo_tui.robot.state.events import OWN_LEVELS, Event
+from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.words.event import is_of_own_file, one_line_text, outcome_glyph
 
 _REQUESTED = ("YOU", "SHELL", "AI")  # The levels of what this console did, for whomever.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.words.state import (
     ACTIVE,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from archo_tui.robot.state import Hosted, Life, NodeInfo, NodeState, Snapshot
+from archo_tui.robot.state.graph import NodeInfo, NodeState
+from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
 from archo_tui.station.alarms import CONTACT_LOST
 from archo_tui.station.view import View
 from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age_text

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from archo_tui.robot.state import GaugeReading, Latch, Snapshot, StopAnswer
+from archo_tui.robot.state.readings import GaugeReading
+from archo_tui.robot.state.snapshot import Latch, Snapshot, StopAnswer
 from archo_tui.station.conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.

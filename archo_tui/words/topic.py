@@ -6,7 +6,7 @@ import math
 import re
 from datetime import datetime
 
-from archo_tui.robot.state import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
+from archo_tui.robot.state.topic import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
 from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
 from archo_tui.words.inspect import size_text

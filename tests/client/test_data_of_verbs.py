@@ -11,7 +11,7 @@ import pytest
 
 from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.verbs.status import ShowHistory
 from tests.client.test_waits import waited
 from tests.support import clock

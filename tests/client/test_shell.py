@@ -17,7 +17,7 @@ import pytest
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.client import shell
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from tests.support import script, warm
 from tests.support.console import FAST, LONG
 from tests.support.hesitant import Hesitant

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.console.waits import RequestTimedOut, wait_for
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.verbs import verbs
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station

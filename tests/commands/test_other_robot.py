@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
 
-from archo_tui.robot.state import Latch, OpenStop
+from archo_tui.robot.state.snapshot import Latch, OpenStop
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
 from tests.support.quiet import Quiet
 from tests.support.states import MOTOR, NORMAL

@@ -15,7 +15,7 @@ from rclpy.task import Future
 
 from archo_tui.paths import journal_file
 from archo_tui.robot.stop.machine import OBEYED
-from archo_tui.robot.stop_sender import FIRST_FOUND
+from archo_tui.robot.stop.sender import FIRST_FOUND
 from tests.support.clock import seconds
 from tests.support.console import FAST, click, console
 from tests.support.ros import begin

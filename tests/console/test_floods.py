@@ -15,7 +15,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from archo_tui.robot.events import LIMIT
+from archo_tui.robot.state.events import LIMIT
 from tests.support import chosen
 from tests.support.console import FAST, Console, console
 

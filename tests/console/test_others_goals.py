@@ -18,9 +18,9 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from archo_tui.robot import audit_records
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Goal, Phase
+from archo_tui.robot.state import audit_records
+from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.session import _robots_nodes
 from tests.support.archo import go, reset
 from tests.support.clock import seconds

@@ -13,8 +13,8 @@ import pytest
 from archo_tui import handover
 from archo_tui.app import ArchoApp
 from archo_tui.handover import Handover
-from archo_tui.robot.requester import Requester
-from archo_tui.robot.state import Latch, OpenStop, Snapshot
+from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.state.snapshot import Latch, OpenStop, Snapshot
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.shutdown import RESTART

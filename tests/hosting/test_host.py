@@ -10,7 +10,7 @@ import pytest
 from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen, clock

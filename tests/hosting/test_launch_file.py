@@ -16,7 +16,7 @@ from archo_tui.cli import main
 from archo_tui.errors import ArchoError
 from archo_tui.hosting import hosted_program
 from archo_tui.hosting.launch_file import LaunchFile
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Launch, Options, check_options
 from tests.support import chosen

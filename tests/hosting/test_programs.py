@@ -26,7 +26,7 @@ from archo_tui.hosting import hosted_program
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.stop import HELD_BY_NOBODY
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit

@@ -14,7 +14,8 @@ import pytest
 from textual.widgets import Static
 
 from archo_tui.hosting.hosted_node import HostedNode
-from archo_tui.robot.state import Event, Life
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen, clock

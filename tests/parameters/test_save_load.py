@@ -11,7 +11,7 @@ import pytest
 from archo_tui.embedded.parameter_files import read
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from tests.parameters import hostile
 from tests.support.states import PARAMETERS
 

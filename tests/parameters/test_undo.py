@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.station.undo import LIMIT, UndoList
 
 

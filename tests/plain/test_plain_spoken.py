@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.words import line_by_line
 from archo_tui.words.state import motion_word
 from tests.support.clock import NOW

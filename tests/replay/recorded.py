@@ -12,8 +12,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.recordings.replay.open import load_robot_file
-from archo_tui.recordings.replay.player import Player
+from archo_tui.recordings.replay.player import Player, load_robot_file
 from archo_tui.recordings.replay.station import RecordedStation
 from archo_tui.replay_app import ReplayApp
 from archo_tui.widgets.line import Line

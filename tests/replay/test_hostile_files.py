@@ -434,8 +434,8 @@ def test_of_many_types_and_topics_as_many_are_known_as_anybody_needs(
     file("b.mcap")
     assert len(BagFile(tmp_path).types) == 41
     for limit, most in (
-        ("types._MAX_TYPES", 30),
-        ("types._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
+        ("bag._MAX_TYPES", 30),
+        ("bag._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
         ("bag.MAX_CHANNELS", 30),
     ):
         with monkeypatch.context() as patch:

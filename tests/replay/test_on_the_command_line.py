@@ -16,7 +16,7 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import store
 from archo_tui.recordings.console import JOURNAL, STATE
 from archo_tui.recordings.replay.bag import BagFile
-from archo_tui.recordings.replay.open import find_recording, load_robot_file, opening_time
+from archo_tui.recordings.replay.player import find_recording, load_robot_file, opening_time
 from archo_tui.recordings.replay.report import report_lines
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain

@@ -139,25 +139,27 @@ NONSENSE = [
     "[" * 100_000,
     "null",
     '"text"',
-    json.dumps({"nodes": 7}),
-    json.dumps({"goal": {"kind": "go"}}),
+    json.dumps({"snapshot": {"nodes": 7}}),
+    json.dumps({"snapshot": {"goal": {"kind": "go"}}}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": "now"}]}),
     json.dumps({"hosted": [{"name": "/x", "life": "FLYING"}]}),
     json.dumps({"alarms": [{"name": "of another kind", "text": "x", "since": 1.0}]}),
-    json.dumps({"parameters": [{"node": "/n", "name": "p", "type": "double", "value": {}}]}),
-    json.dumps({"charge": [["a", "b"]]}),
+    json.dumps(
+        {"snapshot": {"parameters": [{"node": "/n", "name": "p", "type": "double", "value": {}}]}}
+    ),
+    json.dumps({"snapshot": {"charge": [["a", "b"]]}}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1e308}]}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": math.nan}]}),
     json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1, "until": -1e18}]}),
-    json.dumps({"nodes": [{"name": "/n", "heard": math.inf}]}),
-    json.dumps({"message_rates": {"/t": {"heard": math.nan}}}),
-    json.dumps({"charge": [[1e308, 50.0]]}),
-    json.dumps({"open_stop": {"asked": math.inf}}),
+    json.dumps({"snapshot": {"nodes": [{"name": "/n", "heard": math.inf}]}}),
+    json.dumps({"snapshot": {"message_rates": {"/t": {"heard": math.nan}}}}),
+    json.dumps({"snapshot": {"charge": [[1e308, 50.0]]}}),
+    json.dumps({"snapshot": {"open_stop": {"asked": math.inf}}}),
     json.dumps({"hosted": [{"name": "/x", "saved": 2**62}]}),
-    json.dumps({"events": [{**EVENT, "time": 1e308}]}),
-    json.dumps({"events": [{**EVENT, "first": math.nan}]}),
-    json.dumps({"goal": {**GOAL, "sent": 1e308}}),
-    json.dumps({"history": [{**GOAL, "phase": "ARRIVED", "time": -math.inf}]}),
+    json.dumps({"snapshot": {"events": [{**EVENT, "time": 1e308}]}}),
+    json.dumps({"snapshot": {"events": [{**EVENT, "first": math.nan}]}}),
+    json.dumps({"snapshot": {"goal": {**GOAL, "sent": 1e308}}}),
+    json.dumps({"snapshot": {"history": [{**GOAL, "phase": "ARRIVED", "time": -math.inf}]}}),
     json.dumps({"unknown": {"since": "tomorrow"}}),
 ]
 
@@ -175,7 +177,7 @@ async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
 
 
 async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) -> None:
-    odd = String(data=json.dumps({"goal": {"phase": "FLYING"}}))
+    odd = String(data=json.dumps({"snapshot": {"goal": {"phase": "FLYING"}}}))
     write(tmp_path, [*drain(), received(BEGIN * 10**9 + 5, STATE, odd)], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 40.5)
@@ -183,7 +185,9 @@ async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) 
 
 
 async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
-    said = json.dumps({"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"})
+    said = json.dumps(
+        {"snapshot": {"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"}}
+    )
     write(tmp_path, [*drain(), received(BEGIN * 10**9, STATE, String(data=said))], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 1.0)
@@ -247,7 +251,7 @@ async def test_what_only_this_console_records_is_not_there(tmp_path: Path) -> No
 def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> None:
     heard = drain(seconds=600)
     for second in range(600):
-        said = json.dumps({"namespace": "/", "consoles": [f"anna_{second}"]})
+        said = json.dumps({"snapshot": {"namespace": "/", "consoles": [f"anna_{second}"]}})
         heard.append(received((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     write(tmp_path, sorted(heard, key=lambda one: one.time), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())

@@ -9,8 +9,7 @@ from archo_interfaces.msg import BatteryStatus, MotorStatus
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
-from archo_tui.recordings.console import JOURNAL, STATE
-from archo_tui.recordings.state import to_json
+from archo_tui.recordings.console import JOURNAL, STATE, to_json
 from tests.replay.recorded import replay
 from tests.support.bags import received, write
 from tests.support.clock import TIME

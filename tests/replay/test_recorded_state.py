@@ -11,26 +11,15 @@ from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from std_msgs.msg import String
 
-from archo_tui.recordings.console import STATE
+from archo_tui.recordings.console import STATE, TOLD, change_key, to_json
 from archo_tui.recordings.replay.state import ReplayState
-from archo_tui.recordings.state import TOLD, change_key, to_json
+from archo_tui.robot.clients.requester import YOU
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.period import MessageRate
-from archo_tui.robot.requester import YOU
-from archo_tui.robot.state import (
-    Event,
-    Goal,
-    Hosted,
-    Latch,
-    Life,
-    NodeState,
-    OpenStop,
-    Parameter,
-    Phase,
-    Resource,
-    Snapshot,
-    StopAnswer,
-)
+from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.graph import NodeState, Parameter, Resource
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robot_file import load
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
@@ -165,7 +154,7 @@ def test_a_secret_is_not_in_a_recording() -> None:
     secret = Parameter("/n", "password", "string", "1234", "1234", is_secret=True)
     said = to_json(view_of(Snapshot(parameters=(secret,))), SINCE, with_events=True)
     assert "1234" not in said
-    assert json.loads(said)["parameters"][0]["value"] == "***"
+    assert json.loads(said)["snapshot"]["parameters"][0]["value"] == "***"
 
 
 LATCHED = """

@@ -17,7 +17,8 @@ from functools import partial
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop import machine as the_machine
 from tests.robot.exploring import Found, breadth_first, promise
 
@@ -80,6 +81,7 @@ class World(NamedTuple):
     outsiders_left: int = 0  # Releases that no console makes, and only the robot's reports tell.
     is_reported: bool = True  # The robot has reported its motion since.
     is_past: bool = False  # The STOP was given up or released: nothing follows it any more.
+    is_last: bool = False  # A STOP is the last that the operator asked for.
 
 
 def begin(
@@ -169,7 +171,11 @@ def _answer(world: World, result: Any, turn: int, asked: Any, *, is_late: bool =
 
 def read_stop(world: World) -> World:
     world = world._replace(
-        stops_left=world.stops_left - 1, stops_read=world.stops_read + 1, passed=0, is_past=False
+        stops_left=world.stops_left - 1,
+        stops_read=world.stops_read + 1,
+        passed=0,
+        is_past=False,
+        is_last=True,
     )
     return _call(world)
 
@@ -218,11 +224,12 @@ def time_out(number: int, world: World) -> World:
 
 
 def release(world: World) -> World:
-    return _request(world._replace(releases_left=world.releases_left - 1), is_stop=False)
+    world = world._replace(releases_left=world.releases_left - 1, is_last=False)
+    return _request(world, is_stop=False)
 
 
 def give_up(world: World) -> World:
-    return world._replace(stop=world.stop.given_up(), is_past=True)
+    return world._replace(stop=world.stop.given_up(), is_past=True, is_last=False)
 
 
 def leave(place: int, world: World) -> World:
@@ -267,7 +274,13 @@ def peer_does(what: str, world: World) -> World:
         for server in world.servers
     )
     left = tuple(other for other in world.peer_left if other != what)
-    return world._replace(servers=servers, peer_left=left, peer_says=(*world.peer_says, what))
+    return world._replace(
+        servers=servers,
+        peer_left=left,
+        peer_says=(*world.peer_says, what),
+        is_reported=world.reports != "stop",
+        is_last=world.is_last and what == "stop",
+    )
 
 
 def hear_peer(world: World) -> World:
@@ -297,7 +310,7 @@ def report(world: World) -> World:
 def outside(world: World) -> World:
     servers = tuple(server._replace(stopped=False) for server in world.servers)
     left = world.outsiders_left - 1
-    return world._replace(servers=servers, outsiders_left=left, is_reported=False)
+    return world._replace(servers=servers, outsiders_left=left, is_reported=False, is_last=False)
 
 
 def type_goal(world: World) -> World:
@@ -497,6 +510,10 @@ def check(world: World) -> None:
     is_shown = stop.says_stopped if stop.reports else True
     if stop.latch is Latch.HELD and stop.open is None and is_quiet and is_shown:
         promise(not may_move(world), "a robot that may move is not shown as STOPPED")
+    if stop.may_start:
+        is_over = stop.open is None and stop.latch is Latch.NONE
+        promise(is_over, "no goal, program or console starts behind a STOP")
+        promise(not world.is_last, "no goal, program or console starts behind a STOP")
     awaited = [r for r in world.requests if r.is_stop and not r.is_over]
     promise(stop.awaited == len(awaited), "each call is awaited until it is answered or over")
     for goal in world.goals:
@@ -606,6 +623,18 @@ LARGE: dict[str, Callable[..., World]] = {
     ),
     "a suspended server and a release": partial(
         begin, 1, pauses_left=1, **{**_ALONE, "sends_left": 0}
+    ),
+    "two servers and a restart of a robot that reports its motion": partial(
+        begin,
+        2,
+        reports="motion",
+        **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
+    ),
+    "two servers and a restart of a robot that reports its stop": partial(
+        begin,
+        2,
+        reports="stop",
+        **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
     ),
     "a restart of a robot that reports its motion": partial(
         begin, 1, reports="motion", **{**_ALONE, "restarts_left": 1, "releases_left": 0}

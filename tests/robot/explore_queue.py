@@ -17,7 +17,9 @@ from typing import Any, NamedTuple
 
 from archo_tui.robot.goals import queue as the_machine
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Snapshot
 from tests.robot.exploring import Found, breadth_first, promise
 from tests.support.archo import ARCHO, SHELF
 

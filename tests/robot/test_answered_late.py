@@ -10,7 +10,7 @@ import pytest
 from archo_tui.robot.goals.machine import NEVER_TAKEN
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.hesitant import Hesitant

@@ -7,10 +7,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.audit_records import MAX_LENGTH, AuditRecord, parse, to_json
-from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.audit_records import MAX_LENGTH, AuditRecord, parse, to_json
+from archo_tui.robot.state.events import Event, EventLog
 
 SET = AuditRecord(
     "set", {"node": "/motor", "values": {"speed": 0.5, "names": ["a", "b"]}}, Code.DONE

@@ -11,10 +11,10 @@ import pytest
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.station.frontend import Frontend
+from archo_tui.station.goal_driver import Frontend
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool
 
-from archo_tui.robot.period import UNMEASURED, Period, is_silent
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.messages.period import UNMEASURED, Period, is_silent
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.history import History
 from archo_tui.station.view import View
 from archo_tui.widgets.bars import header

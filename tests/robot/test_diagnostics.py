@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.state import DiagnosticLevel
+from archo_tui.robot.state.readings import DiagnosticLevel
 
 
 def array(*parts: tuple[str, Any, str], hardware: str = "") -> Any:

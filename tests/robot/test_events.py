@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import pytest
 from rich.cells import cell_len
 
-from archo_tui.robot.events import LEFT_OUT, EventLog
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.events import LEFT_OUT, Event, EventLog
 from archo_tui.safe_text import harmless, safe, safe_in_place
 
 

@@ -13,6 +13,7 @@ SOURCE = source_of(machine)
 RELEASE, RESTART = "two servers and a release", "two servers and a restart"
 STOPS, PEER = "two STOPs and a release", "a peer and a release"
 SUSPENDED = "two servers, of which one is suspended"
+REPORTED_PEER = "a peer's release and ours of a robot that reports its stop"
 REPORTS = "a robot that reports its stop, and a restart"
 # A rule, what it says instead, and the world in which that is found.
 BROKEN = [
@@ -40,12 +41,31 @@ BROKEN = [
     # Another console's STOP that crosses a release is not certain.
     (" and self.undone_by != console", " and False", PEER),
     ("turn > self.peer_turn:", "True:", PEER),
+    # So is another console's release that crosses it.
+    ("if is_held and self.peer == console:", "if is_held:", PEER),
+    (
+        "if is_held and self.peer == console:",
+        "if is_held and (self.reports or self.peer == console):",
+        REPORTED_PEER,
+    ),
     # Never two calls at once; a refusal is asked again.
     ("or self.awaited:", "or False:", RELEASE),
     ("open.answer is StopAnswer.UNCONFIRMED and", "open.answer is StopAnswer.REFUSED or", RELEASE),
     # Goals from before a STOP are cancelled, whatever it is answered; those of others, too.
     ("opened._cancel_before(turn, now)", "opened", "a goal and a release"),
     ("return now - stop.asked >= CANCEL_OTHERS_AFTER", "return False", RELEASE),
+    # Nothing starts behind a STOP that is open, holds, or is in doubt.
+    ("return self.open is None and self.state is State.NONE", "return self.open is None", RELEASE),
+    (
+        "return self.open is None and self.state is State.NONE",
+        "return self.state is State.NONE",
+        RELEASE,
+    ),
+    (
+        "return self.open is None and self.state is State.NONE",
+        "return self.open is None and self.state is not State.HELD",
+        RESTART,
+    ),
     # All of that ends when the STOP is given up.
     ("open=None, others_before=0, is_given_up=True", "open=None, is_given_up=True", RELEASE),
     ("and not self.is_given_up", "", RELEASE),

@@ -22,9 +22,11 @@ from archo_tui.robot.goals.machine import (
     is_missed,
     refusal,
 )
+from archo_tui.robot.messages.period import Period
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.period import Period
-from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, Snapshot
+from archo_tui.robot.state.goal import RUNNING, Goal, Phase
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
 from tests.support.archo import SHELF

@@ -9,7 +9,9 @@ import pytest
 from archo_tui.robot.goals import queue as machine
 from archo_tui.robot.goals.queue import Do, GoalQueue, QueuedGoal
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.station.alarms import (
     BATTERY_EMPTY,
     CONTACT_LOST,

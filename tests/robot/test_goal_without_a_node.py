@@ -16,7 +16,7 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.console import LONG

@@ -14,10 +14,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, Float32MultiArray, String, UInt8MultiArray
 
 from archo_tui.errors import ArchoError
+from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import as_text
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import MessageRate
-from archo_tui.robot.state import TopicRequest
+from archo_tui.robot.state.topic import TopicRequest
 from archo_tui.robot.topics import inspect
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot

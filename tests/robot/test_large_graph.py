@@ -10,7 +10,7 @@ from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 
 from archo_tui.robot.graph.resources import PERIOD, Resources
-from archo_tui.robot.state import Resource
+from archo_tui.robot.state.graph import Resource
 
 INT, TRIGGER = "std_msgs/msg/Int32", "std_srvs/srv/Trigger"
 Names = dict[str, list[str]]  # what a node has, by node

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import UNCERTAIN
 from archo_tui.words.state import motion_word, plain_text
 from tests.support.alarms import conditions

@@ -6,7 +6,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.robot.state import Parameter, linked_number
+from archo_tui.robot.state.graph import Parameter, linked_number
 from archo_tui.robot_file.model import ParameterRef
 from tests.support.console import console
 from tests.support.plain import plain

@@ -6,7 +6,8 @@ import asyncio
 import threading
 
 from archo_tui.robot.snapshot_sender import Mailbox
-from archo_tui.robot.state import Motion, Snapshot
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Snapshot
 
 
 async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:

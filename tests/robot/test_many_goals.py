@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import qos_profile_action_status_default
 
 from archo_tui.robot.goals.client import HISTORY
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.night import corners

@@ -10,7 +10,7 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
 from tests.support.robot import robot

@@ -11,11 +11,11 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 
+from archo_tui.robot.clients.requester import Requester, on_behalf_of
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.poller import check_goals
-from archo_tui.robot.requester import Requester, on_behalf_of
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.updates import check_goals
 from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
@@ -114,7 +114,7 @@ async def test_an_action_that_sends_no_feedback_is_judged_by_its_server_alone() 
 async def test_who_waits_for_its_end_is_told_that_it_is_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("archo_tui.robot.state.GIVEN_UP", 5.0)  # s
+    monkeypatch.setattr("archo_tui.robot.state.goal.GIVEN_UP", 5.0)  # s
     made: list[Any] = []
     async with operated(Base, making(made, Planner)) as typed:
         station, shell = typed._plain._station, Requester("SHELL", "pid 1")
@@ -137,7 +137,7 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
 async def test_input_that_is_over_waits_for_it_no_longer_and_ends_with_1(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("archo_tui.robot.state.GIVEN_UP", 5.0)  # s
+    monkeypatch.setattr("archo_tui.robot.state.goal.GIVEN_UP", 5.0)  # s
     made: list[Any] = []
     async with operated(Base, making(made, Planner)) as typed:
         typed.type("go 3\n")

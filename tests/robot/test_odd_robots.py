@@ -22,11 +22,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clients.changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.goals.machine import Event, TrackedGoal
-from archo_tui.robot.other_clients import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Motion, Phase
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.readings import Motion
 from tests.support import clock
 from tests.support.archo import ARCHO, go
 from tests.support.clock import NOW

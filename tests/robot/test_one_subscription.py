@@ -77,11 +77,12 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
 ) -> None:
     """Fast DDS refuses a second type of a topic in one process, for example."""
     file = here / "base.yaml"
-    file.write_text(FILE.replace("topic: level", "topic: refused", 1) + "record: [refused]\n")
+    refused = FILE.replace("topic: level", "topic: refused", 1)
+    file.write_text(refused + "record: [refused, unread]\n")
     subscribe = Listener.create_subscription
 
     def refusing(self: Listener, kind: Any, topic: str, *rest: Any, **options: Any) -> Any:
-        if topic == "/refused":
+        if topic in ("/refused", "/unread"):
             raise RuntimeError("incompatible type")
         return subscribe(self, kind, topic, *rest, **options)
 
@@ -89,6 +90,7 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
         def __init__(self, **options: Any) -> None:
             super().__init__(**options)
             self.create_publisher(Float32, "refused", 10)
+            self.create_publisher(Float32, "unread", 10)
 
     monkeypatch.setattr(Listener, "create_subscription", refusing)
     async with robot(Both, robot=file) as it:
@@ -97,7 +99,8 @@ async def test_a_topic_that_cannot_be_subscribed_to_leaves_the_others_alone(
         why = f"is std_msgs/msg/Float32, and cannot be subscribed to here: {reason}"
         assert it.snapshot.faults["refused"] == f"refused {why}"
         texts = [event.text for event in it.snapshot.events]
-        assert f"not recorded: /refused {why}" in texts
+        assert f"refused {why}" in texts
+        assert f"not recorded: unread {why}" in texts
         assert not it.node.listens(Float32, "/refused")
         await while_passes(3)
         assert [event.text for event in it.snapshot.events] == texts

@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.snapshot_sender import FLUSH_PERIOD, STREAM_PERIOD
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from tests.support import chosen
 from tests.support.clock import seconds
 from tests.support.quiet import until

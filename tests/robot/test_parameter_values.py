@@ -11,7 +11,7 @@ import pytest
 from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.typed import typed_text
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from tests.support.values import value_of
 
 

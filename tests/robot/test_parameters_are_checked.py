@@ -12,7 +12,7 @@ from archo_tui.parameters.save_load import plan_load
 from archo_tui.robot.graph.parameter_values import fit
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 

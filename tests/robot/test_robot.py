@@ -25,7 +25,7 @@ from std_srvs.srv import Empty, SetBool
 from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
 from tests.support import chosen, clock

@@ -12,7 +12,7 @@ from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import journal_file, state_file
 from archo_tui.recordings import recorder, store
-from archo_tui.robot.graph.secrets import is_secret
+from archo_tui.robot.graph.parameter_values import is_secret
 from tests.support.shells import heard, raw, served, typed
 
 SECRET = [

@@ -15,7 +15,8 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Latch, OpenStop, Phase, StopAnswer
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Latch, OpenStop, StopAnswer
 from tests.support import clock
 from tests.support.alarms import conditions
 from tests.support.archo import go

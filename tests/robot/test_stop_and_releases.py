@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state.snapshot import Latch
 from tests.support import clock
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 
-from archo_tui.robot.state import Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import Result, Servers, Stop
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.
@@ -64,13 +65,14 @@ def test_a_last_report_of_nodes_that_have_ended_does_not_put_them_elsewhere() ->
     assert nodes.look()
 
 
-def test_one_that_was_released_elsewhere_is_over_and_held_by_nobody_no_more() -> None:
+def test_one_whose_node_has_ended_and_that_was_released_elsewhere_is_uncertain() -> None:
     nodes = Nodes(motor=HERE)
     nodes.move(Motion(stopped=True))  # A robot that reports its stops.
     nodes.unended = []
     assert nodes.look()
     nodes.stop = nodes.stop.released_elsewhere("other", 9, 9.0)
-    assert not nodes.look()
+    assert nodes.stop.latch is Latch.UNCERTAIN
+    assert nodes.look()
 
 
 def test_what_moves_behind_a_release_is_not_said_to_disobey() -> None:

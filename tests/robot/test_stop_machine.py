@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.robot.state import Latch, Motion, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import (
     CANCEL_AFTER,
     CANCEL_OTHERS_AFTER,
@@ -104,6 +105,17 @@ def test_another_consoles_stop_is_not_certain_just_after_a_release() -> None:
     assert early.latch is Latch.UNCERTAIN
     later = released.stopped_elsewhere("lab", 7, 10.0 + SETTLED, MOTOR, ())
     assert later.latch is Latch.HELD
+
+
+def test_another_consoles_release_that_is_told_late_does_not_undo_the_stop_behind_it() -> None:
+    held = answered(called(), StopAnswer.AWAITED)
+    reported = held.moved(Motion(stopped=True, received=0.0), 5.0, MOTOR, ())
+    told = reported.released_elsewhere("lab", 9, 6.0)
+    assert (told.latch, told.may_start) == (Latch.HELD, False)
+    released = told.moved(Motion(stopped=False, received=0.0), 7.0, MOTOR, ())
+    assert (released.latch, released.may_start) == (Latch.NONE, True)
+    # Without such a report nobody knows which was last.
+    assert held.released_elsewhere("lab", 9, 6.0).latch is Latch.UNCERTAIN
 
 
 def test_nobody_that_serves_it_is_told_as_not_sent() -> None:

@@ -18,7 +18,8 @@ from std_srvs.srv import Trigger
 from archo_tui.console.waits import RequestTimedOut, wait_for
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Latch, Phase
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
 from archo_tui.verbs import verbs
 from archo_tui.words.state import motion_word, plain_text

@@ -15,12 +15,13 @@ from rcl_interfaces.msg import Log, Parameter, ParameterEvent, ParameterValue
 from std_msgs.msg import Byte, Float32, Float32MultiArray, Header, String, UInt8MultiArray
 
 from archo_tui.robot.messages.text import ArraySummary, summarize
-from archo_tui.robot.state import FieldKind, FieldView, TopicRequest, in_namespace
+from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot.state.topic import FieldKind, FieldView, TopicRequest
 from archo_tui.robot.topics import rows as row_module
-from archo_tui.robot.topics.rows import TopicFields
-from archo_tui.robot.topics.series import SPAN, FieldHistory
-from archo_tui.robot_file.field_units import field_units
+from archo_tui.robot.topics.rows import SPAN, TopicFields
+from archo_tui.robot.topics.series import Series
 from archo_tui.robot_file.load import load
+from archo_tui.robot_file.model import field_units
 from tests.support.archo import ARCHO
 
 
@@ -93,15 +94,15 @@ def test_nan_and_inf_everywhere_are_values_without_a_range() -> None:
 
 
 def test_a_curve_asked_for_at_each_look_is_that_of_one_look() -> None:
-    choose, often = random.Random(1), FieldHistory()
+    choose, often = random.Random(1), Series(10, 600)
     time = 1_000.0
     for _ in range(400):
         time += choose.choice((0.01, 0.1, 0.3, 2.0))
         often.add(math.floor(time * 10), choose.random())
-        looked = [often.curve(time, columns) for columns in (40, 120)]
+        looked = [often.curve(time, 60.0, columns) for columns in (40, 120)]
         once = copy.deepcopy(often)
         once._curves.clear()
-        assert looked == [once.curve(time, columns) for columns in (40, 120)]
+        assert looked == [once.curve(time, 60.0, columns) for columns in (40, 120)]
 
 
 def test_the_rows_and_the_arrays_are_looked_at_once_a_picture(

@@ -16,8 +16,7 @@ from rclpy.node import Node
 from textual.widgets import TextArea
 
 from archo_tui.robot.messages.types import load_class as load_interface
-from archo_tui.robot_file.dump import without
-from archo_tui.robot_file.load import load
+from archo_tui.robot_file.load import load, without
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.message_form import MessageForm
 from archo_tui.yaml_text.dump import block

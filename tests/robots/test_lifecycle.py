@@ -13,7 +13,7 @@ import pytest
 from rclpy.node import Node
 
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import NodeInfo
+from archo_tui.robot.state.graph import NodeInfo
 from tests.robots.managed import Navigator
 from tests.support.console import Console, console
 from tests.support.plain import plain

@@ -14,11 +14,10 @@ from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.commands import registry
 from archo_tui.console.plain import help_text
 from archo_tui.errors import ArchoError
-from archo_tui.robot.readings.fields import read
-from archo_tui.robot_file import reserved
-from archo_tui.robot_file.dump import dump
-from archo_tui.robot_file.load import default_path, load
+from archo_tui.robot.messages.values import read
+from archo_tui.robot_file.load import default_path, dump, load
 from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile
+from archo_tui.robot_file.reserved import RESERVED
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 
@@ -307,7 +306,7 @@ def test_the_consoles_words_are_all_reserved_and_no_others() -> None:
     typed = {line.split()[0].rstrip(":") for line in help_text(verbs(RobotFile(), {})).splitlines()}
     ids = {command.id for command in registry(RobotFile())}
     words = typed | ids | {"go", "wait"} | set(SUBCOMMANDS)
-    assert words == reserved.RESERVED - set(NO_VERBS)
+    assert words == RESERVED - set(NO_VERBS)
 
 
 def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -> None:

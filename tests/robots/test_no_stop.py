@@ -19,7 +19,7 @@ from rclpy.task import Future
 import archo_tui
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.robot_file.load import load
 from tests.robots.rover import Rover
 from tests.support.console import console

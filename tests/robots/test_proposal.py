@@ -11,9 +11,7 @@ import pytest
 from archo_tui.robot_file import known_types
 from archo_tui.robot_file.load import parse
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.robot_file.proposal import Part, SeveralRobots, propose
-from archo_tui.robot_file.proposal_text import text_of
-from archo_tui.robot_file.sighting import Sighting
+from archo_tui.robot_file.propose import Part, SeveralRobots, Sighting, propose, text_of
 
 BATTERY = Sighting(
     "topic",

@@ -11,7 +11,7 @@ from textual.strip import Strip
 from textual.theme import BUILTIN_THEMES
 
 from archo_tui.app import ArchoApp
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.terminal.themes import HIGH_CONTRAST, contrast, derive_tones
 from tests.support.console import send
 from tests.support.quiet import Quiet

@@ -10,7 +10,7 @@ from textual._compositor import ChopsUpdate
 from textual.app import App
 from textual.screen import Screen
 
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.events import Event
 from archo_tui.terminal.compositor import DirtyCompositor
 from archo_tui.widgets.panel import Panel
 from tests.support.clock import TIME

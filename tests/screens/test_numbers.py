@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.robot.state import NodeState, Parameter, Snapshot
+from archo_tui.robot.state.graph import NodeState, Parameter
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.widgets.styled import aligned
 from archo_tui.words.state import PLAIN, charge_bar, marked_tone, plain_text
 from tests.support.clock import NOW, TIME

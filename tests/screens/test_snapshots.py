@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from archo_tui.app import ArchoApp
+from archo_tui.robot.clients.requester import Requester, on_behalf_of
 from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal
-from archo_tui.robot.requester import Requester, on_behalf_of
-from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
 from archo_tui.station.alarm_board import AlarmBoard
 from archo_tui.station.history import History
 from archo_tui.terminal.ascii import in_ascii
@@ -97,7 +98,7 @@ async def pictures(
         coming = waits.coming._replace(before=99, is_handed_over=True)  # No snapshot shows it.
         app.station.goals.queue = waits._replace(coming=coming, todo=())
     for before in past(seconds):
-        app.station.history.add_sample(*before)
+        app.station.history.observe(*before)
     found = {}
     async with app.run_test(size=first) as pilot:
         quiet = Quiet(app)

@@ -6,7 +6,8 @@ import re
 
 import pytest
 
-from archo_tui.robot.state import Parameter, Snapshot
+from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.words import line_by_line
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import motion_line, plain_text

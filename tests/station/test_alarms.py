@@ -8,18 +8,10 @@ from typing import Any
 import pytest
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import (
-    Diagnostic,
-    DiagnosticLevel,
-    Hosted,
-    Latch,
-    Life,
-    OpenStop,
-    Parameter,
-    Phase,
-    Snapshot,
-    StopAnswer,
-)
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.screens.alarms import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change

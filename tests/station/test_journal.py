@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 
 from archo_tui.paths import journal_file
-from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.station import journal
 from archo_tui.station.journal import MAX_BYTES, Journal, unreleased_stop
 from tests.support.archo import SHELF

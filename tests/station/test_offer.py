@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.robot.state import NodeState, Snapshot
+from archo_tui.robot.state.graph import NodeState
+from archo_tui.robot.state.snapshot import Snapshot
 from tests.support.clock import NOW
 from tests.support.states import NORMAL
 from tests.support.stub import StandingClock, StubRobot, stub_station

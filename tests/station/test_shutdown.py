@@ -14,7 +14,8 @@ from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.support import clock
 from tests.support.archo import go

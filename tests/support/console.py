@@ -20,7 +20,7 @@ from textual.screen import Screen
 from archo_tui.app import ArchoApp
 from archo_tui.handover import Handover
 from archo_tui.keyed_app import HELD
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.widgets.panel import Panel

@@ -7,9 +7,9 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from archo_tui.robot import audit_records
-from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import audit_records
+from archo_tui.robot.state.audit_records import AuditRecord
 
 
 class Peer(Node):

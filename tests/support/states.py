@@ -6,19 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from archo_tui.robot.period import MessageRate
-from archo_tui.robot.state import (
-    Battery,
-    Event,
-    Goal,
-    Motion,
-    NodeState,
-    OpenStop,
-    Parameter,
-    Phase,
-    Resource,
-    Snapshot,
-)
+from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.graph import NodeState, Parameter, Resource
+from archo_tui.robot.state.readings import Battery, Motion
+from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.clock import NOW, TIME
 

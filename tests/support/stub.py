@@ -12,7 +12,9 @@ from unittest.mock import patch
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot, TopicRequest, TopicView
+from archo_tui.robot.state.graph import LogLevel, NodeInfo
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
+from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from archo_interfaces.msg import BatteryStatus
 
-from archo_tui.robot.state import (
-    FieldKind,
-    FieldView,
-    TopicEnd,
-    TopicInfo,
-    TopicRequest,
-    TopicView,
-)
-from archo_tui.robot.topics.inspect import MessageIntake
+from archo_tui.robot.state.graph import TopicEnd, TopicInfo
+from archo_tui.robot.state.topic import FieldKind, FieldView, TopicRequest, TopicView
+from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
 from archo_tui.robot.topics.rows import shown_elements
-from archo_tui.robot.topics.watch import TopicWatch
 from tests.support.clock import TIME
 
 TYPE = "archo_interfaces/msg/BatteryStatus"

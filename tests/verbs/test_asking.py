@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Snapshot
 from tests.support import clock
 from tests.support.plain import Typed, operated, typing
 from tests.support.script import Script

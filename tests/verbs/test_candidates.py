@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Parameter, Snapshot
+from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.verbs import verbs
 from archo_tui.verbs.candidates import candidates
 from tests.support.states import NORMAL

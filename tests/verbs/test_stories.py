@@ -20,7 +20,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.robot.outcome import WATCHING
-from archo_tui.robot.state import OpenStop, Pose, Snapshot
+from archo_tui.robot.state.readings import Pose
+from archo_tui.robot.state.snapshot import OpenStop, Snapshot
 from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock

@@ -13,7 +13,8 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.console.plain import help_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
-from archo_tui.robot.state import Hosted, OpenStop, Phase, Snapshot
+from archo_tui.robot.state.goal import Phase
+from archo_tui.robot.state.snapshot import Hosted, OpenStop, Snapshot
 from archo_tui.verbs import verbs
 from tests.support import clock
 from tests.support.archo import ARCHO, FORMS

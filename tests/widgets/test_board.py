@@ -10,7 +10,7 @@ from textual import events
 from textual.geometry import Region
 
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.words.board import Mark, fit_grid, marks, selectable_numbers
 from archo_tui.words.state import BAD, PLAIN, STRONG

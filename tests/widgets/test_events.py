@@ -10,10 +10,9 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.robot.audit_records import AuditRecord
-from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.session import _robots_nodes
 from archo_tui.widgets.events_panel import event_lines, events_as_text
 from archo_tui.words.event_rows import event_rows

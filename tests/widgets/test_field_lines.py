@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import FieldKind, FieldView, TopicView
+from archo_tui.robot.state.topic import FieldKind, FieldView, TopicView
 from archo_tui.terminal.ascii import in_ascii
 from archo_tui.widgets.field_lines import field_columns, field_line, topic_plots
 from archo_tui.words.state import plain_text

@@ -8,7 +8,7 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from archo_tui.robot.state import Resource
+from archo_tui.robot.state.graph import Resource
 from tests.support import clock
 from tests.support.console import FAST, Console, console, send
 from tests.support.quiet import Quiet

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state.goal import Phase
 from archo_tui.widgets.journey import bar, ends, pace
 from archo_tui.words.state import plain_text
 from tests.support.clock import NOW

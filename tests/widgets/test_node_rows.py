@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.robot.state import Hosted, Life, NodeState
+from archo_tui.robot.state.graph import NodeState
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.widgets.nodes_panel import node_columns, node_lines, node_titles
 from archo_tui.words.nodes import NodeRow
 from tests.support.clock import NOW

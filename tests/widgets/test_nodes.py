@@ -10,7 +10,7 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import _robots_nodes
 from archo_tui.words.nodes import NodeRow
 from archo_tui.words.state import motion_word, plain_text

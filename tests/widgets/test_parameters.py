@@ -14,7 +14,7 @@ from textual.geometry import Region
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
@@ -545,11 +545,12 @@ async def test_a_filter_that_looks_like_markup_stands_in_the_title_as_it_was_typ
         await op.until("4 Parameters   / [b: 0 of ")
 
 
-async def test_the_reason_of_a_node_leaves_the_dialog_when_its_cause_does() -> None:
+async def test_the_reason_of_a_node_leaves_the_dialog_with_the_next_key() -> None:
     async with console(*FAST) as op:
         await edit(op, "drain_min", "0.5")
         await op.until("drain_min 0.5 is above drain_max 0.2")
         await op.app.station.robot.set_parameters("/battery_monitor", {"drain_max": 0.6})
+        await op.press("left")
         await op.until(lambda: "above drain_max" not in _error(op))
         await op.press("enter")
         await op.until(lambda: not op.app.screen.query("#value"))

@@ -3,35 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import copy
 from math import floor
 from types import SimpleNamespace
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
-from archo_tui.recordings.console import JOURNAL, STATE
-from archo_tui.recordings.state import ConsoleState, from_json
-from archo_tui.robot.consoles import author
-from archo_tui.robot.events import EventLog
+from archo_tui.recordings.console import JOURNAL, STATE, ConsoleState, from_json
+from archo_tui.robot.clients.consoles import author
 from archo_tui.robot.goals.machine import feedback_changes
 from archo_tui.robot.graph.graph import is_hidden
+from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.types import TypedField, load_class
-from archo_tui.robot.period import MessageRate
+from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.readings.subscriptions import News
-from archo_tui.robot.readings.telemetry import SavedReadings, Telemetry
-from archo_tui.robot.state import (
-    OWN_LEVELS,
-    TOPIC,
-    Event,
-    Goal,
-    NodeState,
-    Snapshot,
-    in_namespace,
-    level_word,
-    logger_node,
-)
+from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.state.events import OWN_LEVELS, Event, EventLog, LineCounter
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.graph import TOPIC, NodeState, in_namespace, level_word, logger_node
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.safe_text import safe
 from archo_tui.station.alarm_board import AlarmBoard
@@ -109,18 +102,24 @@ class _RecordingClock(Clock):
 _Beat = tuple[float | None, MessageRate | None]  # When a node was last heard, and its period.
 
 
-class Checkpoint(NamedTuple):
-    """A copy of everything that a ReplayState needs to continue from a moment."""
+# What changes as messages are applied: of the state, and of its telemetry.
+_CHANGING = (
+    *("goal", "_state_json", "_feedback", "_log", "_message_rates", "_nodes"),
+    *("_board", "_evaluated_until"),
+)
+_READINGS = ("battery", "motion", "pose", "gauges", "diagnostics", "charge", "periods")
+Checkpoint = tuple[Mapping[str, Any], Mapping[str, Any]]
 
-    readings: SavedReadings
-    state_json: str  # Takes far less memory than the parsed one; "" if none was applied.
-    goal: Goal | None
-    feedback: Mapping[str, tuple[float, Any]]
-    log: EventLog
-    message_rates: Mapping[str, MessageRate]
-    nodes: Mapping[str, _Beat]
-    board: AlarmBoard
-    evaluated_until: float
+
+def _copied(value: Any) -> Any:
+    """Return a copy that changes independently; the frozen values in it are shared."""
+    if isinstance(value, dict):
+        return value.copy()
+    if isinstance(value, (EventLog, LineCounter, AlarmBoard, Diagnostics)):
+        made = copy(value)
+        vars(made).update({name: _copied(part) for name, part in vars(value).items()})
+        return made
+    return value
 
 
 class ReplayState:
@@ -167,29 +166,19 @@ class ReplayState:
         return frozenset((*own, *self._topics.callbacks, *self._feedback_topics))
 
     def checkpoint(self) -> Checkpoint:
-        return Checkpoint(
-            self._telemetry.saved(),
-            self._state_json,
-            self.goal,
-            dict(self._feedback),
-            self._log.copy(),
-            dict(self._message_rates),
-            dict(self._nodes),
-            self._board.copy(),
-            self._evaluated_until,
-        )
+        """Return a copy of everything that is needed to continue from here."""
+        readings = {name: _copied(getattr(self._telemetry, name)) for name in _READINGS}
+        return {name: _copied(getattr(self, name)) for name in _CHANGING}, readings
 
     def restore(self, checkpoint: Checkpoint) -> None:
         """Replace this state with a checkpoint's, maybe of another state of the same recording."""
-        self._telemetry.restore(checkpoint.readings)
-        if checkpoint.state_json != self._state_json:
-            self._state_json = checkpoint.state_json
-            is_there = bool(checkpoint.state_json)
-            self.console = from_json(checkpoint.state_json) if is_there else self._initial
-        self.goal, self._feedback = checkpoint.goal, dict(checkpoint.feedback)
-        self._log, self._board = checkpoint.log.copy(), checkpoint.board.copy()
-        self._message_rates, self._nodes = dict(checkpoint.message_rates), dict(checkpoint.nodes)
-        self._evaluated_until = checkpoint.evaluated_until
+        state_json, (known, readings) = self._state_json, checkpoint
+        for of, values in ((self, known), (self._telemetry, readings)):
+            for name, value in values.items():
+                setattr(of, name, _copied(value))
+        if self._state_json != state_json:  # The JSON takes far less memory than the parsed state.
+            is_there = bool(self._state_json)
+            self.console = from_json(self._state_json) if is_there else self._initial
 
     def apply(self, time: float, topic: str, message: Any) -> None:
         """Apply the next message; a hostile one may raise any exception.

@@ -2,28 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn, cast
 
+from rclpy.serialization import deserialize_message
+
 from archo_tui.clock import Clock
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.recordings.replay.bag import EncodedMessage
 from archo_tui.recordings.replay.player import Player
-from archo_tui.recordings.replay.topic import RecordedTopicFollower
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import (
-    ACTION,
-    SERVICE,
-    TOPIC,
-    Hosted,
-    Names,
-    NodeInfo,
-    Snapshot,
-    TopicRequest,
-    TopicView,
-)
+from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Names, NodeInfo, TopicEnd, TopicInfo
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
+from archo_tui.robot.state.topic import TopicRequest, TopicView
 from archo_tui.robot.stop.gate import Stops
+from archo_tui.robot.topics.inspect import PERIOD, SHARE, MessageIntake, TopicWatch
+from archo_tui.robot.topics.rows import SPAN
+from archo_tui.robot_file.model import field_units
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.station.view import View
+
+# Seconds of messages that are read before the position, and behind it a quarter of that: fewer
+# where they are too large to be read at once.
+_SPANS = (SPAN, 6.0, 1.0)
+
+
+class RecordedTopicFollower:
+    """A follower of one topic of a recording that passes on views of it until it is cancelled."""
+
+    def __init__(
+        self,
+        player: Player,
+        clock: Clock,
+        topic: str,
+        request: Callable[[], TopicRequest],  # Called before each view.
+        show: Callable[[TopicView], None],
+    ) -> None:
+        self._player, self._clock, self._topic = player, clock, topic
+        self._request, self._show = request, show
+        self._kind = player.bag.types.get(topic, "")
+        self._messages: Sequence[EncodedMessage] = ()  # In the order of time.
+        self._read_until = 0.0  # Unix time, as the next one.
+        self._fault = ""  # What of them is left out.
+        self._shown = 0.0  # The position of the last view.
+        self._intake = MessageIntake()
+        self._watch: TopicWatch | None = None  # None before the first view.
+
+    async def run(self) -> NoReturn:
+        """Show a view five times a second, less often if decoding takes long; never return.
+
+        Messages are read and decoded on another thread.
+        """
+        spent = 0.0
+        while True:
+            now, snapshot = self._player.position, self._player.snapshot()
+            if self._kind:
+                view, spent = await in_daemon(self._update, self._request(), now, snapshot)
+            else:
+                view = TopicView(self._topic, fault=self._unreadable_reason())
+            self._show(view._replace(ends=_recorded_ends(snapshot, self._topic)))
+            await self._clock.sleep(max(PERIOD, spent / SHARE))
+
+    def _unreadable_reason(self) -> str:
+        begin = f"{self._topic}: "
+        faults = (fault.removeprefix(begin) for fault in self._player.bag.faults if begin in fault)
+        return next(faults, "it was not recorded")
+
+    def _update(
+        self, request: TopicRequest, now: float, snapshot: Snapshot
+    ) -> tuple[TopicView, float]:
+        """Return the view at a Unix time, and the processor time in seconds that it took.
+
+        It may read the bag. After a jump it begins anew with the messages before `now`.
+        """
+        begun = time.thread_time()
+        watch, is_jump = self._watch, not 0 <= now - self._shown <= SPAN
+        if is_jump or now > self._read_until:
+            self._read_around(now)
+        if watch is None or is_jump:
+            self._shown = now - SPAN
+            self._intake = MessageIntake()
+            units = field_units(snapshot.file, snapshot.full, self._topic, self._kind)
+            watch = self._watch = TopicWatch(
+                self._topic, self._kind, units, self._intake, self._decode
+            )
+        first, last = (
+            bisect_right(self._messages, until, key=lambda message: message.time / 1e9)
+            for until in (self._shown, now)
+        )
+        for message in self._messages[first:last]:
+            self._intake.add(message.time / 1e9, message.data)
+        self._shown = now
+        view = watch.update(now, request)
+        view = view._replace(fault=view.fault or self._fault)
+        return view, time.thread_time() - begun
+
+    def _read_around(self, now: float) -> None:
+        for span in _SPANS:
+            self._read_until = now + span / 4
+            read, faults = self._player.bag.encoded_messages(
+                now - span, self._read_until, self._topic
+            )
+            self._messages, self._fault = read.messages, next(iter(faults.lines()), "")
+            if not read.is_cut:
+                return
+
+    def _decode(self, data: bytes) -> Any:
+        try:
+            return deserialize_message(data, self._messages[0].topic.message_class)
+        except Exception as error:  # Message classes check their values, too.
+            raise ArchoError(f"not readable: {in_one_line(error)}") from None
+
+
+def _recorded_ends(snapshot: Snapshot, topic: str) -> TopicInfo | None:
+    """Return who published a topic, and its mismatches; who subscribed is not recorded."""
+    resource = next((r for r in snapshot.resources if r.name == topic), None)
+    if resource is None:
+        return None
+    types = ", ".join(resource.types)
+    ends = tuple(TopicEnd(node, types, "QoS not recorded") for node in resource.nodes)
+    return TopicInfo(ends, (), resource.mismatches)
+
 
 NOTHING_STOPPED = "REPLAY: nothing was stopped"
 _NOT_RECORDED = "not in the recording"

@@ -17,17 +17,18 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import calls
 from archo_tui.robot.calls import DEADLINE, Services
-from archo_tui.robot.consoles import author, goals_of_others, new_goal_id
+from archo_tui.robot.clients.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
 from archo_tui.robot.goals.machine import Do, Event, TrackedGoal
+from archo_tui.robot.messages.period import Pause
 from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.period import Pause
-from archo_tui.robot.state import Goal, Motion, Phase
+from archo_tui.robot.state.goal import Goal, Phase
+from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.stop.gate import NEVER_LEFT, Gate
-from archo_tui.robot_file import mismatch
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import GoalKind
 
 HISTORY = 20  # Ended goals that are kept.
@@ -201,7 +202,7 @@ class Goals:
         """
         is_known, action = self.actions.is_tracked(kind), self.actions.track(kind)
         if action.type is None:
-            return Outcome(Code.REFUSED, mismatch.not_installed(kind.action, kind.type))
+            return Outcome(Code.REFUSED, check.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
         record = _Record(TrackedGoal(goal), new_goal_id(self._console), action, gate)
         self._coming.append(record)  # From here on a cancel finds it.

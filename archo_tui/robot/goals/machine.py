@@ -19,12 +19,13 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
+from archo_tui.robot.messages.period import Period
 from archo_tui.robot.messages.text import one_line
-from archo_tui.robot.messages.values import number, text_of
+from archo_tui.robot.messages.values import as_received, number, read, text_of
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.period import Period
-from archo_tui.robot.readings.fields import as_received, read
-from archo_tui.robot.state import RUNNING, Goal, Motion, Phase, not_offered
+from archo_tui.robot.state.goal import RUNNING, Goal, Phase
+from archo_tui.robot.state.graph import not_offered
+from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind, MessageField
 from archo_tui.safe_text import harmless

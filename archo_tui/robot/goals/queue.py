@@ -13,9 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import Enum, auto
 from typing import Any, NamedTuple
 
+from archo_tui.robot.clients.requester import YOU, Requester
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requester import YOU, Requester
-from archo_tui.robot.state import Goal, Phase, Snapshot, values_text
+from archo_tui.robot.state.goal import Goal, Phase, values_text
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
 

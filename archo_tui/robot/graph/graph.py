@@ -11,11 +11,11 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
 from rclpy.node import Node
 
-from archo_tui.robot.audit_records import TOPIC
-from archo_tui.robot.consoles import author
+from archo_tui.robot.clients.consoles import author
 from archo_tui.robot.graph.resources import SEND, Resources, Types
-from archo_tui.robot.period import MessageRate
-from archo_tui.robot.state import NodeState, Resource, in_namespace
+from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.audit_records import TOPIC
+from archo_tui.robot.state.graph import NodeState, Resource, in_namespace
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.ros_names import package_of
 

@@ -15,7 +15,7 @@ from archo_tui.robot import calls
 from archo_tui.robot.calls import Services
 from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import NodeState
+from archo_tui.robot.state.graph import NodeState
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 

@@ -1,13 +1,15 @@
-"""The conversion of parameter values to text and back, by the declared type."""
+"""The values of parameters: as text and back by the declared type, and which of them are secret."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.robot.messages.typed import MAX_LENGTH
 from archo_tui.robot.messages.typed import parse as parse_typed
 from archo_tui.robot.messages.values import checked, same, text_of
-from archo_tui.robot.state import Parameter
+from archo_tui.robot.state.graph import MASK, Parameter
 from archo_tui.yaml_text.core_schema import YamlFault
 
 # The names of the numbers in rcl_interfaces/msg/ParameterType.
@@ -114,3 +116,36 @@ def _check_range(parameter: Parameter, value: Any, text: str) -> None:
         return
     if not parameter.low <= value <= parameter.high:  # This form also refuses NaN.
         raise ValueError(f"allowed {range_text(parameter)}, not {text}")
+
+
+# Secrets, by the name of the parameter.
+
+_ALWAYS = ("password", "token", "secret", "apikey")  # Also at the end of a word: `dbpassword`.
+_KEY = "key"  # Secret only as the last word of a part: `api_key`, but not `key_bindings`.
+_HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_WORD = re.compile(r"[^\W\d_]+")
+
+
+def is_secret(name: str) -> bool:
+    """Return True for a secret parameter, such as `wifi.password`, `apiKey` or `auth_tokens`."""
+    return any(word.endswith(_ALWAYS) for word in _words(name)) or any(
+        _words(part)[-1:] == [_KEY] for part in name.split(".")
+    )
+
+
+def masked(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a copy of values by name, with MASK in place of the secret ones."""
+    return {name: MASK if is_secret(name) else value for name, value in values.items()}
+
+
+def masked_text(text: str, values: Mapping[str, Any]) -> str:
+    """Return a text, such as the reason for a refusal, with MASK in place of secrets it quotes."""
+    for name, value in values.items():
+        if isinstance(value, str) and value and is_secret(name):
+            text = text.replace(value, MASK)
+    return text
+
+
+def _words(name: str) -> list[str]:
+    """Return the words of a name in lower case and singular: `apiKeys2` is `api`, `key`."""
+    return [word.casefold().removesuffix("s") for word in _WORD.findall(_HUMP.sub(" ", name))]

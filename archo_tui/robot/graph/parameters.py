@@ -19,12 +19,18 @@ from rclpy.parameter import Parameter as RosParameter
 from archo_tui.clock import Clock
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Services
-from archo_tui.robot.graph.parameter_values import TYPES, as_python, value_field
-from archo_tui.robot.graph.secrets import is_secret, masked, masked_text
+from archo_tui.robot.graph.parameter_values import (
+    TYPES,
+    as_python,
+    is_secret,
+    masked,
+    masked_text,
+    value_field,
+)
 from archo_tui.robot.messages.values import checked, same, text_of
 from archo_tui.robot.node import Listener
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
+from archo_tui.robot.state.graph import MASK, NO_PARAMETER_SERVICES, NOT_REPORTED, Parameter
 from archo_tui.robot.stop.gate import Gate
 from archo_tui.safe_text import harmless
 
@@ -279,6 +285,30 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
         high=high,
         read_only=descriptor.read_only,
         is_secret=is_secret(name),
+    )
+
+
+def without_secrets(message: ParameterEvent) -> ParameterEvent:
+    """Return a message with MASK in place of secret values; the same object if it has none."""
+    parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
+    if not any(is_secret(parameter.name) for part in parts for parameter in part):
+        return message
+    hidden = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
+    new, changed, deleted = (
+        [
+            ParameterMessage(name=parameter.name, value=hidden)
+            if is_secret(parameter.name)
+            else parameter
+            for parameter in part
+        ]
+        for part in parts
+    )
+    return ParameterEvent(
+        stamp=message.stamp,
+        node=message.node,
+        new_parameters=new,
+        changed_parameters=changed,
+        deleted_parameters=deleted,
     )
 
 

@@ -16,7 +16,7 @@ from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public n
 from rclpy.node import Node
 
 from archo_tui.robot.graph.endpoints import mismatches
-from archo_tui.robot.state import ACTION, SERVICE, TOPIC, Resource, in_namespace
+from archo_tui.robot.state.graph import ACTION, SERVICE, TOPIC, Resource, in_namespace
 
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
 SEND = "/_action/send_goal"

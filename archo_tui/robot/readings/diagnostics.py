@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from archo_tui.robot.period import Period
-from archo_tui.robot.state import WORST_FIRST, Diagnostic, DiagnosticLevel
+from archo_tui.robot.messages.period import Period
+from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLevel
 from archo_tui.safe_text import harmless
 
 _MOST = 1000  # Parts that are kept; a publisher of ever new names must not fill the memory.
@@ -24,12 +24,6 @@ class Diagnostics:
         self.all: tuple[Diagnostic, ...] = ()  # The statuses, sorted by name and hardware id.
         self._by_key: Mapping[_Key, Diagnostic] = {}
         self._periods: dict[_Key, Period] = {}
-
-    def copy(self) -> Diagnostics:
-        """Return an independent table with the same statuses."""
-        copied = Diagnostics()
-        copied.all, copied._by_key, copied._periods = self.all, self._by_key, dict(self._periods)
-        return copied
 
     def add(self, message: Any, now: float) -> bool:
         """Update the table with the statuses of a DiagnosticArray.

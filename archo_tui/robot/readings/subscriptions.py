@@ -11,12 +11,12 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.graph.endpoints import fitting_qos, is_latched
+from archo_tui.robot.messages.period import LEAST_SILENCE
 from archo_tui.robot.messages.types import field_paths, load_class
+from archo_tui.robot.messages.values import Fields
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import LEAST_SILENCE
-from archo_tui.robot.readings.fields import Fields
-from archo_tui.robot.state import in_namespace
-from archo_tui.robot_file import mismatch
+from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import fields_of
 
 
@@ -35,10 +35,11 @@ _WEIGHT = attrgetter("value")
 class Reader(NamedTuple):
     """A reading and its topic."""
 
-    key: object  # "battery", "motion", "pose", "diagnostics", or the index of a gauge.
+    # "battery", "motion", "pose", "diagnostics", the index of a gauge, or a topic to be recorded.
+    key: object
     topic: str  # The topic as the robot file names it.
-    # The fields to read, by message type and name of the value.
-    types: Mapping[str, Mapping[str, Fields]]
+    # The fields to read, by message type and name of the value; None: of any type, to be recorded.
+    types: Mapping[str, Mapping[str, Fields]] | None
     # Called with a message and the fields of its type; returns what is new.
     callback: Callable[[Any, Mapping[str, Fields]], News]
 
@@ -99,7 +100,8 @@ class ReadingSubscriptions:
                 faults.setdefault(readers[0].topic, self._subscriptions[key].fault)
         for topic, fault in faults.items():
             if self.faults.get(topic) != fault:
-                self._warn(fault)
+                is_read = any(r.topic == topic and r.types is not None for r in self._readers)
+                self._warn(fault if is_read else f"not recorded: {fault}")
         self.faults = faults
 
     def _usable(
@@ -113,12 +115,12 @@ class ReadingSubscriptions:
             self.graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
             return None
         kinds: list[str] = sorted({info.topic_type for info in publishers})
-        types = reader.types
+        types = {kinds[0]: {}} if reader.types is None else reader.types
         known = {kind: load_class(kind) for kind in kinds if kind in types}
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
         fault = next(filter(None, lacking.values()), "")
-        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
+        fault = fault or check.unexpected_type(reader.topic, kinds, types)
         if fault:
             faults.setdefault(reader.topic, fault)
         if not usable:
@@ -154,7 +156,7 @@ class ReadingSubscriptions:
                 self._on_stamp(topic, header.stamp)
             news: dict[str, News] = {}  # By the topic's name in the robot file.
             for reader in readers:
-                new = reader.callback(message, reader.types[kind])
+                new = reader.callback(message, {} if reader.types is None else reader.types[kind])
                 news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
             for name, new in news.items():
                 self._on_reading(name, new)
@@ -163,7 +165,7 @@ class ReadingSubscriptions:
         try:
             subscription = self._node.listen_quietly(message_class, topic, on_message, qos)
         except Exception as error:  # Fast DDS allows one type of a topic in a process.
-            fault = mismatch.not_subscribed(readers[0].topic, kind, in_one_line(error))
+            fault = check.not_subscribed(readers[0].topic, kind, in_one_line(error))
             self._subscriptions[key] = made._replace(fault=fault)
         else:
             self._subscriptions[key] = made._replace(subscription=subscription)
@@ -176,52 +178,7 @@ class ReadingSubscriptions:
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
     """Return why a type cannot be read: not installed, or without a field of the readers; or ""."""
     if message_class is None:
-        return mismatch.not_installed(topic, kind)
+        return check.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]
     wanted = [(field.where, field.field) for field in named]
-    return mismatch.unknown_field(kind, wanted, field_paths(message_class))
-
-
-class RecordedTopics:
-    """The subscriptions to those of the listed topics that have a publisher. ROS thread only.
-
-    They only bring the messages to the black box, which has those of every subscription of the
-    node.
-    """
-
-    def __init__(self, node: Listener, topics: Sequence[str], warn: Callable[[str], None]) -> None:
-        self._node, self._warn = node, warn
-        self._missing = [node.resolve_topic_name(topic) for topic in topics]
-        self._subscriptions: list[Any] = []
-        self._warned: set[str] = set()
-
-    def subscribe(self) -> None:
-        """Subscribe to each topic that has a publisher by now, with the first publisher's type.
-
-        A topic whose type is not installed is tried again at the next call; one that rclpy refuses
-        is not. Subscriptions are never ended or changed.
-        """
-        for topic in list(self._missing):
-            publishers = self._node.get_publishers_info_by_topic(topic)
-            if not publishers:
-                continue
-            kind = publishers[0].topic_type
-            message_class = load_class(kind)
-            if message_class is None:
-                self._warn_once(topic, mismatch.not_installed(topic, kind))
-                continue
-            self._missing.remove(topic)
-            try:
-                subscription = self._node.listen_quietly(
-                    message_class, topic, lambda _: None, fitting_qos(publishers)
-                )
-            except Exception as error:  # Fast DDS allows one type of a topic in a process.
-                reason = in_one_line(error)
-                self._warn_once(topic, mismatch.not_subscribed(topic, kind, reason))
-            else:
-                self._subscriptions.append(subscription)
-
-    def _warn_once(self, topic: str, text: str) -> None:
-        if topic not in self._warned:
-            self._warned.add(topic)
-            self._warn(f"not recorded: {text}")
+    return check.unknown_field(kind, wanted, field_paths(message_class))

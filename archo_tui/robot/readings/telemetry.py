@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import Any, NamedTuple
+from typing import Any
 
 from archo_tui.clock import Clock
-from archo_tui.robot.messages.values import number
+from archo_tui.robot.messages.period import Period
+from archo_tui.robot.messages.values import Fields, as_received, flag, integer, number, read, yaw
 from archo_tui.robot.node import Listener
-from archo_tui.robot.period import Period
 from archo_tui.robot.readings.diagnostics import Diagnostics
-from archo_tui.robot.readings.fields import Fields, as_received, flag, integer, read, yaw
 from archo_tui.robot.readings.subscriptions import News, Reader, ReadingSubscriptions
-from archo_tui.robot.state import Battery, GaugeReading, Motion, Pose, Snapshot
+from archo_tui.robot.state.readings import Battery, GaugeReading, Motion, Pose
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.known_types import DIAGNOSTICS
 from archo_tui.robot_file.model import Gauge, RobotFile
 from archo_tui.safe_text import harmless
@@ -36,18 +36,6 @@ _POSE = attrgetter("frame", "period"), attrgetter("x", "y", "yaw")
 _GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
-class SavedReadings(NamedTuple):
-    """All readings of a `Telemetry` at one moment, for `Telemetry.restore`."""
-
-    battery: Battery
-    motion: Motion
-    pose: Pose
-    gauges: tuple[GaugeReading, ...]
-    diagnostics: Diagnostics
-    charge: tuple[tuple[float, float], ...]
-    periods: Mapping[object, Period]
-
-
 class Telemetry:
     """The last readings of battery, motion, pose, gauges and diagnostics. ROS thread only.
 
@@ -62,12 +50,14 @@ class Telemetry:
         on_reading: Callable[[str, News], None],
         warn: Callable[[str], None],
         on_stamp: Callable[[str, Any], None] = lambda *_: None,
+        record: Sequence[str] = (),  # Further topics, which only the black box has.
     ) -> None:
         self._robot, self._clock = robot, clock
         self._warn = warn
-        readers = tuple(self._make_readers())
+        readers = [*self._make_readers()]
+        readers += [Reader(topic, topic, None, lambda *_: News.NONE) for topic in record]
         self._subscriptions = ReadingSubscriptions(node, readers, on_reading, on_stamp, warn)
-        self._periods: dict[object, Period] = {}
+        self.periods: dict[object, Period] = {}  # The measured ones, by the key of the reading.
         topics = {"battery": robot.battery, "motion": robot.motion, "pose": robot.pose}
         # Those of the robot file, in seconds.
         self._fixed: dict[object, float | None] = {
@@ -140,28 +130,10 @@ class Telemetry:
         Until then silence is judged by the periods known so far. If the parameter seems to be the
         period of a topic that its node publishes, the new value holds at once if it is longer.
         """
-        for key, period in self._periods.items():
+        for key, period in self.periods.items():
             is_its = node in self._subscriptions.publishers.get(key, ())
-            self._periods[key] = period.measured_again(old if is_its else None, new)
+            self.periods[key] = period.measured_again(old if is_its else None, new)
         self._change_all(lambda key: {"period": self._period(key)})
-
-    def saved(self) -> SavedReadings:
-        """Return a copy of all readings and measured periods, for `restore`."""
-        return SavedReadings(
-            self.battery,
-            self.motion,
-            self.pose,
-            self.gauges,
-            self.diagnostics.copy(),
-            self.charge,
-            dict(self._periods),
-        )
-
-    def restore(self, saved: SavedReadings) -> None:
-        """Set all readings and measured periods to those that `saved` returned."""
-        self.battery, self.motion, self.pose, self.gauges = saved[:4]
-        self.diagnostics, self.charge = saved.diagnostics.copy(), saved.charge
-        self._periods = dict(saved.periods)
 
     def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> News:
         assert self._robot.battery is not None
@@ -235,18 +207,18 @@ class Telemetry:
 
     def _period_after(self, key: object, now: float) -> float | None:
         """Count a message at `now`, and return the period of the reading."""
-        self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
+        self.periods[key] = self.periods.get(key, Period()).with_message_at(now)
         return self._period(key)
 
     def _period(self, key: object) -> float | None:
-        measured = self._periods.get(key)
+        measured = self.periods.get(key)
         return self._fixed.get(key) or (None if measured is None else measured.typical)
 
     def _grace(self, key: object) -> float | None:
         """Return the seconds of silence allowed while a period is not known; None for any."""
         if key in self._subscriptions.graces:
             return self._subscriptions.graces[key]
-        return self._periods.get(key, Period()).grace
+        return self.periods.get(key, Period()).grace
 
     def _sample(self, now: float, *, turned: bool) -> None:
         """Add the present charge to `charge`, unless the last sample is less than a second old."""

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from archo_tui.robot import calls, ros2_command
+from archo_tui.robot import calls
 from archo_tui.robot.goals.machine import FARTHEST
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
+from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import run
-from archo_tui.robot.state import ACTION, Latch, Snapshot, linked_number, values_text
+from archo_tui.robot.state.goal import values_text
+from archo_tui.robot.state.graph import ACTION, linked_number
+from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.robot.stop.gate import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Void
-from archo_tui.robot_file import mismatch
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import GoalKind, ParameterRef
 
 
@@ -39,7 +42,7 @@ async def send(
             robot.stop_sender.on_goal_accepted(turn)
         return _with_inactive_server(robot, kind.action, outcome)
 
-    ros2 = robot.checks.goal_command(kind, values)
+    ros2 = ros2_command.goal(robot, kind, values)
     return await run(robot, *verb_of(robot, kind, values), title, ros2, go)
 
 
@@ -67,7 +70,7 @@ def _refusal(robot: Parts, kind: GoalKind, gate: Gate, *, queued: bool) -> Outco
         return Outcome(Code.REFUSED, HOLDS)
     servers = robot.graph.duplicate_servers(kind.action)
     if servers:  # Also of an action that is not in the robot file.
-        return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, servers))
+        return Outcome(Code.REFUSED, check.duplicate_servers(kind.action, servers))
     fault = robot.faults.get(kind.action)
     return None if fault is None else Outcome(Code.REFUSED, fault)
 
@@ -98,7 +101,7 @@ async def cancel(robot: Parts, *, another: bool = False) -> Outcome:
 
 async def cancel_all(robot: Parts) -> Outcome:
     """Request the cancel of every goal of the actions known here, whoever sent it."""
-    commands = robot.checks.cancel_commands()
+    commands = ros2_command.cancel_all(robot)
     return await run(
         *(robot, "cancel", {"all": True}, "cancel every goal", commands),
         lambda _: robot.goals.cancel_all(),

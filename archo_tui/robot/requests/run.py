@@ -6,13 +6,13 @@ from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from archo_tui.errors import in_one_line
-from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.outcome import WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requester import current_requester
-from archo_tui.robot.state import Event
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.events import Event
 from archo_tui.robot.stop.gate import NOT_SENT, Gate, Void
-from archo_tui.robot.stop_sender import ALL_ANSWERS, FIRST_FOUND
+from archo_tui.robot.stop.sender import ALL_ANSWERS, FIRST_FOUND
 from archo_tui.safe_text import harmless
 
 # Seconds: more than any verb takes that can still end. STOP waits for a server, and then for all.

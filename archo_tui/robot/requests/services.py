@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from archo_tui.robot import calls, ros2_command
+from archo_tui.robot import calls
+from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
@@ -19,11 +20,12 @@ from archo_tui.robot.outcome import (
     says_more,
 )
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requester import current_requester
+from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
-from archo_tui.robot.state import Event, not_offered
+from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.stop.gate import Gate
-from archo_tui.robot_file import mismatch
+from archo_tui.robot_file import check
 from archo_tui.robot_file.model import CommandService
 
 
@@ -33,7 +35,7 @@ async def command(robot: Parts, command: CommandService, on: bool = True) -> Out
     verb = command.id if on else command.off_word
     name, fields = command.service, dict.fromkeys(command.toggle, on)
     late = late_report(robot, title, verb)
-    ros2 = robot.checks.call_command(name, fields)
+    ros2 = ros2_command.service_of_file(robot, name, fields)
     return await run(
         robot, verb, {}, title, ros2, lambda gate: call_named(robot, name, fields, gate, late)
     )
@@ -53,7 +55,7 @@ async def call(
     """
     srv_type = load_class(type_name)
     if srv_type is None:
-        return Outcome(Code.REFUSED, mismatch.not_installed(service, type_name))
+        return Outcome(Code.REFUSED, check.not_installed(service, type_name))
     try:
         request = filled(srv_type.Request(), values)
     except ValueError as error:

@@ -7,10 +7,11 @@ from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
+from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
 from archo_tui.robot.requests.services import call_named
 from archo_tui.robot.stop.gate import Gate
-from archo_tui.robot.stop_sender import FIRST_FOUND
+from archo_tui.robot.stop.sender import FIRST_FOUND
 from archo_tui.robot_file.model import NO_STOP
 
 # The outcome of a release for which there is no server, and no need.
@@ -28,7 +29,7 @@ async def emergency_stop(robot: Parts) -> Outcome:
     try:
         if stop is None:
             return await _cancel_instead_of_stop(robot)
-        command = robot.checks.call_command(stop.service, stop.request)
+        command = ros2_command.service_of_file(robot, stop.service, stop.request)
         return await run(robot, "stop", {}, "STOP", command, lambda _: robot.stop_sender.send())
     finally:
         robot.stops.answered = robot.stops.count
@@ -42,7 +43,7 @@ async def _cancel_instead_of_stop(robot: Parts) -> Outcome:
         reason = f"{robot.file.name} {NO_STOP}"
         return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
 
-    commands = robot.checks.cancel_commands()
+    commands = ros2_command.cancel_all(robot)
     return await run(robot, "stop", {}, "cancel every goal", commands, cancel)
 
 
@@ -80,7 +81,7 @@ async def release_emergency_stop(robot: Parts) -> Outcome:
             sender.on_release_accepted(turn)
         return outcome
 
-    command = robot.checks.call_command(name, request)
+    command = ros2_command.service_of_file(robot, name, request)
     report_late = late_report(robot, "release stop", "release")
     return await run(robot, "release", {}, "release stop", command, call)
 

@@ -18,19 +18,21 @@ from archo_tui.robot.messages.types import TypedField, field_types, load_class
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info
-from archo_tui.robot.state import TOPIC, Resource, TopicInfo, TopicRequest, TopicView
-from archo_tui.robot.topics.inspect import Inspection, MessageIntake
-from archo_tui.robot.topics.watch import (
+from archo_tui.robot.state.graph import TOPIC, Resource, TopicInfo
+from archo_tui.robot.state.topic import TopicRequest, TopicView
+from archo_tui.robot.topics.inspect import (
     PERIOD,
     SHARE,
+    Inspection,
+    MessageIntake,
     TopicWatch,
     missing_type,
     publisher_fault,
     types_of,
 )
-from archo_tui.robot_file.field_units import field_units
 from archo_tui.robot_file.known_types import READ
-from archo_tui.robot_file.sighting import Sighting
+from archo_tui.robot_file.model import field_units
+from archo_tui.robot_file.propose import Sighting
 
 _REFIT = 2.0  # Seconds between two looks at the publishers.
 _LONG = 0.05  # Seconds of decoding after which only the newest message is decoded the next time.

@@ -17,7 +17,8 @@ from collections.abc import Collection, Mapping
 from enum import Enum, auto
 from typing import NamedTuple
 
-from archo_tui.robot.state import Latch, Motion, OpenStop, StopAnswer
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, OpenStop, StopAnswer
 
 # All in seconds.
 OBEYED = 1.0  # From a confirmed STOP until the robot must stand and its goals must have ended.
@@ -41,7 +42,7 @@ class Event(Enum):
     MOVES = auto()  # It moves for OBEYED, and never reports whether it is stopped.
     ACCEPTED = auto()  # A release or a goal that left behind every STOP.
     PEER_STOPPED = auto()  # Another console's STOP, of a robot that does not report its stops.
-    PEER_UNDID = auto()  # Another console released its own STOP, or a robot that reports it.
+    PEER_UNDID = auto()  # Another console released its own STOP.
     MAY_BE_RELEASED = auto()  # By another console, or by a release that may have come before.
     LEFT_SILENT = auto()  # A node to which it was sent has left without an answer.
     SERVERS_SAME = auto()  # The nodes that confirmed it serve it, and none was restarted.
@@ -68,7 +69,7 @@ LATCH: Mapping[Event, tuple[State | None, ...]] = {
     Event.MOVES:          (_N, _D, _D, _D),
     Event.ACCEPTED:       (_N, _N, _N, _N),
     Event.PEER_STOPPED:   (_H, _X, _H, _H),
-    Event.PEER_UNDID:     (_N, _N, _N, _N),
+    Event.PEER_UNDID:     (_X, _N, _X, _X),
     Event.MAY_BE_RELEASED: (_N, _D, _D, _D),
     Event.LEFT_SILENT:    (_X, _D, _X, _X),
     Event.SERVERS_SAME:   (_X, _H, _H, _D),
@@ -409,8 +410,10 @@ class Stop(NamedTuple):
         The robot may have done that last: earlier calls of the open STOP confirm it no more.
         """
         after = self._replace(undone=now, undone_by=console)._unconfirmed_before(turn)
-        is_its_own = self.peer == console and self.state is State.HELD
-        if self.reports or is_its_own:
+        is_held = self.state is State.HELD
+        if is_held and self.says_stopped and not self.holders_have_ended:
+            return after  # The robot's own reports tell: this one may be older than its STOP.
+        if is_held and self.peer == console:
             return after._fire(Event.PEER_UNDID)
         return after._fire(Event.MAY_BE_RELEASED, f"console {console} released it")
 

@@ -25,7 +25,7 @@ from archo_tui.robot.messages.types import (
     name_of,
     ros2msg_type,
 )
-from archo_tui.robot.state import (
+from archo_tui.robot.state.topic import (
     SHOWN_ELEMENTS,
     Curve,
     FieldKind,
@@ -33,9 +33,11 @@ from archo_tui.robot.state import (
     TopicRequest,
     TopicView,
 )
-from archo_tui.robot.topics.series import PER_SECOND, FieldHistory
+from archo_tui.robot.topics.series import Series
 
 MAX_FIELDS = 2_000  # Rows of one message.
+SPAN = 60.0  # Seconds of values.
+PER_SECOND = 10  # Least and greatest of a field are kept for each tenth of a second.
 _NUMBERS = {*INTEGERS, "float", "double", "boolean"}
 _Convert = Callable[[Any], float] | None  # None where a value is a number already.
 
@@ -218,9 +220,9 @@ class TopicFields:
 
     def __init__(self, units: Mapping[str, str]) -> None:
         self._units = units  # Of the robot file, by path.
-        self._histories: dict[str, FieldHistory] = {}
+        self._histories: dict[str, Series] = {}
         self._numbers: _MessageNumbers | None = None  # Of the class of the last message.
-        self._of_numbers: list[FieldHistory] = []  # In the order of their paths.
+        self._of_numbers: list[Series] = []  # In the order of their paths.
         self.message: Any = None  # The last one.
         self._read: tuple[Any, Mapping[str, int]] = None, {}  # What the rows were made of.
         self._rows: list[FieldView] = []
@@ -245,8 +247,8 @@ class TopicFields:
             if math.isfinite(value):
                 self._history(path).add(tenth, value)
 
-    def _history(self, path: str) -> FieldHistory:
-        return self._histories.setdefault(path, FieldHistory())
+    def _history(self, path: str) -> Series:
+        return self._histories.setdefault(path, Series(PER_SECOND, round(SPAN * PER_SECOND)))
 
     def rows(self, now: float, request: TopicRequest) -> tuple[FieldView, ...]:
         """Return the rows of the last message, with ranges and the visible curves; () without one.
@@ -270,7 +272,7 @@ class TopicFields:
     def plots(self, now: float, request: TopicRequest) -> dict[str, Curve]:
         """Return the curves of the plotted fields that have numbers, by path."""
         return {
-            path: self._histories[path].curve(now, request.plot_columns)
+            path: self._histories[path].curve(now, SPAN, request.plot_columns)
             for path in request.plotted
             if path in self._histories and request.plot_columns
         }
@@ -285,7 +287,7 @@ class TopicFields:
             unit=unit,
             least=history.least if has_range else None,
             greatest=history.greatest if has_range else None,
-            curve=history.curve(now, request.curve_columns) if is_seen else (),
+            curve=history.curve(now, SPAN, request.curve_columns) if is_seen else (),
         )
 
 

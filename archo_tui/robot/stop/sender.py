@@ -17,16 +17,18 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Services
-from archo_tui.robot.events import Reporter
 from archo_tui.robot.goals.client import Goals
 from archo_tui.robot.graph.graph import Graph
 from archo_tui.robot.graph.interface_checks import InterfaceChecks
 from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import Code, Outcome, outcome_of, refuses
 from archo_tui.robot.readings.telemetry import Telemetry
+from archo_tui.robot.reporter import Reporter
 from archo_tui.robot.ros_thread import RosThread
 from archo_tui.robot.snapshot_sender import SnapshotSender
-from archo_tui.robot.state import Latch, Motion, StopAnswer, not_offered
+from archo_tui.robot.state.graph import not_offered
+from archo_tui.robot.state.readings import Motion
+from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import NOBODY, Do, Facts, Result, Servers, Stop
 from archo_tui.robot_file import model
 

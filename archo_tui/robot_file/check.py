@@ -1,11 +1,11 @@
-"""Checks of a robot file's values beyond their types. Pure functions."""
+"""The checks of a robot file: of its values, and against the ROS graph. Pure functions."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from archo_tui.robot_file import reserved
+from archo_tui.nearest import nearest_hint
 from archo_tui.robot_file.model import (
     BatteryTopic,
     CommandService,
@@ -19,6 +19,7 @@ from archo_tui.robot_file.model import (
     StopServices,
     fields_of,
 )
+from archo_tui.robot_file.reserved import RESERVED
 from archo_tui.ros_names import parse_type
 
 _NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # The names that rclpy accepts.
@@ -92,7 +93,7 @@ def _word_faults(robot: RobotFile) -> Faults:
     for what, word, where in found:
         if not _ID.fullmatch(word):
             yield where, f"{word!r} is not a valid {what}: small letters, digits and _"
-        if word in reserved.RESERVED:
+        if word in RESERVED:
             yield where, f"the {what} {word} is the console's own: choose another"
         if word in used:
             yield where, f"duplicate {what} {word}: choose another"
@@ -195,3 +196,40 @@ def _toggle_faults(command: CommandService) -> Faults:
     for reading in command.toggle.values():
         if reading not in _READINGS:
             yield command.where, f"toggle inverts one of {', '.join(_READINGS)}, not {reading}"
+
+
+# Against the ROS graph.
+
+
+def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:
+    """Return why the types of a topic or action do not fit; "" if they do, or there is none."""
+    for kind in found:
+        if kind not in expected:
+            return f"{name} is {kind}: expected {' or '.join(expected)}"
+    return f"{name} has several types: {', '.join(found)}" if len(found) > 1 else ""
+
+
+def duplicate_servers(action: str, nodes: Sequence[str]) -> str:
+    """Return the text by which a goal is refused whose action several nodes serve.
+
+    ROS 2 delivers one goal request to all of them, so each would start to drive.
+    """
+    return f"{action} is served by {' and '.join(nodes)}: each would drive; stop all but one"
+
+
+def not_installed(name: str, kind: str) -> str:
+    """Return the error text for a type whose package cannot be imported here."""
+    return f"{name} is {kind}, which is not installed here"
+
+
+def not_subscribed(name: str, kind: str, reason: str) -> str:
+    """Return the error text for a topic to which rclpy makes no subscription, and its reason."""
+    return f"{name} is {kind}, and cannot be subscribed to here: {reason}"
+
+
+def unknown_field(kind: str, wanted: Iterable[tuple[str, str]], known: Collection[str]) -> str:
+    """Return an error for the first of `wanted` (place, path) that a type lacks, or ""."""
+    for where, path in wanted:
+        if path not in known:
+            return f"{where}: {kind} has no field {path}{nearest_hint(path, known)}"
+    return ""

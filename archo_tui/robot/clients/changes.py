@@ -6,10 +6,10 @@ from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
-from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Motion
+from archo_tui.robot.state.audit_records import AuditRecord
+from archo_tui.robot.state.readings import Motion
 from archo_tui.robot_file.model import RobotFile
 
 CLIENT, CONSOLE = "another client", "another console"

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Goal
+from archo_tui.robot.state.goal import Goal
 
 ASSISTANT = "assistant"  # The beginning of an assistant's source.
 

@@ -1,25 +1,39 @@
-"""The events of this session: the log of bounded length, and the reports of what happens."""
+"""The events of this session: lines of nodes and of the console, in a log of bounded length."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from dataclasses import dataclass
 from operator import itemgetter
 
-from rclpy.node import Node
-from std_msgs.msg import String
-
-from archo_tui.clock import Clock
-from archo_tui.errors import in_one_line
-from archo_tui.robot import audit_records
-from archo_tui.robot.audit_records import AuditRecord
-from archo_tui.robot.consoles import author
-from archo_tui.robot.other_clients import UnexplainedChanges
-from archo_tui.robot.outcome import Code
-from archo_tui.robot.requester import YOU, Requester
-from archo_tui.robot.state import OWN_LEVELS, Event
+from archo_tui.clock import UnixTime
+from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.safe_text import harmless, harmless_lines
+
+# The levels of the console's own events: what the person, a shell or an assistant did, how goals
+# ended, and what other consoles did.
+OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
+LAUNCH = "launch"  # The source of what the user's launch file says.
+
+
+@dataclass(frozen=True)  # A tuple has a `count` of its own.
+class Event:
+    """A log line of a node, or an event of the console. The times are Unix times of the receipt."""
+
+    time: UnixTime  # When it was received; for equal events, when the last of them was.
+    level: str  # `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
+    source: str  # The name of the logger, or who or what the event is about.
+    text: str
+    command: str = ""  # The `ros2` command line that does the same; "" if there is none.
+    count: int = 1  # The number of equal events for which this one stands.
+    first: UnixTime = 0.0  # When the first of these was received.
+    number: int = 0  # The number of the first of these, which no other event has.
+    audit_record: AuditRecord | None = None  # The record of what was done; None if nothing was.
+    code: str = ""  # The code of its outcome, which recordings keep, too; "" if none is known.
+
 
 LIMIT = 1000  # Events that are kept.
 _OWN = 200  # Of these, the console's own, which a flood of others does not push out.
@@ -39,6 +53,28 @@ def _repeat_key(level: str, source: str, text: str) -> object:
     return level, source, _READING.sub("#", text)
 
 
+class LineCounter:
+    """A counter of lines by what they have in common; of what was counted last, if they are many.
+
+    It begins again in each period of so many seconds, if there is one.
+    """
+
+    def __init__(self, period: float = math.inf) -> None:
+        self._period = period
+        # When the present period of a key began, in Unix seconds, and the lines in it.
+        self._counts: dict[object, tuple[float, int]] = {}
+
+    def count(self, key: object, time: float) -> int:
+        """Count a line at a Unix time; return how many there are of its key, with this one."""
+        since, lines = self._counts.pop(key, (time, 0))
+        if not 0 <= time - since < self._period:
+            since, lines = time, 0
+        self._counts[key] = since, lines + 1
+        if len(self._counts) > LIMIT:
+            del self._counts[next(iter(self._counts))]
+        return lines + 1
+
+
 class EventLog:
     """A log in which a log line replaces an earlier line that differs only in its decimal numbers.
 
@@ -53,8 +89,7 @@ class EventLog:
         self._routine: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._worse: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._all: tuple[Event, ...] | None = ()  # None: not sorted yet.
-        # By source: the beginning of the present `_PERIOD` (Unix seconds), and lines in it.
-        self._windows: dict[str, tuple[float, int]] = {}
+        self._lines = LineCounter(_PERIOD)  # By source.
 
     def add(self, event: Event) -> Event:
         """Append an event, or replace the earlier event that it repeats, and count the repeat.
@@ -67,7 +102,8 @@ class EventLog:
         text = harmless_lines(event.text) if is_log_line else harmless(event.text)
         source = harmless(event.source)
         kept, key = self._place(event.level, source, text)
-        if event.level in ROUTINE and key not in kept and not self._has_room(source, event.time):
+        is_new = event.level in ROUTINE and key not in kept
+        if is_new and self._lines.count(source, event.time) > MOST_LINES:
             text = LEFT_OUT
             kept, key = self._place(event.level, source, text)
         known = kept.pop(key)[1] if key in kept else None
@@ -90,16 +126,6 @@ class EventLog:
             max(self._routine, self._worse, key=len).popitem(last=False)
         return event
 
-    def _has_room(self, source: str, time: float) -> bool:
-        """Count a line of a source; return False if 50 came before it in the present second."""
-        since, lines = self._windows.get(source, (time, 0))
-        if not 0 <= time - since < _PERIOD:
-            since, lines = time, 0
-        if len(self._windows) > LIMIT:  # Most are names that nobody uses any more.
-            self._windows.clear()
-        self._windows[source] = since, lines + 1
-        return lines < MOST_LINES
-
     def _place(
         self, level: str, source: str, text: str
     ) -> tuple[OrderedDict[object, tuple[int, Event]], object]:
@@ -120,14 +146,6 @@ class EventLog:
         log._all = None
         return log
 
-    def copy(self) -> EventLog:
-        """Return an independent log with the same events."""
-        log = EventLog()
-        log._count, log._all = self._count, self._all
-        log._own, log._routine = self._own.copy(), self._routine.copy()
-        log._worse, log._windows = self._worse.copy(), self._windows.copy()
-        return log
-
     def all(self) -> tuple[Event, ...]:
         """Return all events, the one that was last received or repeated at the end.
 
@@ -137,73 +155,3 @@ class EventLog:
             places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))
         return self._all
-
-
-MAX_UNREAD = 100  # Audit records of other consoles that are kept while the thread is busy.
-
-
-class Reporter:
-    """The log of this console's events, and the reports to other consoles of what it did.
-
-    ROS thread only.
-    """
-
-    def __init__(
-        self,
-        node: Node,
-        clock: Clock,
-        changes: UnexplainedChanges,
-        on_event: Callable[[Event], None],
-        on_change: Callable[[], None],
-    ) -> None:
-        self._node, self._clock, self._changes = node, clock, changes
-        self._on_event, self._on_change = on_event, on_change
-        self._console = author(node.get_name())
-        self._publisher = node.create_publisher(String, audit_records.TOPIC, MAX_UNREAD)
-        self.log = EventLog()  # The events so far.
-
-    def add(self, event: Event) -> None:
-        """Add an event to the log, pass it to `on_event`, and have the front ends show it."""
-        self.add_log_line(event)
-        self._on_change()
-
-    def add_log_line(self, event: Event) -> Event:
-        """Add an event to the log and pass it to `on_event`; nothing is shown yet."""
-        added = self.log.add(event)
-        self._on_event(added)
-        return added
-
-    def note(self, level: str, text: str) -> None:
-        """Add an event whose source is the console."""
-        self.add(Event(self._clock.now(), level, "console", text))
-
-    def warn(self, text: str) -> None:
-        """Add an event of level WARN whose source is the console."""
-        self.note("WARN", text)
-
-    def error(self, error: Exception) -> None:
-        """Add an event of level ERROR with the text of an exception; the source is the console."""
-        self.note("ERROR", in_one_line(error))
-
-    def report_done(
-        self, text: str, record: AuditRecord, command: str = "", requester: Requester = YOU
-    ) -> None:
-        """Report what this console did: as an event, in the ROS log, and to other consoles.
-
-        The record also explains changes of the robot that follow, so that no other client is
-        blamed.
-        """
-        text = harmless(text)
-        self._node.get_logger().info(text)
-        self._publisher.publish(String(data=audit_records.to_json(self._console, record, text)))
-        self._changes.on_audit_record(record, self._clock.monotonic())
-        now = self._clock.now()
-        self.add(Event(now, requester.level, requester.source, text, command, audit_record=record))
-
-    def report_stop_result(self, text: str, code: Code) -> None:
-        """Report an outcome of a STOP that no verb waits for any more, as `report_done` does."""
-        self.report_done(text, AuditRecord("stop", {"later": True}, code))
-
-    def report_cancel_of_others(self, text: str, code: Code) -> None:
-        """Report that goals of other clients were cancelled behind a STOP that is not confirmed."""
-        self.report_done(text, AuditRecord("cancel", {"all": True}, code))
