@@ -254,6 +254,7 @@ class Plain:
         work.add_done_callback(lambda _: self._conditions.check_again())
         try:
             if follows or (is_slow and self._input.is_terminal):
+                await asyncio.sleep(0)  # It has begun when the next line ends it.
                 await self._conditions.wait(lambda: work.done() or self._input.has_line_or_end)
                 if await session.give_up():
                     if not follows:
