@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
-from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.state.graph import TOPIC
 from archo_tui.robot.state.topic import TopicView
 

@@ -11,10 +11,11 @@ from typing import Any
 from rclpy.node import Node
 
 from archo_tui.robot.graph.graph import Graph
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.typed import is_number
 from archo_tui.robot.messages.types import TypedField, field_paths, field_types, kinds, load_class
-from archo_tui.robot.messages.values import checked, filled
+from archo_tui.robot.messages.values import checked, filled, goal_request
 from archo_tui.robot_file import check, model
 
 
@@ -88,6 +89,38 @@ class InterfaceChecks:
         if stop is not None:
             yield stop.service, stop.request
             yield stop.release, stop.release_request
+
+    def cancel_commands(self) -> str:
+        """Return the `ros2` command lines that cancel all goals of the robot file's actions.
+
+        They stand in one line, with `; ` between them.
+        """
+        names = [self.full(kind.action) for kind in self._robot.goals]
+        return "; ".join(ros2_command.cancel(name) for name in names)
+
+    def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
+        """Return the `ros2` command line that calls a service."""
+        full = self.full(name)
+        types = self._graph.services.get(full, [])
+        srv_type = load_class(types[0]) if len(types) == 1 else None
+        if srv_type is None or kinds(srv_type.Request).keys() != fields.keys():
+            return ""
+        try:
+            request = filled(srv_type.Request(), fields)
+        except ValueError:  # The call itself reports why.
+            return ""
+        return ros2_command.service_call(full, types[0], request)
+
+    def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
+        """Return the `ros2` command line that sends a goal."""
+        action = load_class(kind.type)
+        try:
+            goal = None if action is None else goal_request(action, kind, values)
+        except ValueError:  # Sending the goal reports why.
+            goal = None
+        if goal is None:
+            return ""
+        return ros2_command.send_goal(self.full(kind.action), kind.type, goal)
 
 
 def _goal_fault(kind: model.GoalKind) -> str:

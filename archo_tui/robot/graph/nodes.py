@@ -18,11 +18,12 @@ from archo_tui.robot import calls
 from archo_tui.robot.calls import Services
 from archo_tui.robot.graph.endpoints import topic_info
 from archo_tui.robot.graph.graph import is_hidden, is_of_every_node
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import LEVELS, LogLevel, Names, NodeInfo, TopicInfo
 from archo_tui.robot.stop.gate import Gate
 
-_GET, SET = "get_logger_levels", "set_logger_levels"
+_GET, _SET = "get_logger_levels", "set_logger_levels"
 _TOPICS = ("/rosout", "/parameter_events")  # Every node has them.
 _NAMES = {number: name for name, number in LEVELS.items()}
 _NO_LEVELS = "does not offer the level of its log (in rclpy: enable_logger_service=True)"
@@ -72,7 +73,7 @@ class Nodes:
 
     def _has_levels(self, name: str) -> bool:
         """Return True if the node has the services that get and set its log level."""
-        return all(self._node.count_services(f"{name}/{service}") for service in (_GET, SET))
+        return all(self._node.count_services(f"{name}/{service}") for service in (_GET, _SET))
 
     async def level(self, name: str) -> Outcome:
         """Ask a node for its log level: `lamp logs INFO and above`."""
@@ -109,7 +110,7 @@ class Nodes:
             return Outcome(Code.NOT_OFFERED, f"{name} {_NO_LEVELS}")
         before = await self._level(name)
         answer = await self._services.call(
-            SetLoggerLevels, f"{name}/{SET}", level_request(name, level), gate=gate
+            SetLoggerLevels, f"{name}/{_SET}", _request(name, level), gate=gate
         )
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {calls.DEADLINE:g} s from {name}")
@@ -121,8 +122,13 @@ class Nodes:
         return Outcome(Code.DONE, f"{'not known' if now is None else now.text}{was}")
 
 
-def level_request(name: str, level: str) -> Any:
-    """Return the request that sets the level of a node's log; KeyError for none of LEVELS."""
+def set_level_command(name: str, level: str) -> str:
+    """Return the `ros2` command line that sets a node's log level; KeyError for none of LEVELS."""
+    kind = "rcl_interfaces/srv/SetLoggerLevels"
+    return ros2_command.service_call(f"{name}/{_SET}", kind, _request(name, level))
+
+
+def _request(name: str, level: str) -> Any:
     logger = name.strip("/").replace("/", ".")
     wanted = LoggerLevel(name=logger, level=LEVELS[level])
     return SetLoggerLevels.Request(levels=[wanted])

@@ -152,10 +152,8 @@ class Telemetry:
             charging=flag(found.get("charging")),
             discharging=flag(found.get("discharging")),
             health=harmless(str(found.get("health") or "")) or None,
-            received=now,
-            period=self._period_after("battery", now),
             unreadable=unreadable,
-            grace=self._grace("battery"),
+            **self._received("battery", now),
         )
         self._sample(now, turned=charging != self.battery.charging)
         return _news(last, self.battery, *_BATTERY)
@@ -169,9 +167,7 @@ class Telemetry:
             speed=number(found.get("speed"), -_MOST_SPEED, _MOST_SPEED),
             moving=flag(found.get("moving")),
             stopped=flag(found.get("stopped")),
-            received=now,
-            period=self._period_after("motion", now),
-            grace=self._grace("motion"),
+            **self._received("motion", now),
         )
         return _news(last, self.motion, *_MOTION)
 
@@ -183,9 +179,7 @@ class Telemetry:
             y=number(found.get("y"), -_FARTHEST, _FARTHEST),
             yaw=yaw(found.get("orientation")),
             frame=harmless(str(found.get("frame") or "")),
-            received=now,
-            period=self._period_after("pose", now),
-            grace=self._grace("pose"),
+            **self._received("pose", now),
         )
         return _news(last, self.pose, *_POSE)
 
@@ -200,15 +194,15 @@ class Telemetry:
         unreadable = "" if reading is not None else as_received(value)
         if unreadable and not last.unreadable:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
-        period, grace = self._period_after(place, now), self._grace(place)
-        new = GaugeReading(gauge, reading, now, period, unreadable, grace)
+        timed = self._received(place, now)
+        new = GaugeReading(gauge, reading, unreadable=unreadable, **timed)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
         return _news(last, new, *_GAUGE)
 
-    def _period_after(self, key: object, now: float) -> float | None:
-        """Count a message at `now`, and return the period of the reading."""
+    def _received(self, key: object, now: float) -> dict[str, Any]:
+        """Count a message of a reading; return the fields that tell when it came."""
         self.periods[key] = self.periods.get(key, Period()).with_message_at(now)
-        return self._period(key)
+        return {"received": now, "period": self._period(key), "grace": self._grace(key)}
 
     def _period(self, key: object) -> float | None:
         measured = self.periods.get(key)

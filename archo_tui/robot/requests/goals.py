@@ -7,9 +7,9 @@ from typing import Any
 
 from archo_tui.robot import calls
 from archo_tui.robot.goals.machine import FARTHEST
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import run
 from archo_tui.robot.state.goal import values_text
 from archo_tui.robot.state.graph import ACTION, linked_number
@@ -42,7 +42,7 @@ async def send(
             robot.stop_sender.on_goal_accepted(turn)
         return _with_inactive_server(robot, kind.action, outcome)
 
-    ros2 = ros2_command.goal(robot, kind, values)
+    ros2 = robot.checks.goal_command(kind, values)
     return await run(robot, *verb_of(robot, kind, values), title, ros2, go)
 
 
@@ -101,7 +101,7 @@ async def cancel(robot: Parts, *, another: bool = False) -> Outcome:
 
 async def cancel_all(robot: Parts) -> Outcome:
     """Request the cancel of every goal of the actions known here, whoever sent it."""
-    commands = ros2_command.cancel_all(robot)
+    commands = robot.checks.cancel_commands()
     return await run(
         *(robot, "cancel", {"all": True}, "cancel every goal", commands),
         lambda _: robot.goals.cancel_all(),

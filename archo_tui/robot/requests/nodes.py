@@ -8,12 +8,13 @@ from typing import Any, TypeVar
 from archo_tui.errors import in_one_line
 from archo_tui.robot.calls import QUESTION_TIMEOUT
 from archo_tui.robot.graph.lifecycle import CHANGE_TIMEOUT
+from archo_tui.robot.graph.nodes import set_level_command
 from archo_tui.robot.graph.parameter_values import is_secret, masked
 from archo_tui.robot.graph.resources import SEND
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import NodeInfo, TopicInfo
@@ -99,7 +100,7 @@ async def set_log_level(robot: Parts, node: str, level: str) -> Outcome:
     """Set the level of a node's log, one of LEVELS, and report what it is then."""
     return await run(
         *(robot, "log_level", {"node": node, "level": level}),
-        *(f"log level of {node.lstrip('/')} {level}", ros2_command.set_log_level(node, level)),
+        *(f"log level of {node.lstrip('/')} {level}", set_level_command(node, level)),
         lambda gate: robot.nodes.set_level(node, level, gate),
     )
 

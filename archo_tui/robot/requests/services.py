@@ -7,6 +7,7 @@ from typing import Any
 
 from archo_tui.robot import calls
 from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import one_line
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.messages.values import filled
@@ -20,7 +21,6 @@ from archo_tui.robot.outcome import (
     says_more,
 )
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
 from archo_tui.robot.state.events import Event
 from archo_tui.robot.state.graph import not_offered
@@ -35,7 +35,7 @@ async def command(robot: Parts, command: CommandService, on: bool = True) -> Out
     verb = command.id if on else command.off_word
     name, fields = command.service, dict.fromkeys(command.toggle, on)
     late = late_report(robot, title, verb)
-    ros2 = ros2_command.service_of_file(robot, name, fields)
+    ros2 = robot.checks.call_command(name, fields)
     return await run(
         robot, verb, {}, title, ros2, lambda gate: call_named(robot, name, fields, gate, late)
     )

@@ -7,7 +7,6 @@ from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parts import Parts
-from archo_tui.robot.requests import ros2_command
 from archo_tui.robot.requests.run import late_report, run
 from archo_tui.robot.requests.services import call_named
 from archo_tui.robot.stop.gate import Gate
@@ -29,7 +28,7 @@ async def emergency_stop(robot: Parts) -> Outcome:
     try:
         if stop is None:
             return await _cancel_instead_of_stop(robot)
-        command = ros2_command.service_of_file(robot, stop.service, stop.request)
+        command = robot.checks.call_command(stop.service, stop.request)
         return await run(robot, "stop", {}, "STOP", command, lambda _: robot.stop_sender.send())
     finally:
         robot.stops.answered = robot.stops.count
@@ -43,7 +42,7 @@ async def _cancel_instead_of_stop(robot: Parts) -> Outcome:
         reason = f"{robot.file.name} {NO_STOP}"
         return Outcome(Code.NOT_OFFERED, f"{reason} (this is not a STOP: {outcome.text})")
 
-    commands = ros2_command.cancel_all(robot)
+    commands = robot.checks.cancel_commands()
     return await run(robot, "stop", {}, "cancel every goal", commands, cancel)
 
 
@@ -81,7 +80,7 @@ async def release_emergency_stop(robot: Parts) -> Outcome:
             sender.on_release_accepted(turn)
         return outcome
 
-    command = ros2_command.service_of_file(robot, name, request)
+    command = robot.checks.call_command(name, request)
     report_late = late_report(robot, "release stop", "release")
     return await run(robot, "release", {}, "release stop", command, call)
 
