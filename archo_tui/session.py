@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from archo_tui import __version__, engine
+from archo_tui.client.protocol import PROTOCOL
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError, UserFileError
@@ -21,7 +22,6 @@ from archo_tui.handover import Handover
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
-from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state.events import LAUNCH
 from archo_tui.robot_file import load as robot_files
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
 
+    from archo_tui.console.session import RequestHandler
+    from archo_tui.console.socket import Server
     from archo_tui.recordings.console import ConsoleRecorder
     from archo_tui.recordings.recorder import BlackBox
-    from archo_tui.remote.request_handler import RequestHandler
-    from archo_tui.remote.server import Server
     from archo_tui.robot.robot import Robot
     from archo_tui.robot.state.events import Event
     from archo_tui.user_code.host import Host
@@ -121,10 +121,10 @@ class Session:
         """Return the server of the socket, not started yet; None on Windows, which has none."""
         if sys.platform == "win32":
             return None
-        from archo_tui.remote.server import Server
+        from archo_tui.console.socket import Server
 
         def make_handler() -> RequestHandler:
-            from archo_tui.remote.request_handler import RequestHandler
+            from archo_tui.console.session import RequestHandler
 
             return RequestHandler(self.station)
 

@@ -145,9 +145,11 @@ async def test_what_a_file_prints_when_it_is_imported_is_an_event(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with console(node_files=[written(here, PRINTS)]) as op:
-        printed = lambda: [  # noqa: E731
-            e.text for e in op.app.view.snapshot.events if e.source == "my_node stdout"
-        ]
+
+        def printed() -> list[str]:
+            events = op.app.view.snapshot.events
+            return [event.text for event in events if event.source == "my_node stdout"]
+
         await op.until(printed)
         assert printed() == [f"{HIDDEN}[31m"]
     assert "\x1b[31m" not in capsys.readouterr().out
