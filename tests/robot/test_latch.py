@@ -226,8 +226,9 @@ async def test_one_that_cannot_take_it_is_no_longer_certain() -> None:
 
 @pytest.mark.real_time
 async def test_a_file_that_is_saved_behind_a_stop_waits_for_a_key(
-    here: Path,
+    here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # It is another process there.
     import archo_bringup.motor_controller as own
 
     motor = here / "motor.py"
