@@ -8,8 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from archo_tui.remote.api import Robot
-    from archo_tui.remote.api_errors import (
+    from archo_tui.client.errors import (
         Aborted,
         Cancelled,
         Misused,
@@ -19,8 +18,8 @@ if TYPE_CHECKING:
         Unconfirmed,
         Unreached,
     )
-    from archo_tui.remote.api_status import Goal, Status
-    from archo_tui.remote.goal_handle import GoalHandle
+    from archo_tui.client.robot import GoalHandle, Robot
+    from archo_tui.client.state import Goal, Status
 
 __all__ = [
     "Aborted",
@@ -66,7 +65,7 @@ def connect(to: str = "") -> Robot:
             errors are in `archo_tui`: NotDone is their base, its subclasses Refused, Unconfirmed,
             Misused, Aborted, Cancelled, RanOut and Unreached.
     """
-    from archo_tui.remote.api import Robot
+    from archo_tui.client.robot import Robot
 
     return Robot(to)
 
@@ -84,7 +83,7 @@ def stop(to: str = "") -> None:
         Unreached: No console runs, or one did not confirm the STOP: its robot may be moving.
         Unconfirmed, Refused: A robot did not confirm the STOP, or refused it.
     """
-    from archo_tui.remote.api import stop
+    from archo_tui.client.robot import stop
 
     stop(to)
 
@@ -93,9 +92,9 @@ def __getattr__(name: str) -> Any:
     """Return an error or a type of `connect()`, which is imported when it is first named."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from archo_tui.remote import api, api_errors, api_status, goal_handle
+    from archo_tui.client import errors, robot, state
 
-    modules = api, api_errors, api_status, goal_handle
+    modules = robot, errors, state
     return next(getattr(module, name) for module in modules if hasattr(module, name))
 
 

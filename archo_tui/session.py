@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from archo_tui import __version__, engine
+from archo_tui.client.protocol import PROTOCOL
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError, UserFileError
@@ -25,7 +26,6 @@ from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
-from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state.events import LAUNCH
 from archo_tui.robot_file import load as robot_files
@@ -40,14 +40,14 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
 
+    from archo_tui.console.session import RequestHandler
+    from archo_tui.console.socket import Server
     from archo_tui.hosting.host import Host
     from archo_tui.hosting.hosted_program import HostedProgram, Program
     from archo_tui.hosting.launch_file import LaunchFile
     from archo_tui.hosting.package_shares import PackageShares
     from archo_tui.recordings.console import ConsoleRecorder
     from archo_tui.recordings.recorder import BlackBox
-    from archo_tui.remote.request_handler import RequestHandler
-    from archo_tui.remote.server import Server
     from archo_tui.robot.robot import Robot
     from archo_tui.robot.state.events import Event
 
@@ -123,10 +123,10 @@ class Session:
         """Return the server of the socket, not started yet; None on Windows, which has none."""
         if sys.platform == "win32":
             return None
-        from archo_tui.remote.server import Server
+        from archo_tui.console.socket import Server
 
         def make_handler() -> RequestHandler:
-            from archo_tui.remote.request_handler import RequestHandler
+            from archo_tui.console.session import RequestHandler
 
             return RequestHandler(self.station)
 

@@ -17,11 +17,11 @@ import pytest
 from archo_tui import cli
 from archo_tui.cli.options import SUBCOMMANDS, console_parser, split_ros_args
 from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.client import shell as verbs_from_shells
 from archo_tui.commands import keymap, registry
 from archo_tui.commands.keymap import readable_key
 from archo_tui.commands.replay import replay_commands
 from archo_tui.embedded import parameter_files
-from archo_tui.remote import shell as verbs_from_shells
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.station import alarms
 from archo_tui.verbs import verbs

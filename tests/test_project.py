@@ -30,7 +30,7 @@ def test_the_command_line_starts_light() -> None:
 
 def test_without_a_screen_textual_is_not_imported() -> None:
     code = (
-        "import sys, archo_tui.plain.plain, archo_tui.cli, archo_tui.session;"
+        "import sys, archo_tui.console.plain, archo_tui.cli, archo_tui.session;"
         "sys.exit('Textual was imported' if 'textual' in sys.modules else 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -10,9 +10,9 @@ import asyncio
 import itertools
 from typing import Any
 
-from archo_tui.remote import finder
-from archo_tui.remote.client import Unreached
-from archo_tui.remote.protocol import GONE, decode, encode
+from archo_tui.client import find
+from archo_tui.client.connection import Unreached
+from archo_tui.client.protocol import GONE, decode, encode
 
 ANSWER_TIMEOUT = 15.0  # Seconds in which a live console answers anything, STOP included.
 _MAX_LINE = 2**24  # Bytes.
@@ -92,16 +92,17 @@ class ConsoleConnection:
     async def _connect(self) -> asyncio.StreamWriter:
         async with self._connect_lock:  # Concurrent calls share one connection.
             if self._writer is None:
-                console = await asyncio.to_thread(finder.choose, {"to": self._to})
-                self._name = str(console.hello.get("name") or console.hello["pid"])
-                connected, rest = console.detach()
-                connected.setblocking(False)
+                console = await asyncio.to_thread(find.choose, {"to": self._to})
+                self._name = console.card["name"]
+                console.socket.setblocking(False)
                 reader, self._writer = await asyncio.open_connection(
-                    sock=connected, limit=_MAX_LINE
+                    sock=console.socket, limit=_MAX_LINE
                 )
                 self._notice = CONSOLE_CHANGED if self._was_connected else ""
                 self._was_connected = True
-                self._reading = asyncio.create_task(self._read(reader, self._writer, rest))
+                self._reading = asyncio.create_task(
+                    self._read(reader, self._writer, console._buffer)
+                )
             return self._writer
 
     async def _read(
@@ -134,7 +135,7 @@ class ConsoleConnection:
 def _stop_each(to: str) -> list[dict[str, Any]]:
     """Send STOP to each console that could be meant, wait up to 15 s, and return their results."""
     notices: list[str] = []
-    ended = finder.stop({"to": to} if to else {}, notices.append, {"assistant": True})
+    ended = find.stop({"to": to} if to else {}, notices.append, {"assistant": True})
     answers = [{"code": answer.code, "text": answer.text} for answer in ended]
     answers[0]["text"] = "\n".join((answers[0]["text"], *notices))
     return answers

@@ -12,7 +12,7 @@ from archo_tui.assistant.connection import ANSWER_TIMEOUT, ConsoleConnection
 from archo_tui.assistant.sanitize import sanitize
 from archo_tui.assistant.tool import READS, Hints, Tool
 from archo_tui.assistant.tool_answer import ToolAnswer, failure, robot_part_of
-from archo_tui.remote.client import Unreached
+from archo_tui.client.connection import Unreached
 
 MAX_WAIT = 50.0  # Seconds; clients give up a call after a minute.
 _SLICE = 1.0  # Seconds of one request to wait, so that other calls get a turn.

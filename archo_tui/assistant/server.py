@@ -17,7 +17,7 @@ from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.tool import Tool
 from archo_tui.assistant.tool_answer import NOTE
 from archo_tui.assistant.tools import available_tools, call_tool_by_name
-from archo_tui.plain.lines import is_stop_text
+from archo_tui.robot.stop.words import is_stop_text
 
 _INSTRUCTIONS = (
     "A warehouse robot, as the operator's console sees it. You can look and STOP. {goals} "

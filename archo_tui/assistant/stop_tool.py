@@ -8,7 +8,7 @@ from archo_tui.assistant.arguments import schema_of
 from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.tool import Hints, Tool
 from archo_tui.assistant.tool_answer import ToolAnswer, failure, robot_part_of
-from archo_tui.remote.client import Unreached
+from archo_tui.client.connection import Unreached
 from archo_tui.robot_file.model import NO_STOP
 from archo_tui.safe_text import harmless
 

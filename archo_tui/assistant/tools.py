@@ -19,8 +19,8 @@ from archo_tui.assistant.reading_tools import (
 from archo_tui.assistant.stop_tool import StopTool
 from archo_tui.assistant.tool import Tool
 from archo_tui.assistant.tool_answer import ToolAnswer, failure
-from archo_tui.plain.lines import is_stop_text
-from archo_tui.remote.client import Unreached
+from archo_tui.client.connection import Unreached
+from archo_tui.robot.stop.words import is_stop_text
 from archo_tui.safe_text import harmless
 
 

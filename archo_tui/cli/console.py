@@ -131,9 +131,9 @@ def _restart(session: Session, stdin: TextIO | None) -> None:
 
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     """Take commands line by line from `stdin` until its end; what nodes print becomes events."""
+    from archo_tui.console import plain
     from archo_tui.hosting.node_output import NodeOutput
     from archo_tui.imports import OF_ALL, import_the_rest
-    from archo_tui.plain import plain
     from archo_tui.shutdown import heed_signals
 
     if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.

@@ -14,8 +14,9 @@ from archo_tui.cli.output import complain, report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.replay import replay
 from archo_tui.cli.verb import send_verb
+from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
-from archo_tui.plain.lines import is_stop_text
+from archo_tui.robot.stop.words import is_stop_text
 
 _RUN: dict[str, Callable[[Namespace], int]] = {
     "check": subcommands.check,
@@ -39,18 +40,18 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     behind a subcommand are not looked through for one.
     """
     if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
-        from archo_tui.remote.completing import print_candidates
+        from archo_tui.cli.complete import print_candidates
 
         return print_candidates(words[1:])
     if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
         words = [*words[1:2], "--help"]
     is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
     if is_verb or is_stop_text(" ".join(words)):
-        from archo_tui.remote import shell  # Runs quickly, since a prompt may call it.
+        from archo_tui.client import shell  # Runs quickly, since a prompt may call it.
 
         report_lost_output()
         _check_unused(ros_args, words)
-        return shell.run(words, SUBCOMMANDS)
+        return shell.run(words, SUBCOMMANDS, helps=helps)
     try:
         options = console_parser().parse_args(words)
         if options.verb_options and not options.command:
@@ -61,11 +62,11 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
         if at is None:
             raise
-        from archo_tui.remote import shell
+        from archo_tui.client import shell
 
         report_lost_output()
         complain(f"{error}: STOP is sent anyway")
-        return shell.run(words[at:], SUBCOMMANDS)
+        return shell.run(words[at:], SUBCOMMANDS, helps=helps)
     if not options.command:
         return run_console(options, ros_args)
     name, *rest = options.command

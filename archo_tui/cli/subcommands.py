@@ -67,7 +67,7 @@ def print_completions(options: Namespace) -> int:
 
 def list_consoles(options: Namespace) -> int:
     """Print the consoles that run here; return 0 if there are any and all answer properly."""
-    from archo_tui.remote.shell import print_consoles
+    from archo_tui.client.shell import print_consoles
 
     return print_consoles(["--json"] if options.json else [])
 

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 from archo_tui.cli.options import SUBCOMMANDS, console_parser
 from archo_tui.cli.output import complain
+from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
-from archo_tui.plain.lines import is_stop_text
+from archo_tui.robot.stop.words import is_stop_text
 
 
 def send_verb(options: Namespace, words: Sequence[str]) -> int:
@@ -21,7 +22,7 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
     """
     from pathlib import Path
 
-    from archo_tui.remote.shell import run
+    from archo_tui.client.shell import run
 
     typed = [*options.command, *options.verb_options]
     of_the_console = _options_of_the_console(options)
@@ -40,15 +41,15 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
     if wrong:
         complain(f"{wrong}: STOP is sent anyway")
     if options.engine != "ros2":
-        return run(typed, SUBCOMMANDS, meant=meant)
-    from archo_tui.remote.without_console import attached
+        return run(typed, SUBCOMMANDS, meant=meant, helps=helps)
+    from archo_tui.console.attached import attached
     from archo_tui.session import Session
     from archo_tui.session_options import Options
 
     robot = Path(options.robot) if options.robot else None
     there = Options(engine="ros2", namespace=options.namespace, attach=True, robot=robot)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
-    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, robot)
+    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, lambda: helps(robot))
 
 
 def _options_of_the_console(options: Namespace) -> list[str]:

@@ -11,19 +11,20 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process, user_errors
-from archo_tui.launch.stand_ins import ament_index
+from archo_tui.launch.stand_ins import ament_index, frontend, markup
 from archo_tui.launch.stand_ins.action import LaunchDescription
 from archo_tui.launch.stand_ins.arguments import DeclaredArgument, declared_arguments
 from archo_tui.launch.stand_ins.context import LaunchContext
 from archo_tui.launch.stand_ins.failures import SubstitutionFailure
 from archo_tui.launch.stand_ins.modules import importable_stand_ins
 from archo_tui.launch.stand_ins.places import Place
-from archo_tui.launch.stand_ins.sources import load_launch_file, loaded_files
+from archo_tui.launch.stand_ins.sources import LOADERS, load_launch_file, loaded_files
 from archo_tui.launch.stand_ins.visiting import visit, visit_delayed
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
 from archo_tui.ros_release import EMBEDDED_RELEASE, distribution
 
+LOADERS.update(dict.fromkeys(markup.ENDINGS, frontend.load))
 _own_folders: list[Path] = []  # Of the packages, whose modules a launch file may import.
 
 

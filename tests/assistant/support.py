@@ -6,14 +6,14 @@ import asyncio
 import json
 import os
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
-from archo_tui.remote import socket_files
+from archo_tui.client import sockets
 from tests.support import warm
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
@@ -107,8 +107,9 @@ class FakeConsole:
         self._writers.append(writer)
         self._say(writer, self.hello)
         tasks = []
-        while data := await reader.readline():
-            tasks.append(asyncio.ensure_future(self._answer(json.loads(data), writer)))
+        with suppress(OSError):  # it has left without its hello
+            while data := await reader.readline():
+                tasks.append(asyncio.ensure_future(self._answer(json.loads(data), writer)))
         self.closed += 1
         for task in tasks:
             task.cancel()
@@ -149,14 +150,17 @@ class FakeConsole:
 @asynccontextmanager
 async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
     """One that listens where consoles do."""
-    folder = Path(socket_files.listening_folder())
+    folder = Path(sockets.folder())
     folder.mkdir(mode=0o700, exist_ok=True)
     console = FakeConsole(pid)
+    card = folder / f"{pid}.json"
+    card.write_text(json.dumps({"name": str(pid), **console.hello}))
     server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")
     try:
         yield console
     finally:
         server.close()
         console.drop()
+        card.unlink()
         (folder / f"{pid}.sock").unlink(missing_ok=True)  # From Python 3.13 on the server does it.
         await until(lambda: console.closed == console.connections)

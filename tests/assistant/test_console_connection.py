@@ -13,8 +13,8 @@ import pytest
 
 from archo_tui.assistant.connection import SILENT, ConsoleConnection
 from archo_tui.assistant.tools import available_tools, call_tool_by_name
-from archo_tui.plain.lines import is_stop_text
-from archo_tui.remote.client import Unreached
+from archo_tui.client.connection import Unreached
+from archo_tui.robot.stop.words import is_stop_text
 from tests.assistant.support import fake_console
 
 pytestmark = pytest.mark.real_time

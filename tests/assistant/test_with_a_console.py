@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.remote import socket_files
+from archo_tui.client import sockets
 from archo_tui.station.approvals import READING_TIME
 from tests.assistant.support import Assistant, assistant
 from tests.assistant.test_console_connection import VALUES
@@ -32,7 +32,7 @@ async def beside(terminal: Terminal) -> AsyncIterator[Assistant]:
             terminal.read(0.0)
             await asyncio.sleep(0.01)
 
-    terminal.until(lambda: socket_files.socket_paths())
+    terminal.until(lambda: sockets.socket_paths())
     reading = asyncio.ensure_future(read_on())
     try:
         async with assistant("--allow", "goals") as model:

@@ -170,8 +170,8 @@ def test_without_the_extra_it_is_one_line() -> None:
 
 def test_nothing_but_its_own_process_imports_it() -> None:
     code = (
-        "import sys, archo_tui.cli, archo_tui.app, archo_tui.plain.plain, archo_tui.session;"
-        "import archo_tui.remote.api, archo_tui.remote.request_handler, archo_tui.remote.shell;"
+        "import sys, archo_tui.cli, archo_tui.app, archo_tui.console.plain, archo_tui.session;"
+        "import archo_tui.client.robot, archo_tui.console.session, archo_tui.client.shell;"
         "found = {'mcp', 'mcp_types', 'pydantic', 'anyio', 'archo_tui.assistant'};"
         "sys.exit(f'imported: {found & set(sys.modules)}' if found & set(sys.modules) else 0)"
     )

@@ -27,11 +27,12 @@ from archo_bringup.battery_monitor import BatteryMonitor  # noqa: E402
 from archo_bringup.motor_controller import MotorController  # noqa: E402
 
 from archo_tui.app import ArchoApp  # noqa: E402
+from archo_tui.client import sockets  # noqa: E402
 from archo_tui.keyed_app import HELD  # noqa: E402
-from archo_tui.remote import socket_files  # noqa: E402
 from archo_tui.session import Session  # noqa: E402
 from archo_tui.session_options import Options  # noqa: E402
 from tests.support.console import send  # noqa: E402
+from tests.support.shells import reached  # noqa: E402
 
 _STOPS = 25
 _RATE = 10_000  # requests a second of one program
@@ -68,7 +69,7 @@ class Stopped(MotorController):
 
 def _stop(path: str) -> float:
     """When a STOP of a program of its own connection was sent."""
-    connected = socket_files.connect(path)
+    connected = reached(path)
     connected.settimeout(1.0)
     begin = time.perf_counter()
     connected.sendall(b'{"id": 1, "words": ["stop"]}\n')
@@ -99,9 +100,9 @@ async def _measure(app: ArchoApp, path: str) -> tuple[list[float], list[float]]:
 async def _floods(session: Session) -> None:
     app = ArchoApp(session.station)
     async with app.run_test(size=(120, 36)):
-        while len(app.view.snapshot.offered) < 4 or not socket_files.socket_paths():
+        while len(app.view.snapshot.offered) < 4 or not sockets.socket_paths():
             await asyncio.sleep(0.1)
-        (path,) = socket_files.socket_paths()
+        (path,) = sockets.socket_paths()
         for programs in (0, 1, 4):
             command = [sys.executable, "-c", _FLOOD, path, str(_RATE)]
             floods = [subprocess.Popen(command) for _ in range(programs)]
@@ -134,7 +135,7 @@ def main() -> None:
     """Run and print."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as it is installed
     with TemporaryDirectory() as folder:
-        os.environ[socket_files.FOLDER_VARIABLE] = folder
+        os.environ[sockets.FOLDER_VARIABLE] = folder
         fast = ("-p", "publish_period:=0.02")
         makers = (Stopped, BatteryMonitor)
         options = Options(node_makers=makers, remote=True, ros_args=fast)
@@ -142,7 +143,7 @@ def main() -> None:
             asyncio.run(_floods(session))
         plain = [sys.executable, "-m", "archo_tui", "--plain"]
         with subprocess.Popen(plain, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL) as console:
-            while not socket_files.socket_paths():
+            while not sockets.socket_paths():
                 time.sleep(0.1)
             script = str(Path(sys.executable).with_name("archo-tui"))
             nothing = _cpu(sys.executable, "-c", "pass")

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 import pytest
 
 from archo_tui.clock import Clock
-from archo_tui.plain.input import Input, TypedLine
-from archo_tui.plain.lines import MAX_LINE, TOO_LONG, LineSplitter, is_stop
+from archo_tui.console.typing import MAX_LINE, TOO_LONG, Input, LineSplitter, TypedLine
 from archo_tui.robot.stop.gate import Stops
+from archo_tui.robot.stop.words import is_stop
 from tests.support import clock
 from tests.support.quiet import until
 from tests.support.waiting import DEADLINE
@@ -24,7 +24,7 @@ from tests.support.waiting import DEADLINE
 def reading(stops: Stops) -> Iterator[tuple[Input, int]]:
     """What reads one end of a pipe, and the other end."""
     read, write = os.pipe()
-    typed = Input(read, stops, lambda: None, Clock())
+    typed = Input(read, stops, Clock(), lambda: None, lambda _: None)
     typed.start()
     yield typed, write
     os.close(write)
@@ -37,7 +37,7 @@ async def _read(text: bytes) -> tuple[int, list[TypedLine]]:
     """How many STOPs are in it, and the other lines."""
     stops = Stops()
     read, write = os.pipe()
-    typed = Input(read, stops, lambda: None, Clock())
+    typed = Input(read, stops, Clock(), lambda: None, lambda _: None)
     typed.start()
     view = memoryview(text)
     while view:

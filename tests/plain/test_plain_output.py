@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.plain.output import MAX_WAITING, Output
+from archo_tui.console.printing import MAX_WAITING, Output
 from tests.support.night import corners
 from tests.support.quiet import until
 from tests.support.script import Script, shell

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from archo_tui.remote.waits import RequestTimedOut, wait_for
+from archo_tui.console.waits import RequestTimedOut, wait_for
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase

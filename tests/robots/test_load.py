@@ -12,8 +12,8 @@ import pytest
 
 from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.commands import registry
+from archo_tui.console.plain import help_text
 from archo_tui.errors import ArchoError
-from archo_tui.plain.plain import help_text
 from archo_tui.robot.messages.values import read
 from archo_tui.robot_file.load import default_path, dump, load
 from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile

@@ -13,7 +13,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from archo_tui.plain.plain import Plain
+from archo_tui.console.plain import Plain
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.station import Station

@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 from archo_tui.cli.options import SUBCOMMANDS
-from archo_tui.remote import shell, socket_files
+from archo_tui.cli.verb_help import helps
+from archo_tui.client import shell, sockets
 from tests.support.console import AT_ONCE
 from tests.support.plain import Typed, operated
 from tests.support.waiting import DEADLINE, Waited
@@ -35,7 +36,7 @@ def said(*words: str) -> Said:
     """Run it to its end, here."""
     out, err = io.StringIO(), io.StringIO()
     with patch.object(sys, "stdout", out), patch.object(sys, "stderr", err):
-        code = shell.run(words, SUBCOMMANDS)
+        code = shell.run(words, SUBCOMMANDS, helps=helps)
     return Said(code, out.getvalue(), err.getvalue())
 
 
@@ -59,16 +60,20 @@ async def heard(person: Typed, text: str) -> None:
 
 def own_socket() -> str:
     """Return the path of the socket of the console in this process; empty: there is none yet."""
-    own = f"{socket_files.listening_folder()}/{os.getpid()}-"
-    return next((path for path in socket_files.socket_paths() if path.startswith(own)), "")
+    own = f"{sockets.folder()}/{os.getpid()}-"
+    return next((path for path in sockets.socket_paths() if path.startswith(own)), "")
 
 
-def reached() -> socket.socket:
+def reached(path: str = "") -> socket.socket:
     """Return a connection to the console of this process, however many wait for one."""
     waited = Waited(DEADLINE)
     while True:
+        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        made.setblocking(False)
         with contextlib.suppress(BlockingIOError):
-            return socket_files.connect(own_socket())
+            made.connect(path or own_socket())
+            return made
+        made.close()
         assert not waited.too_long()
         time.sleep(0.01)
 
@@ -80,7 +85,7 @@ async def served(
     """A `--plain` that programs reach; its first readings are not waited for."""
     given = {"ros_args": (*AT_ONCE, *ros_args), **options}
     async with operated(*makers, robot=robot, remote=True, **given) as person:
-        await until(own_socket, socket_files.listening_folder)
+        await until(own_socket, sockets.folder)
         yield person
 
 

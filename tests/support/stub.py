@@ -110,10 +110,12 @@ def stub_station(
 ) -> Station:
     """A station over a stand-in for the robot; its journal forgets everything."""
     host: Any = SimpleNamespace(states=lambda: hosted)
+    kept = Outcome(Code.DONE, "the last minute is recorded")
     recorder: Any = SimpleNamespace(
         trouble="",
         on_view=lambda *_: None,
-        keep=lambda *_: Outcome(Code.DONE, "the last minute is recorded"),
+        keep=lambda on_disk: on_disk(kept) or kept,
+        kept="",
     )
     journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")
     return Station(

@@ -38,8 +38,8 @@ def install(path: str, engine: str) -> None:
     from archo_bringup.motion import Drive
     from archo_bringup.motor_controller import MotorController
 
-    from archo_tui.plain.input import Input
-    from archo_tui.remote.server import Client
+    from archo_tui.console.socket import SocketClient
+    from archo_tui.console.typing import Input
     from archo_tui.robot.stop.gate import Stops
 
     file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
@@ -65,9 +65,9 @@ def install(path: str, engine: str) -> None:
     traced(Drive, "begin", BEGUN)  # a goal was accepted
     traced(Drive, "advance", MOVED)
 
-    take, keep = Client.on_line, Input._keep
+    take, keep = SocketClient.on_line, Input._keep
 
-    def take_line(client: Client, data: bytes) -> None:
+    def take_line(client: SocketClient, data: bytes) -> None:
         with reading:
             _write_release(data, write)
             take(client, data)
@@ -78,7 +78,7 @@ def install(path: str, engine: str) -> None:
                 _write_release(line, write)
                 keep(typed, [line])
 
-    patched: tuple[Any, Any] = Client, Input
+    patched: tuple[Any, Any] = SocketClient, Input
     patched[0].on_line, patched[1]._keep = take_line, keep_lines
 
 

@@ -26,10 +26,10 @@ from typing import NoReturn
 
 _READ_ONCE = ("PYTHON", "TEXTUAL", "LANG", "LC_", "TZ", "AMENT_PREFIX_PATH")
 _LOADED = (
-    *("archo_tui.app", "archo_tui.session", "archo_tui.plain.plain", "archo_tui.replay_app"),
+    *("archo_tui.app", "archo_tui.session", "archo_tui.console.plain", "archo_tui.replay_app"),
     *("archo_tui.hosting.host", "archo_tui.hosting.node_files", "archo_tui.robot.robot"),
-    *("archo_tui.terminal.driver", "archo_tui.remote.server", "archo_tui.remote.shell"),
-    *("archo_tui.remote.api", "archo_tui.assistant.server", "archo_tui.recordings.recorder"),
+    *("archo_tui.terminal.driver", "archo_tui.console.socket", "archo_tui.client.shell"),
+    *("archo_tui.client.robot", "archo_tui.assistant.server", "archo_tui.recordings.recorder"),
     *("archo_bringup.battery_monitor", "archo_bringup.dashboard", "archo_bringup.motor_controller"),
 )
 _STREAMS = ("r", "surrogateescape"), ("w", "surrogateescape"), ("w", "backslashreplace")

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui.plain.lines import shell_words
-from archo_tui.remote.server import _stop_in
+from archo_tui.console.socket import _stop_in
 from archo_tui.robot.stop.gate import Stops
+from archo_tui.robot.stop.words import shell_words
 from archo_tui.robot_file.model import CommandService, StopServices
 from archo_tui.verbs import verbs
 from archo_tui.verbs.called import choose_verb

@@ -48,10 +48,10 @@ def listens(topic: str) -> bool:
     return TALKERS[0].count_subscribers(topic) > 0
 
 
-async def test_messages_are_printed_until_an_empty_line() -> None:
+async def test_messages_are_printed_until_the_next_line() -> None:
     async with operated(Talker, at_terminal=True) as person:
         person.type("echo slow --follow\n")
-        await person.until("following slow; an empty line ends it\nstamp:\n")
+        await person.until("following slow; the next line ends it\nstamp:\n")
         await person.until("frame_id: map\n---\nstamp:")
         await while_passes(3.0)
         person.type("\n")
@@ -79,7 +79,7 @@ async def test_another_topic_takes_the_place_of_the_first() -> None:
     async with operated(Talker, at_terminal=True) as person:
         person.type("echo slow --follow\n")
         await person.until("frame_id: map")
-        person.type("echo fast --follow\nstatus\n")
+        person.type("echo fast --follow\n")
         await person.until("data: ")
         await until(lambda: listens("/fast") and not listens("/slow"))
         assert await person.end() == 0

@@ -11,7 +11,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.commands import registry
 from archo_tui.commands.base import Command, VerbCommand
-from archo_tui.plain.plain import help_text
+from archo_tui.console.plain import help_text
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Hosted, OpenStop, Snapshot

@@ -77,9 +77,15 @@ _CONTENTS: Mapping[str, Mapping[str, Any]] = {
     "launch_ros.descriptions": _public(parameters),
     "launch_ros.parameter_descriptions": _public(parameters),
     "launch_ros.substitutions": _public(ros_substitutions),
-    # Their modules are absent.
     "launch_xml": {},
+    "launch_xml.launch_description_sources": {
+        "XMLLaunchDescriptionSource": sources.XMLLaunchDescriptionSource
+    },
     "launch_yaml": {},
+    "launch_yaml.launch_description_sources": {
+        "YAMLLaunchDescriptionSource": sources.YAMLLaunchDescriptionSource
+    },
+    # Its modules are absent.
     "nav2_common": {},
 }
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
@@ -17,8 +19,26 @@ class Place(NamedTuple):
     line: int
 
 
+_elements: list[Place] = []  # Of an XML or YAML file, each within the one before it.
+
+
+@contextmanager
+def at(place: Place) -> Iterator[None]:
+    """Have what is made inside this context made in the line of an element."""
+    _elements.append(place)
+    try:
+        yield
+    finally:
+        _elements.pop()
+
+
 def calling_place() -> Place:
-    """Return the line of the nearest caller outside of the stand-ins; `Place("", 0)` for none."""
+    """Return the line of the element that is read, or else of the nearest caller's launch file.
+
+    `Place("", 0)` stands for none.
+    """
+    if _elements:
+        return _elements[-1]
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and frame.f_code.co_filename.startswith(_STAND_INS):
         frame = frame.f_back

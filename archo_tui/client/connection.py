@@ -1,0 +1,142 @@
+"""A connection to a console's socket. Imports little, and only of the standard library."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import time
+
+from archo_tui.client import sockets
+from archo_tui.client.protocol import GONE, PROTOCOL, decode, encode
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Any
+
+UNANSWERED = "the console does not answer; the robot may still be moving"
+
+
+class Unreached(Exception):
+    """The error for a request that no console answered: none runs, several do, or none answers."""
+
+
+class Silent(Unreached):
+    """The error for a console that did not send what was waited for in time."""
+
+
+def _unix_socket() -> socket.socket:
+    if sys.platform == "win32":  # Nobody listens there: see `find`.
+        raise OSError("Windows has no such sockets")
+    return socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+
+
+class Connection:
+    """A connection to one console, which its card describes also while it does not answer."""
+
+    def __init__(self, path: str) -> None:
+        self.path, self.card = path, sockets.read_card(path)
+        self._buffer = b""
+        self._number = 0
+        self.socket = _unix_socket()
+        self.socket.setblocking(False)
+
+    def connect(self) -> bool:
+        """Connect without waiting; False while too many others wait for the console.
+
+        Raises OSError if there is none; the files of a console that was killed are removed.
+        """
+        try:
+            self.socket.connect(self.path)
+        except BlockingIOError:
+            return False
+        except OSError as error:
+            self.close()
+            if isinstance(error, ConnectionRefusedError):
+                sockets.remove(self.path)
+            raise
+        return True
+
+    @property
+    def short_description(self) -> str:
+        """The words `the console of pid N, NAMESPACE,`; without a card only the pid."""
+        if self.card:
+            return f"the console of pid {self.card['pid']}, {self.card['namespace']},"
+        return f"the console of {self.description}"
+
+    @property
+    def description(self) -> str:
+        """The console in a line: `pid 7: ROBOT NAMESPACE, ENGINE domain 0`, with `, watching`."""
+        card = self.card
+        if not card:
+            name = os.path.basename(self.path).removesuffix(sockets.SUFFIX)
+            return f"pid {name.partition('-')[0]}"
+        domain = "" if card.get("domain") is None else f" domain {card['domain']}"
+        where = f"{card['robot']} {card['namespace']}, {card['engine']}{domain}"
+        return f"pid {card['pid']}: {where}{', watching' if card.get('watching') else ''}"
+
+    def fault(self, timeout: float) -> str:
+        """Read the hello, and return why this console takes no verb; "" if it takes verbs."""
+        try:
+            hello = next(self.replies(timeout))
+        except Silent:
+            return f"{self.short_description} does not answer: is it suspended?"
+        except Unreached:
+            return f"{self.short_description} does not answer"
+        if hello.get("protocol") != PROTOCOL:
+            return (
+                f"{self.short_description} speaks protocol {hello.get('protocol')}, "
+                f"this archo-tui {PROTOCOL}: use the same version of both"
+            )
+        return "" if self.card else f"{self.short_description} does not say which robot it operates"
+
+    def request(self, timeout: float | None = None, /, **fields: Any) -> Iterator[dict[str, Any]]:
+        """Send a request, and yield all replies to it, the result last.
+
+        Nothing is sent before the iterator is first advanced. Raises Silent if the result does not
+        come within `timeout` s, else Unreached.
+        """
+        self._number += 1
+        self.send({"id": self._number, **fields})
+        for reply in self.replies(timeout):
+            if reply.get("id") in (self._number, None) and "protocol" not in reply:
+                yield reply
+                if "code" in reply:
+                    return
+
+    def replies(self, timeout: float | None = None) -> Iterator[dict[str, Any]]:
+        """Yield all further messages of the console, whichever request they are for.
+
+        Never ends without an error: Silent after `timeout` s, counted from the first `next`, or
+        Unreached.
+        """
+        end = None if timeout is None else time.monotonic() + timeout
+        try:
+            while True:
+                data, found, rest = self._buffer.partition(b"\n")
+                if found:
+                    self._buffer = rest
+                    yield decode(data)
+                    continue
+                self.socket.settimeout(None if end is None else max(end - time.monotonic(), 0.001))
+                chunk = self.socket.recv(65536)
+                if not chunk:
+                    break
+                self._buffer += chunk
+        except TimeoutError:
+            raise Silent(UNANSWERED) from None
+        except (OSError, ValueError):  # A broken connection counts as an ended one.
+            pass
+        raise Unreached(GONE)
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message of docs/protocol.md; raise Unreached if the console has gone."""
+        try:
+            self.socket.settimeout(None)
+            self.socket.sendall(encode(message))
+        except OSError:
+            raise Unreached(GONE) from None
+
+    def close(self) -> None:
+        self.socket.close()

@@ -1,0 +1,96 @@
+"""The errors of `archo_tui.connect()`: one for each way in which a call is not carried out."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from archo_tui.client import connection
+from archo_tui.client.protocol import is_valid_timeout
+from archo_tui.errors import ArchoError
+
+
+class NotDone(ArchoError):
+    """The base of all errors here: a call did not do what was asked for.
+
+    Attributes:
+        code: The outcome, a word of docs/protocol.md such as `refused`, `misuse` or `aborted`.
+    """
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class Refused(NotDone):
+    """The error for a request that the robot or the console refused: nothing was done."""
+
+
+class Unconfirmed(NotDone):
+    """The error for a request without a clear answer, or for a goal that is lost.
+
+    The robot may have done it, or may still do it, and may be moving.
+    """
+
+
+class Misused(NotDone):
+    """The error for a call that means nothing here, or after `Robot.close`; nothing was sent."""
+
+
+class Aborted(NotDone):
+    """The error for a goal that ended without the robot arriving."""
+
+
+class Cancelled(NotDone):
+    """The error for a goal that was cancelled by anybody, or is held in the queue."""
+
+
+class RanOut(NotDone):
+    """The error for a call that did not finish within its `timeout`."""
+
+
+class Unreached(NotDone):
+    """The error for a console that could not be reached or did not answer.
+
+    No console runs, several could be meant, one does not answer, or `Robot.close` ended the call.
+    The robot may still be moving.
+    """
+
+
+ERRORS: dict[str, type[NotDone]] = {
+    "misuse": Misused,
+    "aborted": Aborted,
+    "cancelled": Cancelled,
+    "held": Cancelled,
+    "ran_out": RanOut,
+    "timeout": Unconfirmed,
+    "not_confirmed": Unconfirmed,
+    "lost": Unreached,
+    "unreached": Unreached,
+}
+_GOOD = ("done", "accepted", "arrived")
+
+
+def data_or_raise(result: Mapping[str, Any]) -> Any:
+    """Return the `data` of a successful result, None without one; raise any other's error."""
+    code = result["code"]
+    if code not in _GOOD:
+        raise ERRORS.get(code, Refused)(code, result["text"])
+    return result.get("data")
+
+
+@contextlib.contextmanager
+def convert_unreached() -> Iterator[None]:
+    """Convert `connection.Unreached`, raised inside this context, to `Unreached`."""
+    try:
+        yield
+    except connection.Unreached as error:
+        raise Unreached("unreached", str(error)) from None
+
+
+def checked_timeout(timeout: float | None) -> float | None:
+    """Return `timeout` if it is None or from 0 to 1e9 seconds; raise Misused otherwise."""
+    if timeout is not None and not is_valid_timeout(timeout):
+        raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")
+    return timeout

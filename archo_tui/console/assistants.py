@@ -1,0 +1,202 @@
+"""The requests of assistants: to read the state, cancel a goal, and ask a person for one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from archo_tui.client.protocol import words_of
+from archo_tui.console.waits import RequestTimedOut, timeout_of, until, wait_for
+from archo_tui.robot.clients.requester import Requester
+from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot.messages.typed import parse_all, typed_text
+from archo_tui.robot.outcome import WATCHING, Code, Outcome, data_of
+from archo_tui.robot.state.goal import values_text
+from archo_tui.safe_text import harmless, is_deceptive
+from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
+from archo_tui.station.station import Station
+from archo_tui.verbs import as_data
+from archo_tui.verbs.base import ROBOT_TIMEOUT, Verb
+from archo_tui.verbs.goals import GOALS, Go
+from archo_tui.verbs.parse import parse, schema
+
+_LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
+_LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
+_LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
+ASKED = "asked"  # In place of an outcome's code: a person has to decide.
+
+
+class Assistants:
+    """The handler of assistants' requests except STOP; each cancels only its own goals."""
+
+    def __init__(self, station: Station, verbs: Mapping[str, Verb]) -> None:
+        self._station, self._verbs = station, verbs
+
+    async def carry_out(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
+        """Return the result of a request of an assistant, with the request's `id`.
+
+        Verbs that act are refused. Raises ArchoError or ValueError for what means nothing here, and
+        RequestTimedOut.
+        """
+        number = request.get("id")
+        if "ask" in request:
+            return {"id": number, **await self._request_approval(requester, request["ask"])}
+        word, *rest = words_of(request)
+        if word == "goals" and not rest:
+            return {"id": number, "code": "done", "text": "", "data": self._goals()}
+        if word == "wait" and rest[:1] == ["request"]:
+            return {"id": number, **await self._wait_for_request(requester, rest[1:], request)}
+        if word == "cancel" and not rest:
+            outcome = await self._cancel(requester)
+            return {"id": number, "code": outcome.code.value, "text": outcome.text}
+        if word not in _LOOKS:
+            text = f"an assistant has no {word[:40]}: a person does that at the console"
+            return {"id": number, "code": Code.REFUSED.value, "text": text}
+        verb = self._verbs[word]
+        values, _ = parse(verb, self._station, rest)
+        values = await verb.prepare(self._station, values)
+        outcome = await verb.run(self._station, values)
+        result = {"id": number, "code": outcome.code.value, "text": outcome.text}
+        data = data_of(outcome)
+        if data is None and outcome.ok:
+            data = verb.data(self._station, values)
+        return result if data is None else {**result, "data": data}
+
+    def _goals(self) -> list[dict[str, Any]]:
+        """Return `kind`, `title` and `schema`, a JSON schema with field paths, of each goal."""
+        snapshot, found = self._station.robot.snapshot, []
+        for verb in self._verbs.values():
+            if isinstance(verb, Go):
+                json_schema = schema(verb, snapshot)
+                paths = [field.path for field in snapshot.forms.get(verb.kind.id, ())]
+                properties = zip(paths, json_schema["properties"].items(), strict=False)
+                json_schema["properties"] = {
+                    path: {"title": label, **value} for path, (label, value) in properties
+                }
+                json_schema["required"] = paths
+                found.append({"kind": verb.id, "title": verb.title, "schema": json_schema})
+        return found
+
+    async def _request_approval(self, requester: Requester, wanted: Any) -> dict[str, Any]:
+        """Ask a person to allow a goal, and reply without waiting for the decision."""
+        kind = wanted.get("kind") if isinstance(wanted, dict) else None
+        verb = self._verbs.get(kind) if isinstance(kind, str) else None
+        if not isinstance(verb, Go):
+            kinds = ", ".join(v.id for v in self._verbs.values() if isinstance(v, Go)) or "none"
+            raise ValueError(f"kind: the goals of this robot are {kinds}")
+        if self._station.robot.watching:
+            return {"code": Code.REFUSED.value, "text": WATCHING}
+        values = self._checked_values(verb, wanted.get("values"))
+        goals = {GOALS: [values]}
+        left = ROBOT_TIMEOUT - self._station.age
+        ready = partial(verb.is_ready, self._station, goals)
+        await until(self._station, requester, ready, left)
+        await verb.prepare(self._station, goals)
+        refusal = verb.refusal(self._station)
+        if refusal:
+            return {"code": Code.REFUSED.value, "text": refusal}
+        title = verb.title.lower()
+        shown = {path: quoted(value) for path, value in values.items()}
+        text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
+        typed = [value for value in values.values() if isinstance(value, str)]
+        # Otherwise the person would see another goal than the one that is sent.
+        if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(is_deceptive, typed)):
+            raise ValueError(
+                f"values: more than {_LONGEST_TEXT} characters, or some that are invisible"
+            )
+        try:
+            request = self._station.approvals.request(QueuedGoal(verb.kind, values), text)
+        except ValueError as error:
+            return {"code": Code.REFUSED.value, "text": str(error)}
+        return {
+            "code": ASKED,
+            "text": f"request {request.number} waits for a person: {text}",
+            "data": {"request": request.number, "expires_in": LIFETIME},
+        }
+
+    def _checked_values(self, verb: Go, given: Any) -> dict[str, Any]:
+        """Return the values of a goal by dotted path, each converted to its field's type."""
+        fields = self._station.robot.snapshot.forms.get(verb.kind.id)
+        if fields is None:
+            raise ValueError(f"{verb.kind.type} is not installed here")
+        if not isinstance(given, dict):
+            raise ValueError("values: expected an object, by name")
+        paths = [field.path for field in fields]
+        for name in given:
+            if name not in paths:
+                raise ValueError(f"values: no {name[:40]!r}; there are {', '.join(paths)}")
+        missing = [path for path in paths if path not in given]
+        if missing:
+            raise ValueError(f"values: {', '.join(missing)} is missing")
+        texts: dict[str, str] = {}
+        for path in paths:
+            if isinstance(given[path], (dict, list)) or given[path] is None:
+                raise ValueError(f"values: {path} is not a number, a text, true or false")
+            texts[path] = typed_text(given[path])
+        return parse_all(fields, verb.kind.form, texts)
+
+    async def _wait_for_request(
+        self, requester: Requester, words: list[str], request: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """Wait until the assistant's request is denied, void or expired, or its goal has ended.
+
+        The request's `timeout` counts up to 50 s, which is the default.
+        """
+        self._request_of(requester, words)
+        timeout = timeout_of(request)
+        seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
+
+        def outcome_if_over() -> Outcome | None:
+            asked = self._request_of(requester, words)
+            if asked.status == ApprovalStatus.WAITING:
+                return None
+            if asked.status == ApprovalStatus.ALLOWED:
+                end = asked.goal_end
+                return end.result() if end is not None and end.done() else None
+            return Outcome(Code.CANCELLED, asked.reason)
+
+        try:
+            outcome = await wait_for(
+                self._station, self._verbs, [], {"timeout": seconds}, outcome_if_over
+            )
+        except RequestTimedOut:
+            raise RequestTimedOut(self._progress_text(self._request_of(requester, words))) from None
+        decided = self._request_of(requester, words)
+        if decided.status != ApprovalStatus.ALLOWED:
+            text = f"request {decided.number} is {decided.status.value}: {decided.reason}"
+            return {"code": decided.status.name.lower(), "text": text.removesuffix(": ")}
+        goal = decided.ended_goal
+        result = {"code": outcome.code.value, "text": outcome.text}
+        return result if goal is None else {**result, "data": as_data.goal(goal, self._now)}
+
+    def _progress_text(self, request: ApprovalRequest) -> str:
+        if request.status == ApprovalStatus.WAITING:
+            left = f"{request.seconds_left(self._now):.0f} s left"
+            return f"request {request.number} still waits for a person, {left}"
+        goal = self._station.robot.snapshot.running_goal
+        left = "" if goal is None or goal.remaining is None else f", {goal.remaining:.1f} left"
+        return f"request {request.number} was allowed; its goal has not ended yet{left}"
+
+    @property
+    def _now(self) -> float:
+        return self._station.clock.monotonic()
+
+    def _request_of(self, requester: Requester, words: list[str]) -> ApprovalRequest:
+        """Return this assistant's approval request by its number; ValueError if there is none."""
+        number = words[0] if len(words) == 1 else ""
+        is_number = number.isascii() and number.isdecimal() and len(number) < 10
+        request = self._station.approvals.get(int(number)) if is_number else None
+        if request is None or request.requester is not requester:
+            raise ValueError(f"no request {number[:20]!r} of this assistant")
+        return request
+
+    async def _cancel(self, requester: Requester) -> Outcome:
+        withdrawn = self._station.approvals.withdraw(requester)
+        if withdrawn:
+            return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
+        if all(end.done() for end in requester.ends):
+            text = "no goal of this assistant runs; say stop to stop the robot"
+            return Outcome(Code.REFUSED, text)
+        # While its goal waits or runs, no other goal does.
+        return await self._station.goals.cancel()

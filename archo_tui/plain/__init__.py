@@ -1,1 +1,0 @@
-"""`archo-tui --plain`: the frontend that reads and prints line by line."""

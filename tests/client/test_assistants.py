@@ -1,0 +1,655 @@
+"""What an assistant asks for through the socket, and the person who decides."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import threading
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from random import Random
+from typing import Any
+
+import pytest
+from textual import events
+
+from archo_tui.console.printing import Output
+from archo_tui.console.typing import Input
+from archo_tui.keyed_app import HELD
+from archo_tui.paths import journal_file
+from archo_tui.screens import request
+from archo_tui.session import _robots_nodes
+from archo_tui.station import approvals
+from archo_tui.verbs.goals import Go
+from tests.support.clock import seconds
+from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
+from tests.support.night import corners
+from tests.support.peer import Peer
+from tests.support.shells import Raw, heard, own_socket, raw, served, until
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+ROBOT = [*_robots_nodes(False).values()]
+GO = {"kind": "go", "values": {"shelf_number": 12}}
+
+
+@asynccontextmanager
+async def beside(*args: str, **options: Any) -> AsyncIterator[tuple[Console, Raw]]:
+    """A console, and an assistant that is connected to it."""
+    async with console(*AT_ONCE, *args, remote=True, **options) as op:
+        await op.until(own_socket)
+        assistant = await raw()
+        yield op, assistant
+        assistant.close()
+
+
+async def asks(assistant: Raw, wanted: Any = GO) -> dict[str, Any]:
+    """What is said at once."""
+    assistant.send({"id": 1, "assistant": True, "ask": wanted})
+    return await assistant.result()
+
+
+async def says(assistant: Raw, *words: str, **more: Any) -> dict[str, Any]:
+    return await assistant.ask(*words, assistant=True, **more)
+
+
+async def read(op: Console) -> None:
+    """Let the time pass in which a person reads a request: it was drawn that long ago."""
+    dialog = op.app.screen
+    assert isinstance(dialog, request.AnswerRequest)
+    await op.until(lambda: dialog._drawn_at < math.inf)
+    dialog._drawn_at -= approvals.READING_TIME
+    await op.at(seconds() + 0.4)  # A pause, as no paste has it.
+
+
+async def opened(op: Console) -> None:
+    """The request in its dialog, read."""
+    await op.press("A")
+    await op.until("An assistant asks")
+    await read(op)
+
+
+async def allowed(op: Console) -> None:
+    await opened(op)
+    await op.press("tab")
+    await op.at(seconds() + 0.4)
+    await op.press("enter")
+
+
+async def test_a_goal_is_driven_only_after_a_person_has_allowed_it() -> None:
+    async with beside(*FAST) as (op, assistant):
+        said = await asks(assistant)
+        assert (said["code"], said["data"]["request"]) == ("asked", 1)
+        await op.until("(A answer, ")
+        assert f"assistant {os.getpid()} asks: go to shelf 12   (A answer, " in op.text
+        assert " assistant " in op.text.splitlines()[0]
+        waits = await says(assistant, "wait", "request", "1", timeout=0.01)
+        assert waits["code"] == "ran_out"
+        assert waits["text"].startswith("request 1 still waits for a person, ")
+        assert op.app.view.snapshot.goal is None
+        await allowed(op)
+        ended = await says(assistant, "wait", "request", "1", timeout=50)
+        assert (ended["code"], ended["data"]["values"]) == ("arrived", {"shelf_number": 12})
+        await op.until("Arrived at shelf 12")
+        line = " ".join(op.line("go to shelf 12: accepted").split())
+        assert f"assistant {os.getpid()}: " in line
+    told = [json.loads(line) for line in journal_file().read_text().splitlines()]
+    texts = [entry["text"] for entry in told if entry["kind"] == "command"]
+    assert "asks: go to shelf 12 (request 1)" in texts
+    assert f"allowed request 1 of assistant {os.getpid()}: go to shelf 12" in texts
+
+
+@pytest.mark.parametrize("keys", corners([["enter"]], [["tab", "tab", "enter"]]))
+async def test_denied_it_is_not_driven_and_the_assistant_is_told(keys: list[str]) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        for key in keys:
+            await op.press(key)
+            await op.at(seconds() + 0.4)
+        said = await says(assistant, "wait", "request", "1")
+        assert (said["code"], said["text"]) == ("denied", "request 1 is denied")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.press("5")
+        await asks(assistant)
+        await op.until("asks: go to shelf 12")
+        assert op.focused_panel == 5
+        await op.press("y", "enter", "escape", "a", "n", "space")
+        await op.press("A", "tab", "enter")  # sooner than anybody has read it
+        await op.until("Read it first, then answer.")
+        await read(op)
+        op.send("left", "right", "enter")  # as from a paste: all at once
+        await op.settle()
+        op.app.post_message(events.Paste("\t\r"))
+        await op.settle()
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
+        assert op.app.view.snapshot.goal is None
+
+
+def busy(op: Console, span: float) -> None:
+    """Have the console do nothing else for so long (s), once it has taken what was typed before."""
+    op.app.call_later(lambda: time.sleep(span))
+
+
+async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        op.send("tab")
+        busy(op, 0.5)
+        op.send("enter")  # read at the same time, and taken later
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
+
+
+async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        since = seconds()
+        await op.press("A")
+        await op.until("An assistant asks")
+        op.send("tab")
+        await op.at(seconds() + 0.4)
+        busy(op, 1.0)
+        op.send("enter")
+        monkeypatch.setattr(
+            request, "READING_TIME", seconds() - since
+        )  # also where all of it took longer
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
+
+
+async def test_a_click_counts_as_late_as_a_key() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        button = op.app.screen.query_one("#allow")
+        click(op.app, button.region.x + 2, button.region.y)
+        await op.until("Read it first, then answer.")
+        await read(op)
+        click(op.app, button.region.x + 2, button.region.y)
+        await op.until("Arrived at shelf 12")
+
+
+async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: float) -> None:
+    """What was drawn after that time is answered by the second enter, a second later."""
+    with monkeypatch.context() as patch:
+        patch.setattr(request, "READING_TIME", seconds() - since)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+    await read(op)
+    await op.at(seconds() + HELD)
+    await op.press("enter")
+    await op.until("MOVING to 12")
+
+
+@pytest.mark.parametrize("way", corners(["covered"], ["resized", "suspended"]))
+async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        since = seconds()
+        await op.press("tab")
+        if way == "covered":
+            await op.press("f1")
+            await op.until("┏━ Keys ━")
+            await op.press("f1")
+        elif way == "resized":
+            await op.pilot.resize_terminal(100, 30)
+        else:
+            op.app.app_resume_signal.publish(op.app)
+        await op.until("An assistant asks")
+        await op.at(seconds() + 0.4)
+        await is_read_anew(op, monkeypatch, since)
+
+
+async def test_what_the_terminal_does_not_show_is_read_once_it_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        monkeypatch.setattr(type(op.app), "is_stuck", True)
+        await opened(op)
+        since = seconds()
+        await op.press("tab")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + HELD)
+        op.app.tick()
+        monkeypatch.setattr(type(op.app), "is_stuck", False)
+        op.app.clear_notifications()
+        await is_read_anew(op, monkeypatch, since)
+
+
+@pytest.mark.parametrize("size", corners([(20, 4)], [(30, 6), (40, 10)]))
+async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(*size)
+        await op.press("tab")
+        await read(op)
+        await op.press("enter")
+        await op.until("▲ Not all of it")
+        assert [one.number for one in op.app.station.approvals.waiting] == [1]
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(40, 10)
+        await op.until("Allow once")
+        assert "expires in" not in op.text
+        await op.press("down", "down", "tab")
+        await op.until("expires in")
+        await read(op)
+        await op.press("enter")
+        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
+
+
+async def test_what_a_notice_hides_is_not_allowed_until_it_was_read_without_it() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.pilot.resize_terminal(50, 12)
+        await opened(op)
+        await op.press("tab")
+        op.app.show_message("something to read that goes on for more than a line of fifty cells")
+        await op.settle()
+        assert "wants: go to shelf 12" not in op.text
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("▲ Wait until this message has gone")
+        op.app.clear_notifications()
+        await op.until("wants: go to shelf 12")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        assert op.app.view.snapshot.running_goal is None
+        op.app.clear_notifications()
+        await op.until("wants: go to shelf 12")
+        op.app.tick()
+        await read(op)
+        await op.press("enter")
+        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
+
+
+@pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
+async def test_a_request_is_void_once_it_may_mean_something_else(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        other = await raw()
+        await opened(op)
+        if way == "stop":
+            assert (await other.ask("stop"))["code"] == "done"
+        elif way == "key":
+            await op.press("ctrl+x")
+        elif way == "goal":
+            assert (await other.ask("go", "3"))["code"] == "accepted"
+        elif way == "time":
+            monkeypatch.setattr(approvals, "LIFETIME", 0.0)
+        else:
+            assistant.close()
+        await op.until(lambda: "An assistant asks" not in op.text)
+        await op.until(lambda: not op.app.station.approvals.waiting)
+        refused = op.app.station.approvals.answer(1, allowed=True)
+        assert refused.text.startswith("request 1 is ")
+        if way != "gone":
+            said = await says(assistant, "wait", "request", "1")
+            assert said["code"] == ("expired" if way == "time" else "void")
+        goals = [*op.app.view.snapshot.history, op.app.view.snapshot.goal]
+        assert all(goal is None or goal.target == "3" for goal in goals)
+        other.close()
+
+
+async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
+    made: list[Peer] = []
+
+    def peer(**options: Any) -> Peer:
+        made.append(Peer(**options))
+        return made[-1]
+
+    async with beside(*LONG, node_makers=[*ROBOT, peer]) as (op, assistant):
+        await op.until("2 consoles")
+        await asks(assistant)
+        made[0].tell("stop")
+        made[0].tell("release")
+        said = await says(assistant, "wait", "request", "1", timeout=10)
+        assert (said["code"], said["text"]) == ("void", "request 1 is void: a STOP came")
+        await asks(assistant)
+        made[0].tell("release")
+        await op.until("release: done")
+        assert [one.number for one in op.app.station.approvals.waiting] == [2]
+
+
+async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.keyed_app.HELD", DEADLINE)  # on a busy machine, too, it is soon
+    async with beside(*LONG) as (op, assistant):
+        await op.press("g", "7")
+        await asks(assistant)
+        op.app.action_command("alarms")  # as a click on the request does: the field has the focus
+        await op.until("An assistant asks")
+        monkeypatch.setattr(approvals, "LIFETIME", 0.0)
+        await op.until(lambda: "An assistant asks" not in op.text)
+        await op.press("enter")  # for the answer
+        await op.until("The request is over: press the key again.")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_a_no_is_followed_by_a_pause_and_hides_no_alarm() -> None:
+    low = ("-p", "low_battery_threshold:=90.0")
+    async with beside(*FAST, *low) as (op, assistant):
+        await op.until("LOW BATTERY")
+        await asks(assistant)
+        await op.until("▲ low battery")
+        await opened(op)
+        await op.press("enter")
+        refused = await asks(assistant)
+        assert refused["text"].startswith("a person has just said no: wait ")
+        await op.until("LOW BATTERY")
+
+
+async def test_what_waits_is_withdrawn_by_cancel() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        said = await says(assistant, "cancel")
+        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
+        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is void"
+
+
+async def test_each_request_tells_of_its_own_goal() -> None:
+    async with beside(*FAST) as (op, assistant):
+        for shelf in (5, 6):
+            await asks(assistant, {"kind": "go", "values": {"shelf_number": shelf}})
+            await allowed(op)
+            number = str(shelf - 4)
+            assert (await says(assistant, "wait", "request", number))["code"] == "arrived"
+        for number, shelf in (("1", 5), ("2", 6)):
+            told = await says(assistant, "wait", "request", number)
+            assert told["data"]["values"] == {"shelf_number": shelf}
+
+
+async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        await asks(assistant)
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        await allowed(op)
+        await op.until("Shelf: at most 10, not 12")
+        assert op.app.view.snapshot.history == ()
+        other.close()
+
+
+async def test_once_allowed_is_once() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await allowed(op)
+        await op.until("Arrived at shelf 12")
+        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is allowed"
+        assert len(op.app.view.snapshot.history) == 1
+
+
+async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
+    async with beside(*FAST) as (op, assistant):
+        for shelf in (1, 2, 3):
+            said = await asks(assistant, {"kind": "go", "values": {"shelf_number": shelf}})
+            assert said["code"] == "asked"
+        assert (await asks(assistant))["text"] == "3 requests wait for a person already"
+        await op.until("asks: go to shelf 1 ")
+        await op.until("+2 more")
+
+
+async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await allowed(op)
+        await op.until("MOVING to 12")
+        assistant.close()
+        await op.until("✗ CANCELLED")
+
+
+async def test_it_cancels_its_own_goals_only() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.press("g", *"3", "enter")
+        await op.until("MOVING to 3")
+        refused = await says(assistant, "cancel")
+        assert refused["code"] == "refused"
+        assert "no goal of this assistant runs" in refused["text"]
+        assert (await asks(assistant))["text"].startswith("another goal runs")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        await asks(assistant)
+        await allowed(op)
+        await op.until("MOVING to 12")
+        assert (await says(assistant, "cancel"))["code"] == "accepted"
+        ended = await says(assistant, "wait", "request", "1")
+        assert ended["code"] == "cancelled"
+
+
+OTHERS = [
+    ["go", "12"],
+    ["release", "--yes"],
+    ["set", "motor_controller", "max_speed", "1"],
+    ["charge"],
+    ["allow", "1"],
+    ["call", "/reset_encoder"],
+    ["continue"],
+    ["cancel", "--all"],
+    ["save", "x"],
+    ["halt", "motor_controller"],
+    ["status", "--yes"],
+]
+
+
+async def test_it_has_no_other_verbs() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        for words in OTHERS:
+            said = await says(assistant, *words)
+            assert said["code"] in ("refused", "misuse"), words
+            # what was an assistant once is one to its end
+            said = await assistant.ask(*words)
+            assert said["code"] in ("refused", "misuse"), words
+            assert op.app.view.snapshot.goal is None
+
+
+MISUSED = [
+    (None, "kind: the goals of this robot are go"),
+    ({"kind": "fly"}, "kind: the goals of this robot are go"),
+    ({"kind": "go"}, "values: expected an object, by name"),
+    ({"kind": "go", "values": {}}, "values: shelf_number is missing"),
+    ({"kind": "go", "values": {"shelf": 1}}, "values: no 'shelf'; there are shelf_number"),
+    ({"kind": "go", "values": {"shelf_number": [1]}}, "is not a number"),
+    ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
+    ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
+    ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
+    ({"kind": "go", "values": {"shelf_number": 0}}, "Shelf: at least 1, not 0"),
+]
+
+
+async def test_what_cannot_be_meant_is_said_and_nobody_is_asked() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        for wanted, why in MISUSED:
+            said = await asks(assistant, wanted)
+            assert (said["code"], why in said["text"]) == ("misuse", True), said
+            assert op.app.view.requests == ()
+
+
+async def test_a_request_waits_for_limits_that_were_not_reported_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        known = threading.Event()
+        monkeypatch.setattr(Go, "is_ready", lambda *_: known.is_set())
+        assistant.send({"id": 1, "assistant": True, "ask": GO})
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        known.set()
+        assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
+        other.close()
+
+
+async def test_who_gives_up_waiting_may_ask_again() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        assistant.send({"id": 2, "assistant": True, "words": ["wait", "request", "1"]})
+        assistant.send({"give_up": True})
+        assert (await assistant.result())["code"] == "cancelled"
+        assert (await asks(assistant))["code"] == "asked"
+        assert [one.number for one in op.app.station.approvals.waiting] == [1, 2]
+
+
+async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
+    async with beside(*FAST) as (op, assistant):
+        assert (await says(assistant, "status"))["code"] == "done"
+        assert (await says(assistant, "stop"))["code"] == "done"
+        line = " ".join(op.line("STOP: confirmed").split())
+        assert f"✓ assistant {os.getpid()}: STOP: confirmed" in line
+        await op.until("STOPPED: look for the cause")
+        said = await asks(assistant)
+        assert said["text"] == "the robot is stopped: a person has to release it first"
+
+
+async def test_nobody_is_asked_who_only_watches() -> None:
+    async with beside(*FAST, watch=True) as (_, assistant):
+        said = await asks(assistant)
+        assert said["code"] == "refused"
+        assert said["text"].startswith("watching only")
+
+
+async def test_it_sees_what_there_is_with_ages() -> None:
+    async with beside(*FAST) as (_, assistant):
+        status = await says(assistant, "status")
+        assert status["data"]["battery"]["source"] == "measured"
+        assert (await says(assistant, "events"))["code"] == "done"
+        assert (await says(assistant, "params"))["code"] == "done"
+        (kind,) = (await says(assistant, "goals"))["data"]
+        assert kind["kind"] == "go"
+        shelf = kind["schema"]["properties"]["shelf_number"]
+        assert (shelf["type"], shelf["minimum"]) == ("integer", 1)
+
+
+async def test_no_motion_without_a_yes_whatever_is_called(
+    request: pytest.FixtureRequest,
+) -> None:
+    calls = 10_000 if request.config.getoption("--night") else 100
+    choose = Random(11)
+    words = [
+        *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
+        *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
+    ]
+    values: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
+    async with beside(*FAST) as (op, assistant):
+        for _ in range(calls):
+            if choose.random() < 0.5:
+                kind = choose.choice(["go", "fly", None])
+                await asks(
+                    assistant, {"kind": kind, "values": {"shelf_number": choose.choice(values)}}
+                )
+            else:
+                await says(assistant, *choose.choice(words), timeout=0.001)
+        snapshot = op.app.view.snapshot
+        assert (snapshot.goal, snapshot.history) == (None, ())
+
+
+async def test_in_plain_a_person_at_the_terminal_answers() -> None:
+    async with served(at_terminal=True, ros_args=FAST) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "wants: go to shelf 12 (allow 1 or deny 1, within 60 s)")
+        person.type("deny 1\n")
+        await heard(person, "read the request first")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        person.type("status\nallow 1\n")  # as a paste comes
+        await until(lambda: person.said.count("read the request first") == 2)
+        since = seconds()
+        await until(lambda: seconds() > since + 0.5)
+        person.type("allow 1\n")
+        await heard(person, "Arrived at shelf 12")
+        assistant.close()
+
+
+async def test_where_a_program_types_nobody_can_allow_anything() -> None:
+    async with served() as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        said = await asks(assistant)
+        assert (said["code"], said["text"]) == (
+            "refused",
+            "nobody can allow it: this console has no screen and no terminal",
+        )
+        person.type("allow 1\n")
+        await heard(person, "only a person at a terminal answers an assistant")
+        assistant.close()
+
+
+@pytest.mark.parametrize("behind", ["status", "stop"])
+async def test_in_plain_what_stands_behind_an_answer_is_read_first(
+    behind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads, goes_on = Input._read_chunk, threading.Event()
+
+    def chunk(of: Input) -> bytes:
+        goes_on.wait()
+        return reads(of)
+
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        monkeypatch.setattr(Input, "_read_chunk", chunk)  # from the next on: a terminal gives lines
+        person.type(f"allow 1\n{behind}\n")
+        await until(lambda: person._plain._input.last_line_timing[0] > since)
+        await until(lambda: not person._plain._input._waiting)
+        goes_on.set()
+        await heard(
+            person, "failed: allow: read the request first, then answer it in a line of its own"
+        )
+        assert "accepted" not in person.said
+        assistant.close()
+
+
+async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        with monkeypatch.context() as patch:
+            patch.setattr(Output, "is_done", False)  # as after ctrl+s
+            person.type("allow 1\n")
+            await heard(
+                person, "failed: allow: read the request first, then answer it in a line of its own"
+            )
+        assert "accepted" not in person.said
+        assistant.close()

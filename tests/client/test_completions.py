@@ -1,0 +1,188 @@
+"""`archo-tui completions`: each shell that is installed takes what is printed."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from archo_tui.cli import main
+from archo_tui.cli.completions import completion_script
+from archo_tui.console import session
+from archo_tui.paths import state_file
+from archo_tui.recordings import recorder, store
+from tests.client.test_which_console import listening
+from tests.support import clock
+from tests.support.shells import raw, served, typed
+
+# One line for each shell, as docs/shell.md has it, and what must run before it.
+LINES = {
+    "bash": 'eval "$(archo-tui completions bash)"',
+    "zsh": 'eval "$(archo-tui completions zsh)"',
+    "fish": "archo-tui completions fish | source",
+}
+BEFORE = {"zsh": "autoload -U compinit && compinit -u -D; "}
+ASKED = {"bash": "complete -p archo-tui", "fish": "complete -C 'archo-tui cancel --al'"}
+ASKED["zsh"] = "print ${_comps[archo-tui]}"
+
+
+COMPLETED = """
+source completions
+COMP_WORDS=(archo-tui "$@")
+COMP_CWORD=$#
+$(complete -p archo-tui | sed 's/.*-F \\([^ ]*\\).*/\\1/') archo-tui "${COMP_WORDS[COMP_CWORD]}"
+printf '%s\\n' "${COMPREPLY[@]}"
+"""
+needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Callable[..., str]:
+    """Run a script of a shell in `tmp_path`, where `archo-tui` is on the PATH."""
+    program = tmp_path / "bin" / "archo-tui"
+    program.parent.mkdir()
+    program.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m archo_tui "$@"\n')
+    program.chmod(0o755)
+    path = f"{program.parent}:{os.environ['PATH']}"
+
+    def run_it(shell: str, script: str, *words: str) -> str:
+        done = subprocess.run(
+            [shell, "-c", script, *words],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        return done.stdout
+
+    return run_it
+
+
+completions_of = functools.cache(completion_script)  # It takes a quarter of a second.
+
+
+@pytest.fixture
+def offered(run: Callable[..., str], tmp_path: Path) -> Callable[..., list[str]]:
+    """What bash offers for the last of the words behind `archo-tui`, by the printed script."""
+    (tmp_path / "completions").write_text(completions_of("bash"))
+    return lambda *words: run("bash", COMPLETED, "bash", *words).split()
+
+
+@pytest.mark.parametrize("shell", LINES)
+def test_one_line_installs_the_completions_of_a_shell(shell: str, run: Callable[..., str]) -> None:
+    for word in ("status", "consoles", "--watch", "--namespace"):
+        assert word.lstrip("-") in completions_of(shell)
+    if shutil.which(shell) is None:
+        pytest.skip(f"{shell} is not installed")
+    said = run(shell, f"{BEFORE.get(shell, '')}{LINES[shell]}\n{ASKED[shell]}")
+    assert ("--all" if shell == "fish" else "_archo_tui") in said
+    page = Path(__file__).parents[2] / "docs" / "shell.md"
+    assert LINES[shell] in page.read_text(encoding="utf-8")
+
+
+def test_zsh_completes_every_shelf_of_a_line() -> None:
+    assert '"*:Shelf:_archo_tui_ask"' in completions_of("zsh")
+
+
+@needs_bash
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        (("sta",), ["start", "status"]),
+        (("--wat",), ["--watch"]),
+        (("go", "--w"), ["--wait"]),
+        (("cancel", "--a"), ["--all"]),
+        (("completions", "fi"), ["fish"]),
+        (("--engine", "r"), ["ros2"]),
+        (("launch", "--on-disconnect", ""), ["cancel", "leave"]),
+        (("launch", "comp"), ["completions"]),
+        (("check", "--interfaces", ""), ["bin"]),
+        (("load", "comp"), ["completions"]),
+        (("wait", "i"), ["idle"]),
+    ],
+)
+def test_bash_completes_what_is_known_without_a_console(
+    words: tuple[str, ...], wanted: list[str], offered: Callable[..., list[str]]
+) -> None:
+    assert sorted(offered(*words)) == wanted
+
+
+@needs_bash
+@pytest.mark.real_time
+async def test_bash_completes_recordings_and_the_files_beside_them(
+    offered: Callable[..., list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "SECONDS_AFTER", 0.1)
+    async with served() as person:
+        await typed("keep")
+        await person.end()
+    (recording,) = store.list_recordings(state_file("recordings"))
+    assert offered("recordings", "--delete", "20") == [recording.name]
+    assert offered("replay", "20") == [recording.name]
+    assert offered("replay", "comp") == ["completions"]
+
+
+@needs_bash
+@pytest.mark.real_time
+async def test_bash_completes_what_the_console_knows_and_leaves_no_event(
+    offered: Callable[..., list[str]],
+) -> None:
+    async with served() as person:
+        while "shelf_count" not in (await typed("params")).out:
+            await asyncio.sleep(0.01)
+        before = person.said
+        assert await asyncio.to_thread(offered, "go", "--wait", "39") == ["39"]
+        assert await asyncio.to_thread(offered, "stop", "") == []
+        assert await asyncio.to_thread(offered, "call", "emergency") == ["emergency_stop"]
+        assert person.said == before
+        await person.end()
+
+
+@pytest.mark.parametrize("words", [("stop",), ("stop", ""), ("call", "emergency_stop", "")])
+async def test_the_question_of_a_completion_is_never_a_stop(words: tuple[str, ...]) -> None:
+    async with served() as person:
+        client = await raw()
+        await client.line()
+        client.send({"id": 1, "complete": [*words]})
+        assert (await client.result())["code"] == "done"
+        client.close()
+        assert "STOP" not in person.said
+        await person.end()
+
+
+def test_without_a_console_nothing_is_offered_and_nothing_complained(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for words in (["go", ""], ["go", "--to", ""], ["stop", ""], []):
+        assert main(["__complete", *words]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.real_time
+def test_a_suspended_console_delays_a_completion_by_less_than_a_second() -> None:
+    with listening("/"):
+        began = clock.seconds()
+        assert main(["__complete", "go", ""]) == 0
+        assert clock.seconds() - began < 1
+
+
+@pytest.mark.real_time
+async def test_a_name_that_a_shell_would_run_is_not_offered(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = ["$(reboot)", "a b", "`reboot`", "max_speed", "a;reboot", "*"]
+    monkeypatch.setattr(session, "candidates", lambda *_: names)
+    async with served() as person:
+        await asyncio.to_thread(main, ["__complete", "get", "motor_controller", ""])
+        await person.end()
+    assert capsys.readouterr().out == "max_speed\n"

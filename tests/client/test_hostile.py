@@ -1,0 +1,510 @@
+"""Programs that say what they should not, or leave when they should not: the console goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import re
+import socket
+import stat
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui.client import connection, find, sockets
+from archo_tui.console.socket import MAX_CLIENTS, MAX_CONNECTIONS
+from archo_tui.robot import calls
+from archo_tui.robot.outcome import Code, Outcome
+from tests.robot.test_several_servers import Brake
+from tests.support.console import FAST, LONG
+from tests.support.night import corners
+from tests.support.plain import Typed, operated
+from tests.support.robot import making
+from tests.support.ros import begin
+from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
+
+pytestmark = pytest.mark.real_time
+
+
+@asynccontextmanager
+async def guest() -> AsyncIterator[Raw]:
+    """One that has read its hello."""
+    one = await raw()
+    assert (await one.line())["protocol"] == 1
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+async def goes_on(person: Typed) -> None:
+    """The console answers another program, and its own operator."""
+    assert (await typed("status", "--line")).code == 0
+    person.type("status\n")
+    await heard(person, "battery ")
+    assert not person.is_over
+
+
+def _nested(depth: int) -> bytes:
+    return b'{"id": ' + b"[" * depth + b"]" * depth + b', "words": ["status"]}\n'
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"garbage\n",
+        b"\xff\xfe\x00\n",
+        b"[]\n",
+        b"null\n",
+        b"[" * 50_000 + b"\n",
+        b'{"a":' * 10_000 + b"\n",
+        b"{}\n",
+        b"x" * 70_000 + b"\n",
+        {"words": "status"},
+        {"words": []},
+        {"words": [1]},
+        {"words": [["status"]]},
+        {"words": ["\ud800"]},
+        {"words": ["wait", "idle"], "timeout": float("nan")},
+        {"words": ["wait", "idle"], "timeout": 10**400},
+        {"words": ["wait", "idle"], "timeout": True},
+        {"words": ["wait", "idle"], "timeout": {}},
+        {"words": ["status"], "id": [1]},
+        {"words": ["status"], "id": 1.5},
+        {"words": ["status"], "id": "x" * 5000},
+        {"answer": True},
+    ],
+    ids=lambda said: repr(said)[:40],
+)
+async def test_whatever_is_no_request_is_answered_with_misuse(said: Any) -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        one.send(said)
+        assert (await one.result())["code"] == "misuse"
+        assert (await one.ask("get", "motor_controller", "max_speed"))["code"] == "done"
+        await goes_on(person)
+
+
+async def test_a_nested_id_ends_no_console_however_deep() -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        for depth in (*range(900, 1000), 5000):
+            one.send(_nested(depth))
+            assert (await one.result())["code"] == "misuse"
+        await goes_on(person)
+
+
+async def test_a_stop_is_a_stop_whatever_else_its_request_says() -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        one.send({"id": {"a": []}, "words": ["stop", 1, None], "wait": [], "timeout": "x"})
+        assert (await one.result())["code"] == "done"
+        await heard(person, "STOP: confirmed")
+
+
+async def test_a_line_without_an_end_costs_no_memory_and_no_time() -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        piece = b"x" * 2**20
+        before = _memory()
+        for _ in range(40):
+            one.send(piece)
+            await asyncio.wait_for(one.writer.drain(), 30)
+            async with guest() as other:
+                assert (await other.ask("status"))["code"] == "done"
+        assert _memory() - before < 8 * 2**20
+        assert (await one.result())["text"] == "a line of more than 64 kB"
+        await goes_on(person)
+
+
+def _memory() -> int:
+    pages = Path("/proc/self/statm").read_text().split()[1]
+    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+
+async def test_one_that_never_reads_is_dropped_and_delays_nobody() -> None:
+    async with served(ros_args=FAST) as person:
+        deaf = await asyncio.to_thread(reached)
+        request = json.dumps({"id": 1, "words": ["params"]}).encode() + b"\n"
+        deaf.settimeout(0.0)
+
+        def is_dropped() -> bool:
+            try:
+                deaf.send(request * 20)
+            except BlockingIOError:
+                return False
+            except OSError:
+                return True
+            return False
+
+        await until(is_dropped)
+        deaf.close()
+        await goes_on(person)
+
+
+async def test_more_than_enough_clients_may_stop_and_nothing_else() -> None:
+    async with served(ros_args=FAST) as person:
+        ours = [await raw() for _ in range(MAX_CLIENTS)]
+        for one in ours:
+            await one.line()
+        async with guest() as late:
+            assert (await late.ask("status"))["text"] == (
+                "16 clients are connected: only stop is taken"
+            )
+            assert (await late.ask("stop"))["code"] == "done"
+            ours[0].close()
+            while (said := await late.ask("status"))["code"] == "refused":
+                assert "only stop" in said["text"]
+            assert said["code"] == "done"  # a place is free
+        for one in ours:
+            one.close()
+        while (await typed("status")).code:  # until they are seen to have gone
+            pass
+        await goes_on(person)
+
+
+@pytest.mark.parametrize("count", corners([800], [10_000]))
+async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
+    count: int,
+) -> None:
+    async with served(ros_args=FAST) as person:
+        held: list[socket.socket] = []
+        files = len(os.listdir("/proc/self/fd"))
+        for _ in range(count):
+            held.append(await asyncio.to_thread(reached))
+            if len(held) > 300:
+                held.pop(0).close()
+        async with guest() as late:
+            assert (await late.ask("stop"))["code"] == "done"
+        await until(lambda: len(os.listdir("/proc/self/fd")) < files + MAX_CONNECTIONS + 310)
+        for one in held:
+            one.close()
+        await until(lambda: len(os.listdir("/proc/self/fd")) < files + 10)
+        await goes_on(person)
+
+
+async def test_what_waits_of_one_that_left_is_not_carried_out_and_nobody_stays_connected() -> None:
+    async with served(ros_args=LONG) as person:
+        one = await raw()
+        one.send(
+            *(
+                {"id": n, "words": ["set", "motor_controller", "max_speed", f"1.{n}"]}
+                for n in range(9)
+            )
+        )
+        await heard(person, "max_speed 1.0")
+        one.close()
+        station = person._plain._station
+        await until(lambda: not station.clients)
+        for _ in range(20):
+            await typed("status")
+        assert "max_speed 1.8" not in person.said
+        await until(lambda: not station.clients)
+
+
+async def test_one_that_says_stop_and_leaves_has_stopped_the_robot_and_is_not_listed() -> None:
+    async with served(ros_args=LONG) as person:
+        for _ in range(10):
+            one = await raw()
+            one.send({"id": 1, "words": ["stop"]}, {"id": 2, "words": ["stop"]})
+            await one.writer.drain()
+            one.writer.close()
+        await heard(person, "STOP: confirmed")
+        station = person._plain._station
+        assert (await typed("stop")).code == 0
+        await until(lambda: not station.clients)
+
+
+async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() -> None:
+    async with served(ros_args=LONG) as person:
+        station = person._plain._station
+        send = station.robot.send
+        sending, go_on = asyncio.Event(), asyncio.Event()
+
+        async def slow(*given: Any, **more: Any) -> Any:
+            sending.set()
+            await go_on.wait()
+            return await send(*given, **more)
+
+        station.robot.send = slow  # type: ignore[method-assign]
+        one = await raw()
+        one.send({"id": 1, "words": ["go", "12", "7"], "wait": True})
+        await sending.wait()
+        one.close()
+        await until(lambda: not station.clients)
+        go_on.set()
+        await heard(person, "CANCELLED")
+        assert not station.queue.waiting
+
+
+@pytest.mark.parametrize("silent", [1, 3])
+async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
+    silent: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with served(ros_args=LONG) as person, guest() as one:
+        robot, asked = person._plain._station.robot, 0
+        cancel = robot.cancel
+
+        async def unheard(*, another: bool = False) -> Outcome:
+            nonlocal asked
+            asked += 1
+            if asked > silent:
+                return await cancel(another=another)
+            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
+
+        monkeypatch.setattr(robot, "cancel", unheard)
+        one.send({"id": 1, "words": ["go", "12"], "wait": True})
+        assert (await one.line())["said"] == "accepted"
+        one.close()
+        said = "which has left, may still run: no answer to the cancel in 2 s"
+        await heard(person, said if silent == 3 else "CANCELLED")
+        assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
+
+
+async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        assert (await one.ask("stop"))["code"] == "done"
+        one.send({"id": 2, "words": ["release"], "person": True})
+        assert (await one.line())["go"] == "Release"
+        one.send({"give_up": True})
+        assert (await one.result())["id"] == 2  # at once, and nothing was released
+        assert (await one.ask("release", "--yes"))["code"] == "done"
+        await goes_on(person)
+
+
+async def test_giving_up_is_answered_also_when_nothing_is_left_to_give_up() -> None:
+    async with served(ros_args=FAST), guest() as one:
+        assert (await one.ask("wait", "idle"))["code"] == "done"
+        one.send({"give_up": True})
+        assert (await one.result())["text"] == "it had ended"
+
+
+async def test_a_result_tells_of_the_goal_that_was_asked_for() -> None:
+    async with served(ros_args=FAST), guest() as one, guest() as other:
+        one.send({"id": 1, "words": ["go", "12"], "wait": True})
+        assert (await one.line())["said"] == "accepted"
+        other.send({"id": 1, "words": ["go", "7"], "wait": True})
+        first, second = await one.result(), await other.result()
+        assert (first["data"]["name"], first["data"]["code"]) == ("shelf 12", "arrived")
+        assert (second["data"]["name"], second["data"]["code"]) == ("shelf 7", "arrived")
+
+
+async def test_wait_arrived_is_about_the_goal_that_the_same_program_sent() -> None:
+    async with served(ros_args=FAST), guest() as one:
+        assert (await one.ask("go", "12"))["code"] == "accepted"
+        assert (await one.ask("wait", "idle"))["code"] == "done"
+        assert (await one.ask("wait", "arrived"))["code"] == "arrived"
+
+
+async def test_a_goal_that_was_not_waited_for_stays_when_its_program_leaves() -> None:
+    async with served(ros_args=LONG) as person:
+        async with guest() as one:
+            assert (await one.ask("go", "12"))["code"] == "accepted"
+            one.send({"id": 2, "words": ["go", "7"], "wait": True})
+            await until(lambda: person._plain._station.queue.waiting)
+        station = person._plain._station
+        await until(lambda: not station.queue.waiting)
+        assert station.robot.snapshot.running_goal is not None
+
+
+async def test_a_flood_of_stops_reaches_the_robot_a_few_times_and_each_is_answered() -> None:
+    async with served(ros_args=FAST) as person, guest() as one:
+        one.send(*({"id": n, "words": ["stop"]} for n in range(1000)))
+        for number in range(1000):
+            said = await one.result()
+            assert (said["id"], said["code"]) == (number, "done")
+        assert person.said.count("STOP: confirmed") < 20
+
+
+async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(calls, "DEADLINE", 60.0)  # on a busy machine 2 s are soon over
+    brakes: list[Brake] = []
+    async with served(making(brakes, Brake, "brake", "nothing")), guest() as one, guest() as other:
+        one.send({"id": 1, "words": ["stop"]})
+        await until(lambda: brakes and brakes[0].asked)
+        other.send({"id": 1, "words": ["stop"]})
+        await until(lambda: brakes[0].asked == 2)
+        begin(brakes[0], lambda: brakes[0].awake.set_result(True))
+        for guest_ in (one, other):
+            assert (await guest_.result())["code"] == "done"
+
+
+async def test_of_a_flood_of_requests_the_surplus_is_refused_and_others_are_answered() -> None:
+    async with served(ros_args=FAST) as person, guest() as one, guest() as other:
+        one.send(*({"id": n, "words": ["status"]} for n in range(10_000)))
+        assert (await other.ask("stop"))["code"] == "done"
+        assert (await other.ask("get", "motor_controller", "max_speed"))["code"] == "done"
+        while (said := await one.result())["code"] == "done":
+            assert said["id"] < 100
+        assert said["text"] == "too many requests wait"
+        await goes_on(person)
+
+
+async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
+    async with served(ros_args=FAST, watch=True) as person:
+        for words in ("stop", "go 12", "set motor_controller max_speed 0.5", "release --yes"):
+            said = await typed(*words.split())
+            assert said.code == 1, words
+            assert "watching" in said.err
+        assert (await typed("status", "--line")).code == 0
+        assert "SHELL" not in person.said
+
+
+@pytest.mark.parametrize("fault", ["mode", "file"])
+async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into(
+    fault: str,
+) -> None:
+    folder = Path(sockets.folder())
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    if fault == "mode":
+        folder.mkdir()
+        folder.chmod(0o777)
+    else:
+        folder.write_text("")
+    async with operated(ros_args=FAST, remote=True) as person:
+        await heard(person, "no socket for other programs: ")
+        assert not sockets.socket_paths()
+    said = await typed("status")
+    assert said.code == 3
+    assert str(folder) in said.err
+
+
+async def test_another_users_program_is_not_even_greeted(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with served(ros_args=FAST) as person:
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                "archo_tui.console.socket._pid_and_uid", lambda _: (4711, os.getuid() + 1)
+            )
+            one = await raw()
+            one.send({"id": 1, "words": ["stop"]})
+            assert await one.line() == {}
+        assert "STOP" not in person.said
+        await goes_on(person)
+
+
+async def test_the_socket_and_its_folder_are_ours_alone_and_go_with_the_console() -> None:
+    async with served(ros_args=FAST):
+        path = Path(own_socket())
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
+    assert not path.exists()
+
+
+async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.MonkeyPatch) -> None:
+    listen, seen = socket.socket.listen, []
+
+    def watched(made: socket.socket, *given: int) -> None:
+        # whoever looks now would take it for one of a killed console
+        seen.append(sockets.socket_paths())
+        listen(made, *given)
+
+    monkeypatch.setattr(socket.socket, "listen", watched)
+    async with served(ros_args=FAST) as person:
+        await goes_on(person)
+    assert seen[0] == []
+
+
+async def test_sockets_that_nobody_listens_on_go_when_somebody_looks() -> None:
+    async with served(ros_args=FAST):
+        folder = sockets.folder()
+        made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        made.bind(f"{folder}/1.sock")
+        made.close()
+        listed = await typed("status", "--line")
+        assert listed.code == 0
+        assert sockets.socket_paths() == [own_socket()]
+
+
+def _listens(name: str) -> socket.socket:
+    """A console that takes connections, and no more."""
+    folder = sockets.folder()
+    os.makedirs(folder, 0o700, exist_ok=True)
+    made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    made.bind(f"{folder}/{name}")
+    made.listen()
+    return made
+
+
+async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(find, "WAKE_TIMEOUT", 1.5)
+    with _listens("1.sock"):
+        said = await typed("status")
+        assert said == (
+            3,
+            "",
+            "archo-tui: the console of pid 1 does not answer: is it suspended?\n",
+        )
+        async with served(ros_args=FAST) as person:
+            stop = asyncio.ensure_future(typed("stop"))
+            await heard(person, "STOP: confirmed")
+            assert not stop.done()  # it still waits for the other
+            code, _, err = await stop
+            assert code == 3
+            assert "the console of pid 1 does not answer yet: STOP waits for it" in err
+            assert "pid 1: not confirmed: the robot may be moving" in err
+            assert "embedded: confirmed" in err
+
+
+WHOLE = {
+    **{"protocol": 1, "pid": 1, "robot": "R", "namespace": "/north", "engine": "embedded"},
+    "name": "1",
+}
+
+
+CARDS = [(name, value) for name in WHOLE for value in (None, ["x"]) if name != "protocol"]
+
+
+@pytest.mark.parametrize(("lacks", "instead"), corners(CARDS[::4], CARDS))
+async def test_a_console_whose_card_names_nothing_holds_up_no_stop(
+    lacks: str, instead: Any
+) -> None:
+    card = {**WHOLE, lacks: instead} if instead else {k: WHOLE[k] for k in WHOLE if k != lacks}
+
+    def greet(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(json.dumps(WHOLE).encode() + b"\n")
+        writer.close()
+
+    async with await asyncio.start_unix_server(greet, sock=_listens("1.sock")):
+        Path(sockets.folder(), "1.json").write_text(json.dumps(card))
+        for words in (["status"], ["stop", "--to", "/north"]):
+            code, _, err = await typed(*words)
+            assert code == 3
+            assert ("not confirmed" if "stop" in words else "does not say which robot") in err
+        async with served(ros_args=FAST) as person:
+            stopped = await typed("stop")
+            assert (stopped.code, "not confirmed" in stopped.err) == (3, True)
+            await heard(person, "STOP: confirmed")
+            assert (await typed("status")).code == 3  # it may be the one that is meant
+
+
+async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(find, "WAKE_TIMEOUT", 1.0)
+    with _listens("1.sock"):
+        async with served(ros_args=FAST) as person:
+            assert await typed("status", "--to", "/north") == (
+                3,
+                "",
+                "archo-tui: no console /north answers here; "
+                "the console of pid 1 does not answer: is it suspended?\n",
+            )
+            code, _, err = await typed("stop", "--to", "/north")
+            assert (code, "pid 1: not confirmed: the robot may be moving" in err) == (3, True)
+            assert "STOP" not in person.said  # which is another
+
+
+@pytest.mark.parametrize("hello", [{"protocol": 2, "pid": 7}, {}, [], "hello"])
+def test_another_protocol_is_said(hello: Any) -> None:
+    ours, theirs = socket.socketpair()
+    theirs.sendall(json.dumps(hello).encode() + b"\n")
+    console = connection.Connection("7.sock")
+    console.socket.close()
+    console.socket = ours
+    assert re.search(r"protocol|does not answer", console.fault(1.0))
+    for one in (ours, theirs):
+        one.close()

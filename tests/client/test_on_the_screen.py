@@ -1,0 +1,134 @@
+"""Programs beside a screen: who is connected, what each sent, and what their STOP closes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import threading
+
+import pytest
+
+from archo_tui.client import sockets
+from archo_tui.keyed_app import HELD
+from archo_tui.paths import journal_file
+from tests.support.clock import seconds
+from tests.support.console import FAST, LONG, Console, console
+from tests.support.shells import Said, own_socket, raw, said, typed
+from tests.support.terminal import Terminal
+from tests.terminal.test_terminal import FAIL_ONCE, SLOW
+
+pytestmark = pytest.mark.real_time
+
+
+async def reachable(op: Console) -> None:
+    await op.until(own_socket)
+
+
+async def test_who_is_connected_and_what_it_sent_is_on_screen_and_in_the_journal() -> None:
+    async with console(*LONG, remote=True) as op:
+        await reachable(op)
+        one, two = await raw(), await raw()
+        assert "shell" not in op.text.splitlines()[0]
+        assert (await one.ask("go", "12"))["code"] == "accepted"
+        await op.until(lambda: " 1 shell " in op.text.splitlines()[0])
+        assert (await two.ask("wait", "arrived", timeout=0))["code"] == "ran_out"
+        await op.until(lambda: " 2 shells " in op.text.splitlines()[0])
+        line = op.line("go to shelf 12: accepted")
+        assert f"shell pid {os.getpid()}: " in " ".join(line.split())
+        one.close()
+        two.close()
+        await op.until(lambda: "shell " not in op.text.splitlines()[0])
+        await op.until("MOVING")  # it was not waited for: the console's now
+        await op.press("ctrl+c")
+        await op.until("CANCELLED")
+    entries = [json.loads(line) for line in journal_file().read_text().splitlines()]
+    sent = next(entry for entry in entries if "go to shelf 12" in entry["text"])
+    assert (sent["kind"], sent["level"]) == ("command", "SHELL")
+    assert (sent["source"], sent["verb"], sent["code"]) == (f"pid {os.getpid()}", "go", "accepted")
+
+
+async def test_a_stop_of_a_shell_closes_the_question_on_the_screen() -> None:
+    async with console(*FAST, remote=True) as op:
+        await reachable(op)
+        assert (await typed("stop")).code == 0
+        await op.until("STOPPED")
+        await op.press("R")
+        await op.until("Release the stop?")
+        assert (await typed("stop")).code == 0
+        await op.until(lambda: "Release the stop?" not in op.text)
+        await op.at(seconds() + HELD)  # what comes at once may be for the question
+        await op.press("R")  # asked behind it
+        await op.until("Release the stop?")
+
+
+async def test_a_shell_is_refused_what_is_greyed_on_the_screen() -> None:
+    async with console(*FAST, remote=True) as op:
+        await reachable(op)
+        await op.press("n")
+        await op.until("no queue is held")
+        refused = await typed("continue")
+        assert (refused.code, refused.err) == (1, "archo-tui: continue: no queue is held\n")
+
+
+@pytest.mark.parametrize("how", ["q", "ctrl+q"])
+async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_quits(
+    how: str,
+) -> None:
+    async with console(*LONG, remote=True) as op:
+        await reachable(op)
+        one = await raw()
+        one.send({"id": 1, "words": ["go", "12", "7"], "wait": True})
+        await op.until("MOVING")
+        await op.press(how)
+        await op.until("Cancel goal and quit")
+        await op.press("tab", "enter")
+        said = await one.result()
+        assert (said["code"], said["text"]) == ("cancelled", "Cancelled mid-route")
+        one.close()
+
+
+def listening(terminal: Terminal) -> None:
+    """Until programs can reach the console in it."""
+    terminal.until(lambda: sockets.socket_paths())
+    terminal.until("wheel_radius")
+
+
+def test_a_screen_that_crashes_ends_a_wait_honestly_and_serves_the_next_program(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal(*SLOW, code=FAIL_ONCE)
+    terminals.append(terminal)
+    listening(terminal)
+    lost = said("go", "12", "--wait")
+    assert lost.code == 3
+    assert lost.err.endswith("the console is gone; the robot may still be moving\n")
+    terminal.until("The screen crashed and was restarted")
+    assert said("wait", "arrived", "--timeout", "0").code == 4  # the goal runs on
+    assert said("stop") == (0, "", "confirmed\n")
+    terminal.until("STOPPED")
+
+
+def test_a_console_that_gets_a_signal_cancels_and_says_so_to_the_shell(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    listening(terminal)
+    told: list[Said] = []
+    shell = threading.Thread(target=lambda: told.append(said("go", "12", "--wait")))
+    shell.start()
+    terminal.until("MOVING")
+    terminal.kill(signal.SIGTERM)
+    assert terminal.exit_code() == 128 + signal.SIGTERM
+    shell.join(5.0)
+    assert told[0].code in (3, 5), told
+    assert not sockets.socket_paths()
+
+
+def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
+    terminal = Terminal("--no-remote")
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    assert said("status").code == 3
+    assert not sockets.socket_paths()

@@ -1,0 +1,219 @@
+"""Options of verbs, their help, and what is said of verbs where no console runs."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Iterator
+from contextlib import nullcontext
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from archo_tui.cli.verb_help import helps, verbs_of_file
+from archo_tui.client import find, shell
+from archo_tui.errors import ArchoError
+from tests.support.console import FAST, LONG
+from tests.support.ros import begin
+from tests.support.shells import heard, raw, said, served, typed, until
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+MISUSED = [
+    ("go 3 --follow", "go has no --follow: events and echo have it"),
+    ("events --once", "events has no --once: echo has it"),
+    ("go 3 --line", "go has no --line: status has it"),
+    ("go 3 --leave", "--leave goes with --wait"),
+    ("reset --wait", "reset has no --wait: it sends no goals"),
+    ("status --wait", "status has no --wait: it sends no goals"),
+    ("wait idle --wait", "wait has no --wait"),
+    ("go 3 --timeout soon", "--timeout: not a time in s: soon"),
+    ("events 3 --follow", "only events can be followed, without further words"),
+    ("go 3 --nosuch", "not a whole number: --nosuch"),
+]
+
+
+async def test_an_option_that_a_verb_does_not_have_is_misuse_and_nothing_is_sent() -> None:
+    async with served(ros_args=FAST) as person:
+        for words, why in MISUSED:
+            told = await typed(*words.split())
+            assert (told.code, told.out) == (2, ""), words
+            assert why in told.err, words
+        assert person._plain._station.robot.snapshot.goal is None
+
+
+async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -> None:
+    async with served(ros_args=LONG) as person:
+        station = person._plain._station
+        told = await typed("go", "12", "7", "--wait", "--timeout", "0.5")
+        assert (told.code, told.err) == (
+            4,
+            "accepted\narcho-tui: go: not within 0.5 s: Cancelled mid-route\n",
+        )
+        assert station.robot.snapshot.running_goal is None
+        assert not station.queue.waiting
+        left = await typed("go", "3", "--wait", "--leave", "--timeout", "0.5")
+        assert (left.code, "not within 0.5 s; what was sent goes on" in left.err) == (4, True)
+        assert station.robot.snapshot.running_goal is not None
+        assert (await typed("cancel", "--timeout", "5")).code == 0
+        assert (await typed("events", "--follow", "--timeout", "0.2")).code == 4
+        assert (await typed("wait", "battery", "101", "--timeout", "0.2")).code == 4
+        assert (await typed("stop", "--timeout", "0")).code == 0
+        await heard(person, "STOP: confirmed")
+
+
+class Deaf(Node):
+    """Has a service that answers when the test says so."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("deaf", **given)
+        self.asked = 0
+        self.awake: Future[bool] = Future()
+        self.create_service(Trigger, "ponder", self.ponder)
+
+    async def ponder(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self.asked += 1
+        await self.awake
+        response.success = True
+        return response
+
+
+async def test_a_call_that_is_not_answered_in_its_time_may_still_be_done() -> None:
+    made: list[Deaf] = []
+
+    def make(**given: Any) -> Deaf:
+        made.append(Deaf(**given))
+        return made[-1]
+
+    async with served(make):
+        asked = asyncio.ensure_future(typed("call", "/ponder", "--timeout", "0.5"))
+        await until(lambda: made and made[0].asked)
+        told = await asked
+        assert told.code == 4
+        assert "not within 0.5 s: the robot may still do it" in told.err
+        begin(made[0], lambda: made[0].awake.set_result(True))
+        assert (await typed("status", "--line")).code == 0
+
+
+NOBODY = "no console runs here"
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        ("release", 3, f"archo-tui: {NOBODY}"),
+        ("reset", 3, f"archo-tui: {NOBODY}"),
+        ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
+        ("relaese", 2, f"archo-tui: no command 'relaese' (nearest: release), and {NOBODY}"),
+        ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
+        ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
+        ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
+        ("stop", 3, f"archo-tui: {NOBODY}"),
+        ("stop;", 3, f"archo-tui: {NOBODY}"),
+    ],
+)
+def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> None:
+    told = said(*words.split())
+    assert (told.code, told.out) == (code, "")
+    assert told.err.startswith(text)
+
+
+def test_without_a_console_every_verb_has_its_help() -> None:
+    for verb in verbs_of_file().values():
+        told = said(verb.id, "--help")
+        assert (told.code, told.err) == (0, "")
+        assert told.out.startswith(f"{verb.help_line}\n\noptions:\n")
+        assert ("--wait" in told.out, "--yes" in told.out) == (
+            verb.has_goals,
+            verb.may_ask,
+        ) or verb.id == "stop"
+
+
+async def test_help_is_the_same_with_a_console() -> None:
+    async with served(ros_args=FAST) as person:
+        for verb in verbs_of_file():
+            if verb != "stop":
+                assert (await typed(verb, "--help")).out == f"{helps()[verb]}\n"
+        nearest = await typed("chek", "x.py")
+        assert nearest.err.endswith("archo-tui: no command 'chek' (nearest: check)\n")
+        assert "STOP" not in person.said
+
+
+async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
+    async with served(ros_args=FAST):
+        for words in (["wait", "--help"], ["wait", "idle", "--help"]):
+            told, as_json = await typed(*words), await typed(*words, "--json")
+            assert (told.code, as_json.code) == (0, 0)
+            assert told.out.startswith("wait idle|arrived|ready|stopped|battery N: ")
+            assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
+
+
+async def test_a_person_who_says_no_in_time_has_answered() -> None:
+    async with served(ros_args=FAST):
+        await typed("stop")
+        client = await raw()
+        await client.line()
+        release = {"id": 1, "words": ["release"], "person": True}
+        for timeout, code, text in (
+            (DEADLINE, "cancelled", "stay stopped"),
+            (0.1, "ran_out", "not within 0.1 s: nobody has answered"),
+        ):
+            client.send({**release, "timeout": timeout})
+            assert "Release the stop?" in (await client.line())["ask"]
+            if code == "cancelled":
+                client.send({"answer": False})
+            result = await client.result()
+            assert (result["code"], result["text"]) == (code, text)
+        client.close()
+
+
+def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixture[str]) -> None:
+    def attach() -> Any:
+        raise ArchoError("ROS 2 was not found")
+
+    assert shell.run(["stop", "--json"], (), attach, {"engine": "ros2"}) == 2
+    assert json.loads(capsys.readouterr().out) == {"code": "misuse", "text": "ROS 2 was not found"}
+
+
+class Graph:
+    """Stands for the graph: a robot that is attached to where no console runs."""
+
+    def __init__(self) -> None:
+        self.asked: list[dict[str, Any]] = []
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        self.asked.append(asked)
+        yield {"code": "done", "text": "confirmed"}
+
+    def replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        raise NotImplementedError
+
+    def send(self, said: dict[str, Any]) -> None:
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize(
+    ("words", "variable", "reaches"),
+    [
+        ("stop", "", True),
+        ("stop;", "4711", True),
+        ("stop --to 4711", "", False),
+        ("cancel", "", True),
+        ("cancel", "4711", False),
+        ("cancel --to 4711", "", False),
+        ("cancel --help", "", False),
+    ],
+)
+def test_the_graph_is_attached_to_where_no_console_is_named(
+    words: str, variable: str, reaches: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(find.CHOSEN, variable)
+    graph = Graph()
+    meant = {"engine": "ros2", "domain": 5}
+    code = shell.run(words.split(), (), lambda: nullcontext(graph), meant, helps)
+    assert bool(graph.asked) == reaches
+    assert code == (0 if reaches or "--help" in words else 3)

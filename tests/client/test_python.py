@@ -1,0 +1,518 @@
+"""`archo_tui.connect()`: every method, the error that each end is, and what is given up."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import pydoc
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+import archo_tui
+from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unconfirmed, Unreached
+from archo_tui.client import connection, find, sockets
+from archo_tui.client import robot as robots
+from archo_tui.client.errors import data_or_raise
+from archo_tui.client.robot import GoalHandle, Robot
+from archo_tui.console import session
+from archo_tui.console.session import RequestHandler
+from archo_tui.errors import ArchoError
+from archo_tui.robot.outcome import Code
+from tests.support import chosen, warm
+from tests.support.console import FAST, LONG
+from tests.support.plain import Typed
+from tests.support.script import SLOW, Script
+from tests.support.shells import heard, reached, served, typed, until
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+REPORTING = ("-p", "feedback_period:=0.05")
+
+
+async def does(work: Callable[[Robot], Any]) -> Any:
+    """What a program gets from a robot of its own connection."""
+
+    def run() -> Any:
+        with archo_tui.connect() as robot:
+            return work(robot)
+
+    return await asyncio.to_thread(run)
+
+
+async def test_the_state_is_typed_and_measured() -> None:
+    async with served(ros_args=FAST):
+        status = await does(lambda robot: robot.status())
+        assert status.robot == "ARCHO"
+        assert 0 < status.battery.percentage <= 100
+        assert (status.battery.source, status.motion.word) == ("measured", "IDLE")
+        assert (status.goal, status.alarms, status.queue.waiting) == (None, [], [])
+        goal = await does(lambda robot: robot.go(12, 7).wait())
+        assert (goal.name, goal.code, goal.values) == ("shelf 7", "arrived", {"shelf_number": 7})
+        assert (await does(lambda robot: robot.status())).goal.code == "arrived"
+
+
+class Named(Node):
+    """Has a list of texts."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("named", **given)
+        self.declare_parameter("names", ["one"])
+        self.declare_parameter("speed", 0.8)
+
+
+async def test_parameters_are_set_and_read_in_their_types() -> None:
+    names = ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"]
+
+    def change(robot: Robot) -> Any:
+        robot.set("named", "names", names)
+        robot.set("named", "speed", 0.5)
+        return robot.get("named", "names"), robot.get("named", "speed", timeout=DEADLINE)
+
+    async with served(Named):
+        assert await does(change) == (names, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("work", "error", "said"),
+    [
+        (lambda robot: robot.go(99), Refused, "shelf 99 is not in 1 .. 40"),
+        (lambda robot: robot.go("there"), Misused, "there"),
+        (lambda robot: robot.go(b"5"), Misused, "b'5': .* bytes"),
+        (lambda robot: robot.go(5, kind="stop"), Misused, "use robot.stop()"),
+        (lambda robot: robot.go(5, kind="Stop!"), Misused, "use robot.stop()"),
+        (lambda robot: robot.go(kind="status"), Misused, "it sends no goals"),
+        (lambda robot: robot.go(12, timeout="30 s"), Misused, "not a time in s: 30 s"),
+        (lambda robot: robot.cancel(), Refused, "no goal is running"),
+        (lambda robot: robot.do("jump"), Misused, "jump"),
+        (lambda robot: robot.do("release"), Misused, "nothing to release|add --yes|no stop"),
+        (lambda robot: robot.wait("battery", 101, timeout=0), RanOut, "not yet"),
+        (lambda robot: robot.wait("idle", timeout=float("nan")), Misused, "not a time in s"),
+        (lambda robot: archo_tui.connect("1"), Unreached, "no console 1"),
+    ],
+)
+async def test_each_end_is_an_error_of_its_own(
+    work: Callable[[Robot], Any], error: type[NotDone], said: str, unlimited: Path
+) -> None:
+    async with served(robot=unlimited, ros_args=FAST) as person:
+        if said.startswith("nothing to release"):
+            await does(lambda robot: robot.stop())
+        with pytest.raises(error, match=said) as raised:
+            await does(work)
+        assert isinstance(raised.value, ArchoError)
+        assert error.__name__ in archo_tui.__all__
+        assert "goal MOVING" not in person.said
+
+
+@asynccontextmanager
+async def driving(*args: Any, **given: Any) -> AsyncIterator[tuple[Typed, Robot, Any]]:
+    """A console, its robot in Python, and a goal with a long way."""
+    async with served(ros_args=(*LONG, *REPORTING)) as person:
+        robot = await asyncio.to_thread(archo_tui.connect)
+        goal = await asyncio.to_thread(lambda: robot.go(*(args or (12,)), **given))
+        yield person, robot, goal
+        await asyncio.to_thread(robot.close)
+
+
+def left(goal: Any) -> float:
+    """Return the metres left of what the robot has reported; infinite where it has not."""
+    state = goal.feedback()
+    return float("inf") if state is None or state.remaining is None else float(state.remaining)
+
+
+async def test_a_handle_reports_waits_and_cancels() -> None:
+    async with driving(12, 7) as (person, robot, goal):
+        await until(lambda: left(goal) < 1000.0)
+        first = goal.feedback()
+        assert (first.name, first.code, first.mine) == ("shelf 12", None, True)
+        await until(lambda: 0.0 < left(goal) < first.remaining)
+        with pytest.raises(RanOut, match="the goal still runs"):
+            await asyncio.to_thread(goal.wait, 0.01)
+        with pytest.raises(Misused):
+            await asyncio.to_thread(goal.wait, -1)
+        assert not goal.done()
+        status: Any = await asyncio.to_thread(robot.status)
+        assert (status.goal.code, status.queue.waiting) == (None, ["7"])
+        await asyncio.to_thread(goal.cancel)
+        assert goal.done()
+        with pytest.raises(Cancelled):
+            goal.wait()
+        await asyncio.to_thread(goal.cancel)  # once more changes nothing
+        await heard(person, "CANCELLED")
+        assert (await asyncio.to_thread(robot.status)).queue.waiting == []
+
+
+async def test_a_goal_that_ends_otherwise_raises() -> None:
+    async with driving() as (_, robot, goal):
+        await typed("cancel")
+        with pytest.raises(Cancelled, match="Cancelled mid-route"):
+            await asyncio.to_thread(goal.wait)
+        goal = await asyncio.to_thread(robot.go, 5)
+        await asyncio.to_thread(robot.stop, "a person is in the way", at=3)
+        with pytest.raises(Aborted):
+            await asyncio.to_thread(goal.wait)
+        with pytest.raises(Refused):
+            await asyncio.to_thread(robot.go, 5)
+
+
+@pytest.mark.parametrize(
+    ("code", "error"),
+    [
+        *((code, Unconfirmed) for code in (Code.TIMEOUT, Code.NOT_CONFIRMED)),
+        *((code, Refused) for code in (Code.REFUSED, Code.NOT_OFFERED, Code.WATCHING)),
+    ],
+)
+def test_only_what_was_surely_not_done_counts_as_refused(code: Code, error: type[NotDone]) -> None:
+    with pytest.raises(error):
+        data_or_raise({"code": code.value, "text": ""})
+
+
+def test_a_cancel_of_a_goal_that_is_lost_says_that_the_robot_may_move() -> None:
+    replies = [{"said": "accepted"}, {"code": "timeout", "text": "goal lost"}]
+    request: Any = SimpleNamespace(
+        replies=lambda: iter(replies), close=lambda: None, give_up=lambda: None
+    )
+    with pytest.raises(Unconfirmed, match="goal lost"):
+        GoalHandle(request).cancel()
+
+
+def test_a_goal_that_ends_at_once_is_accepted_all_the_same() -> None:
+    replies = [{"said": "go to shelf 12: accepted"}, {"code": "aborted", "text": "it slipped"}]
+    request: Any = SimpleNamespace(replies=lambda: iter(replies), close=lambda: None)
+    handle = GoalHandle(request)
+    assert handle._has_ended.wait(DEADLINE)
+    handle._wait_until_accepted()
+    with pytest.raises(Aborted, match="it slipped"):
+        handle.wait()
+
+
+async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
+    async with driving(12, timeout=1) as (person, _, goal):
+        with pytest.raises(RanOut, match="not within 1 s"):
+            await asyncio.to_thread(goal.wait)
+        await heard(person, "CANCELLED")
+
+
+async def test_of_a_robot_that_brakes_for_long_the_time_is_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(session, "_CALL_OFF_TIMEOUT", 0.5)
+    async with served(ros_args=("-p", "feedback_period:=5.0")):
+        await typed("wait", "ready")
+        with pytest.raises(RanOut, match=r"not within 0\.1 s; what was sent may still be done"):
+            await does(lambda robot: robot.go(12, timeout=0.1).wait())
+
+
+async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refused() -> None:
+    async with driving() as (person, robot, goal):
+        events = await asyncio.to_thread(robot.events)
+        await asyncio.to_thread(robot.close)
+        assert goal.done()
+        await heard(person, "CANCELLED")
+        with pytest.raises(NotDone):
+            await asyncio.to_thread(list, events)
+        with pytest.raises(Misused, match="connect"):
+            await asyncio.to_thread(robot.status)
+        await asyncio.to_thread(robot.stop)
+        await heard(person, "STOP: confirmed")
+
+
+async def test_what_the_program_leaves_to_the_console_goes_on() -> None:
+    async with served(ros_args=LONG) as person:
+        await does(lambda robot: robot.do("go", "12"))
+        await heard(person, "MOVING to 12")
+        status = await does(lambda robot: robot.status())
+        assert (status.goal.code, status.motion.moving) == (None, True)
+
+
+# ctrl+c and threads
+
+
+async def test_any_exception_in_a_wait_cancels_the_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with driving() as (person, robot, goal):
+
+        def interrupted(*_: Any) -> bool:
+            raise KeyboardInterrupt
+
+        with monkeypatch.context() as patch:
+            patch.setattr(goal._has_ended, "wait", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                goal.wait()
+        await heard(person, "CANCELLED")
+        await until(goal.done)
+        begun = time.monotonic()
+        with pytest.raises(Refused, match="no goal is running"):
+            await asyncio.to_thread(robot.cancel)
+        assert time.monotonic() - begun < DEADLINE
+
+
+async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered() -> None:
+    async with driving() as (_, robot, goal):
+
+        def within() -> list[str]:
+            found = []
+            for event in robot.events(timeout=DEADLINE):
+                found.append(event["text"])
+                assert robot.status().goal is not None
+                if "log" in event["text"]:
+                    break
+            return found
+
+        looping = asyncio.ensure_future(asyncio.to_thread(within))
+        waiting = asyncio.ensure_future(asyncio.to_thread(goal.wait))
+        many = [asyncio.to_thread(robot.get, "motor_controller", "max_speed") for _ in range(8)]
+        assert set(await asyncio.gather(*many)) == {0.8}
+        while not looping.done():
+            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "debug")
+            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "unset")
+        assert await looping
+        await asyncio.to_thread(robot.stop)
+        with pytest.raises(Aborted):
+            await waiting
+        assert len(robot._handles) == 1
+
+
+async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_call() -> None:
+    async with served(ros_args=FAST):
+
+        def listened(robot: Robot) -> list[str]:
+            events = robot.events(timeout=1.5)
+            robot.go(12).wait()
+            return [event["text"] for event in events]
+
+        assert "Arrived at shelf 12" in await does(listened)
+
+
+REPL = """
+import json, signal, sys, threading, archo_tui
+from archo_tui.client import robot, find
+robot._SILENCE = find.WAKE_TIMEOUT = 1.0
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
+robot = archo_tui.connect()
+for line in sys.stdin:
+    try:
+        told = repr(eval(line))
+    except BaseException as error:
+        sys.last_value = error  # as the REPL does, with all that its frames hold
+        told = f"{type(error).__name__}: {error}"
+    print(json.dumps(told), flush=True)
+"""
+
+
+@pytest.fixture
+def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Processes look nowhere else."""
+    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
+
+
+@pytest.mark.usefixtures("one_folder")
+def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
+    script = Script(*SLOW, fresh=True)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    python = subprocess.Popen(
+        warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+    )
+    assert python.stdin is not None
+    assert python.stdout is not None
+
+    def enter(line: str) -> None:
+        assert python.stdin is not None
+        python.stdin.write(f"{line}\n")
+        python.stdin.flush()
+
+    def told() -> str:
+        assert python.stdout is not None
+        return str(json.loads(python.stdout.readline()))
+
+    try:
+        for call in ("robot.go(12).wait()", "robot.do('go', '12', wait=True)"):
+            seen = script.said.count("goal CANCELLED")
+            moved = script.said.count("goal MOVING to 12")
+            enter(call)
+            _until(script, lambda n=moved: script.said.count("goal MOVING to 12") > n)  # type: ignore[misc]
+            python.send_signal(signal.SIGINT)
+            assert told().startswith("KeyboardInterrupt")
+            _until(script, lambda n=seen: script.said.count("goal CANCELLED") > n)  # type: ignore[misc]
+            enter("robot.cancel()")
+            assert told() == "Refused: no goal is running"
+        script.signal(signal.SIGSTOP)
+        enter("robot.status()")
+        assert "does not answer: is it suspended?" in told()
+        enter("archo_tui.connect()")
+        assert "does not answer: is it suspended?" in told()
+        enter("archo_tui.stop()")
+        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        enter("robot.stop()")
+        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        script.signal(signal.SIGCONT)
+        script.until("STOP: confirmed")
+        python.kill()
+    finally:
+        python.kill()
+        python.communicate()
+        script.close()
+
+
+# a worker of a program, as multiprocessing makes it: it lives on when the program is killed
+FORKS = """
+import os, sys, time
+import archo_tui
+def told(call):
+    try:
+        return call()
+    except archo_tui.NotDone as error:
+        return type(error).__name__
+with archo_tui.connect() as robot:
+    goal = robot.go(12)
+    if not os.fork():
+        with robot:
+            said = told(lambda: goal.wait(9)), told(goal.cancel), robot.status().goal.name
+            print(*said, flush=True)
+        sys.stdin.read()
+        os._exit(0)
+    print("forked", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.usefixtures("one_folder")
+def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
+    script = Script(*SLOW)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    python = subprocess.Popen(
+        warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+    )
+    assert python.stdout is not None
+    try:
+        said = {python.stdout.readline(), python.stdout.readline()}
+        assert said == {"forked\n", "Unreached Unreached shelf 12\n"}
+        script._read()
+        assert "goal CANCELLED" not in script.said
+        python.kill()
+        script.until("goal CANCELLED")
+    finally:
+        python.kill()
+        python.communicate()
+        script.close()
+
+
+async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
+    async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
+        goal = await asyncio.to_thread(archo_tui.connect().go, 12)
+        await heard(person, "goal MOVING")
+    await until(goal.done)
+    with pytest.raises(Unreached, match="may still be moving"):
+        await asyncio.to_thread(goal.cancel)
+
+
+def _until(script: Script, holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + DEADLINE
+    while not holds():
+        script._read()
+        assert time.monotonic() < end, script.said
+        time.sleep(0.01)
+
+
+async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    has_left, gone = threading.Event(), RequestHandler.on_client_left
+
+    def left(desk: RequestHandler, client: Any) -> None:
+        gone(desk, client)
+        has_left.set()
+
+    monkeypatch.setattr(RequestHandler, "on_client_left", left)
+    async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
+        await until(has_left.is_set)
+        has_left.clear()
+        with reached() as program:
+            request = {"id": 1, "words": ["go", "12"], "wait": True, "timeout": 60}
+            program.send(json.dumps(request).encode() + b"\n")
+        assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
+        await typed("wait", "idle")
+        assert "go to shelf 12: accepted" not in person.said
+        assert (await does(lambda robot: robot.status())).goal is None
+
+
+async def test_what_is_sent_after_its_time_is_not_sent() -> None:
+    async with served(ros_args=LONG) as person:
+        with pytest.raises(RanOut):
+            await does(lambda robot: robot.do("go", "12", timeout=0))
+        assert (await does(lambda robot: robot.status())).goal is None
+        assert "go to shelf 12: accepted" not in person.said
+
+
+# consoles that hang or go
+
+
+async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robots, "_SILENCE", 0.5)
+    asked: list[float] = []
+    reach = find.reach
+
+    def reached(path: str, within: float = 1.0) -> Any:
+        asked.append(within)
+        if len(asked) > 2:
+            raise connection.Unreached("the console of pid 7 does not answer: is it suspended?")
+        return reach(path, within)
+
+    async with driving() as (person, robot, goal):
+        monkeypatch.setattr(find, "reach", reached)
+        with pytest.raises(Unreached, match="is it suspended"):
+            await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
+        assert asked == [1.0, 0.5, 0.5]  # while it answers, it is waited for
+        assert not goal.done()  # it reports
+        await asyncio.to_thread(goal.cancel)
+        await heard(person, "CANCELLED")
+
+
+async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() -> None:
+    domain = chosen.next_domain()
+    async with served(ros_args=LONG, domain_id=domain):
+        robot = await asyncio.to_thread(archo_tui.connect)
+    with pytest.raises(Unreached, match="no console"):
+        await asyncio.to_thread(robot.stop)
+    with pytest.raises(Unreached, match="gone"):
+        await asyncio.to_thread(robot.status)
+    with pytest.raises(Unreached, match="no console runs here"):
+        await asyncio.to_thread(archo_tui.stop)
+    async with served(ros_args=LONG, domain_id=domain) as person:
+        await asyncio.to_thread(robot.do, "stop", "now")
+        await heard(person, "STOP: confirmed")
+        await asyncio.to_thread(archo_tui.stop, str(os.getpid()))
+        await until(lambda: person.said.count("STOP: confirmed") == 2)
+
+
+def test_without_a_console_nothing_is_reached() -> None:
+    with pytest.raises(Unreached, match="no console runs here"):
+        archo_tui.connect()
+
+
+def test_help_explains_each_argument_that_is_public() -> None:
+    assert "/north" in pydoc.render_doc(archo_tui.connect)
+    for kind in (Robot, GoalHandle):
+        for name, method in vars(kind).items():
+            if name.startswith("_") or not callable(method):
+                continue
+            names = method.__code__.co_varnames[1 : method.__code__.co_argcount]
+            for argument in names:
+                assert f"{argument}: " in (method.__doc__ or ""), (name, argument)
+    with pytest.raises(AttributeError):
+        archo_tui.nothing  # noqa: B018
+    assert set(archo_tui.__all__) - {"__version__", "connect", "stop"} <= set(dir(archo_tui))

@@ -1,0 +1,411 @@
+"""`archo-tui VERB`: what a shell says, prints and ends with."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from unittest.mock import patch
+
+import pytest
+
+from archo_tui.cli.options import SUBCOMMANDS
+from archo_tui.client import shell
+from archo_tui.robot.state.goal import Phase
+from tests.support import script, warm
+from tests.support.console import FAST, LONG
+from tests.support.hesitant import Hesitant
+from tests.support.robot import making
+from tests.support.script import SLOW, Script
+from tests.support.shells import Said, heard, raw, said, served, typed, until
+from tests.support.terminal import Terminal
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+
+def client(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        warm.python("-m", "archo_tui", *words),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+async def ended(process: subprocess.Popen[str]) -> Said:
+    """How a client in a process of its own ends."""
+    out, err = await asyncio.to_thread(process.communicate, timeout=DEADLINE)
+    return Said(process.returncode, out, err)
+
+
+async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
+    async with served(ros_args=FAST) as person:
+        said = await typed("go", "12", "7", "--wait")
+        assert said == (0, "", "accepted\nArrived at shelf 7\n")
+        assert "SHELL pid " in person.said
+        assert "Arrived at shelf 12" in person.said
+        assert (await typed("go", "12")) == (0, "", "accepted\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
+        ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
+        ("jmup", 2, "archo-tui: no command 'jmup' (archo-tui --help lists them)"),
+        ("relaese", 2, "archo-tui: no command 'relaese' (nearest: release)"),
+        ("cancel", 1, "archo-tui: cancel: no goal is running"),
+        ("release", 1, "archo-tui: release: the robot is not stopped"),
+        ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready, stopped or battery N"),
+        ("wait arrived", 1, "archo-tui: wait: no goal is running"),
+        ("wait battery 101 --timeout 0", 4, "archo-tui: wait: not yet"),
+        ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),
+        ("set motor_controller max_speed 9", 2, "archo-tui: set: motor_controller max_speed: "),
+        ("status --jsn", 2, "archo-tui: status: takes no values (nearest to --jsn: --json)"),
+        ("status --to 1", 3, "archo-tui: no console 1 runs here"),
+        ("wait idle", 0, "idle"),
+        ("wait ready", 0, "ready"),
+        ("wait battery 10", 0, "8"),  # and some tenths less on a slow machine
+    ],
+)
+async def test_the_exit_code_says_how_it_ended(words: str, code: int, text: str) -> None:
+    async with served(ros_args=FAST):
+        said = await typed(*words.split())
+        assert (said.code, said.out) == (code, ""), said
+        assert said.err.startswith(text), said
+
+
+async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> None:
+    async with served(ros_args=LONG) as person:
+        first = client("go", "12", "--wait")
+        await heard(person, "MOVING to 12")
+        second = client("go", "7", "--wait")
+        await until(lambda: person._plain._station.queue.waiting)
+        assert (await typed("wait", "arrived", "--timeout", "0")).code == 4
+        assert (await typed("cancel")).code == 0
+        assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
+        assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
+        await until(lambda: not person._plain._station.queue.waiting)  # nobody waits for it now
+
+
+async def test_nothing_is_left_of_a_list_that_was_refused_behind_a_stop() -> None:
+    async with served(ros_args=FAST) as person:
+        assert (await typed("stop")).code == 0
+        refused = await typed("go", "3", "4", "--wait")
+        assert refused.code == 1
+        assert refused.err.endswith("not driven either: 4\n")
+        assert (await typed("release", "--yes")).code == 0
+        assert "no queue is held" in (await typed("continue")).err
+        assert not person._plain._station.queue.waiting
+
+
+async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
+    async with served(ros_args=FAST) as person:
+        station = person._plain._station
+        assert (await typed("go", "12", "7")).code == 0
+        await typed("stop")
+        await until(lambda: station.queue.hold_reason)
+        assert (await typed("release", "--yes")).code == 0
+        waits = await typed("go", "3", "5", "--wait")
+        assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")
+        await heard(person, "Arrived at shelf 3")
+        await heard(person, "left out of the queue: 5 (nobody waits for it any more)")
+        assert [goal.text for goal in station.queue.waiting] == ["7"]
+
+
+async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
+    async with served(ros_args=LONG) as person:
+        assert (await typed("go", "12", "7")).code == 0
+        assert (await typed("cancel")) == (0, "", "accepted; held in the queue: 7\n")
+        await heard(person, "queue held: 7 (cancelled)")
+        assert (await typed("go", "3")) == (0, "", "accepted\n")
+        assert (await typed("go", "5")) == (0, "", "queued, held: cancelled\n")
+
+
+async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
+    async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
+        station = person._plain._station
+        waits = client("go", "12", "7", "--wait")
+        await heard(person, "MOVING to 12")
+        station.goals._become(station.queue._hold("an obstacle"))
+        await heard(person, "queue held: 7 (an obstacle)")
+        assert (await typed("continue")).code == 0
+        assert (await typed("set", "motor_controller", "time_scale", "75")).code == 0
+        assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")
+
+
+async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
+    async with served(ros_args=LONG) as person:
+        waits = client("go", "12", "7", "--wait")
+        await heard(person, "MOVING to 12")
+        assert await typed("stop") == Said(0, "", "confirmed\n")
+        assert (await ended(waits)).code == 1  # aborted
+        await heard(person, "queue held: 7")
+        asked = await typed("release")
+        assert asked.code == 2
+        assert "Release the stop? Moves are allowed again" in asked.err
+        assert "(add --yes to do it)" in asked.err
+        assert (await typed("release", "--yes")).code == 0
+
+
+@pytest.mark.parametrize(
+    "spelled",
+    ["STOP", "Stop!", "stop now please", "stop --timeout soon", "stop --json --to", "stop \udcff"],
+)
+async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
+    async with served(ros_args=FAST) as person:
+        assert (await typed(*spelled.split())).code == 0
+        await heard(person, "STOP: confirmed")
+
+
+async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> None:
+    async with served(ros_args=FAST) as person:
+        spoken = person._plain._verbs
+        for verb, options in (
+            ("go", {"--wait", "--leave", "--yes", "--timeout", "--json", "--to"}),
+            ("cancel", {"--yes", "--timeout", "--json", "--to"}),
+            ("stop", {"--json", "--to"}),
+            ("wait", {"--timeout", "--json", "--to"}),
+            ("status", {"--line", "--timeout", "--json", "--to"}),
+            ("echo", {"--once", "--timeout", "--json", "--to"}),
+            ("events", {"--follow", "--timeout", "--json", "--to"}),
+        ):
+            told = await typed(verb, "--help")
+            assert (told.code, told.err) == (0, "")
+            line, *rest = told.out.splitlines()
+            if verb in spoken:
+                assert line == spoken[verb].help_line
+            assert {word for row in rest for word in row.split()[:1] if word[0] == "-"} == options
+        assert "STOP: confirmed" not in person.said
+        for words in (["stop", "--help", "now"], ["STOP", "--help"]):
+            assert (await typed(*words)).code == 0
+            await heard(person, "STOP: confirmed")
+
+
+async def test_what_cannot_be_printed_is_an_error_and_what_need_not_be_is_none() -> None:
+    async with served(ros_args=FAST):
+        for command, code in (("status", 1), ("consoles", 1), ("stop", 0)):
+            done = await asyncio.to_thread(script.shell, f"archo {command} >&-")
+            assert done.returncode == code, done
+            assert (b"cannot write to standard output" in done.stderr) == bool(code)
+
+
+async def test_data_is_on_standard_output_and_nothing_else() -> None:
+    async with served(ros_args=FAST):
+        line = await typed("status", "--line")
+        assert (line.code, line.err) == (0, "")
+        assert line.out.startswith("ARCHO 8")
+        told = json.loads((await typed("status", "--json")).out)
+        assert told["code"] == "done"
+        assert told["data"]["battery"]["source"] == "measured"
+        assert told["data"]["goal"] is None
+        result = json.loads((await typed("go", "99", "--wait", "--json")).out.splitlines()[-1])
+        assert result["code"] == "misuse"
+        params = json.loads((await typed("params", "--json")).out)["data"]
+        speed = next(p for p in params if p["name"] == "max_speed")
+        assert (speed["value"], speed["high"]) == (0.8, 2.0)
+
+
+class Full(io.StringIO):
+    """A terminal that takes nothing more."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("stderr", [None, Full()])
+async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None) -> None:
+    def run(*words: str) -> int:
+        with patch.object(sys, "stderr", stderr), patch.object(sys, "stdin", Full()):
+            return shell.run(words, SUBCOMMANDS)
+
+    async with served(ros_args=FAST) as person:
+        assert await asyncio.to_thread(run, "go", "12", "--wait") == 0
+        assert await asyncio.to_thread(run, "stop") == 0
+        assert await asyncio.to_thread(run, "go", "99") == 2
+        await heard(person, "Arrived at shelf 12")
+
+
+async def test_without_a_console_it_is_one_line_and_3() -> None:
+    code, out, err = await typed("go", "12")
+    assert (code, out, err.count("\n")) == (3, "", 1)
+    assert err.startswith(
+        "archo-tui: no console runs here: start archo-tui, or archo-tui --plain; "
+        "ARCHO_TUI_SOCKETS is set: only /"
+    )
+    nearest = await typed("chek", "x.py")
+    assert nearest.code == 2
+    assert "no command 'chek' (nearest: check), and no console runs here" in nearest.err
+
+
+def test_where_there_are_no_such_sockets_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("socket.AF_UNIX")
+    assert said("status") == Said(
+        3, "", "archo-tui: this system has no sockets for it: only Linux and macOS do\n"
+    )
+
+
+async def test_of_several_consoles_none_is_guessed_and_stop_goes_to_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    other = Script()
+    other.type("status\n")
+    other.until("\ngoal No goal yet")
+    try:
+        async with served(ros_args=FAST) as person:
+            refused = await typed("go", "12")
+            assert refused.code == 3
+            assert "several consoles run here" in refused.err
+            assert refused.err.count("ARCHO /, ") == 2
+            stopped = await typed("stop")
+            assert (stopped.code, stopped.err.count("confirmed")) == (0, 2)
+            await heard(person, "STOP: confirmed")
+            other.until("STOP: confirmed")
+    finally:
+        other.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
+    script = Script(*SLOW)
+    try:
+        script.type("status\n")
+        script.until("\ngoal No goal yet")
+        shell = client("go", "12", "7", "--wait")
+        script.until("MOVING to 12")
+        shell.send_signal(number)
+        _, err = shell.communicate(timeout=DEADLINE)
+        script.until("CANCELLED")
+        if number != signal.SIGKILL:
+            assert shell.returncode == 130
+            assert "Cancelled" in err
+        script.type("status\n")
+        assert "shelf 7" not in script.said
+    finally:
+        script.close()
+
+
+def moving(*words: str) -> tuple[Script, subprocess.Popen[str]]:
+    """A console, and a shell whose goal runs."""
+    script = Script(*SLOW, fresh=True)  # it may be suspended
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    shell = client(*words)
+    script.until("MOVING to 12")
+    return script, shell
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["once", "twice"])
+def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None:
+    script, shell = moving("go", "12", "--wait")
+    try:
+        script.signal(signal.SIGSTOP)
+        shell.send_signal(signal.SIGINT)
+        if again:
+            with pytest.raises(subprocess.TimeoutExpired):
+                shell.wait(1.0)
+            shell.send_signal(signal.SIGTERM)
+        _, err = shell.communicate(timeout=4.0)
+        assert "Traceback" not in err
+        if again:
+            assert shell.returncode == -signal.SIGTERM
+        else:
+            assert shell.returncode == 130
+            assert "the console does not answer; the robot may still be moving" in err
+        script.signal(signal.SIGCONT)
+        script.until("CANCELLED")
+    finally:
+        script.close()
+
+
+def test_with_leave_ctrl_c_leaves_the_goal_running() -> None:
+    script, shell = moving("go", "12", "--wait", "--leave")
+    try:
+        shell.send_signal(signal.SIGINT)
+        shell.communicate(timeout=2.0)
+        assert shell.returncode == 130
+        assert said("wait", "arrived", "--timeout", "0.5").code == 4
+    finally:
+        script.close()
+
+
+@pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
+def test_what_asks_is_answered_at_the_callers_terminal(
+    typed: str, code: int, terminals: list[Terminal]
+) -> None:
+    script = Script(*SLOW)
+    try:
+        script.type("stop\n")
+        script.until("STOP: confirmed")
+        terminal = Terminal("release")
+        terminals.append(terminal)
+        terminal.until("nothing resumes by itself. [y/N]")
+        terminal.write(typed)
+        assert terminal.exit_code() == code
+        assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
+    finally:
+        script.close()
+
+
+def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
+    script = Script(*SLOW, fresh=True)  # it may be suspended
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    shell = client("go", "12", "--wait")
+    script.until("MOVING to 12")
+    script.signal(signal.SIGKILL)
+    _, err = shell.communicate(timeout=DEADLINE)
+    assert shell.returncode == 3
+    assert "the console is gone; the robot may still be moving" in err
+    script.close()
+
+
+def test_the_client_loads_neither_textual_nor_rclpy_nor_yaml_nor_rich() -> None:
+    code = (
+        "import sys; sys.argv = ['archo-tui', 'status', '--line']\n"
+        "from archo_tui.cli import main\nassert main() == 3\n"
+        "heavy = {'textual', 'rclpy', 'yaml', 'rich', 'typing', 'asyncio', 'platformdirs'}\n"
+        "print(sorted(heavy & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("how", ["--wait", "--wait --leave", "killed"])
+async def test_a_goal_that_is_taken_late_is_cancelled_unless_it_was_left(
+    how: str, unlimited: Path
+) -> None:
+    made: list[Hesitant] = []
+    async with served(making(made, Hesitant), robot=unlimited) as person:
+        robot = person._plain._station.robot
+
+        def phase() -> Phase | None:
+            goal = robot.snapshot.goal
+            return None if goal is None else goal.phase
+
+        await until(lambda: "move_to_shelf" in robot.snapshot.offered)
+        if how == "killed":
+            program = await raw()
+            program.send({"id": 1, "words": ["go", "12"], "wait": True})
+            await until(lambda: made[0].seen)
+            program.close()
+        else:
+            told = await typed("go", "12", *how.split())
+            assert (told.code, "the goal may be running" in told.err) == (1, True)
+        await until(lambda: "go to shelf 12: no answer in 2 s" in person.said)
+        made[0].answer()
+        if how == "--wait --leave":
+            await until(lambda: phase() == Phase.MOVING)
+            assert not made[0].cancelled.done()
+            await typed("cancel")
+        await until(lambda: phase() == Phase.CANCELLED)

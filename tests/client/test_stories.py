@@ -1,0 +1,169 @@
+"""The same stories by keys, by lines, from a shell and from Python: the outcomes are the same."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import archo_tui
+from archo_tui.client.errors import NotDone
+from archo_tui.station.station import Station
+from tests.support.console import FAST, console
+from tests.support.night import corners
+from tests.support.shells import own_socket, served, typed, until
+
+pytestmark = pytest.mark.real_time
+
+
+class Step(NamedTuple):
+    """One thing that an operator does."""
+
+    words: str
+    keys: str
+    outcomes: tuple[str, ...]  # verb and code of what comes of it
+    waits: bool = True  # a shell or a program waits for the end of the goals
+
+
+DRIVEN = ("go accepted", "go arrived")
+GO = Step("go 12", "g 1 2 enter", DRIVEN)
+STOP = Step("stop", "ctrl+x", ("stop done",))
+RELEASE = Step("release --yes", "R y", ("release done",))
+REFUSED = ("go refused",)
+# Not waited for: what a client that waits has queued goes when the client ends.
+QUEUED = Step("go 12 99 7", "g 1 2 space 9 9 space 7 enter", (*DRIVEN, *REFUSED), waits=False)
+STORIES: dict[str, tuple[list[Step], str]] = {
+    "a goal arrives": ([GO], "arrived"),
+    "two in one line arrive": (
+        [Step("go 12 7", "g 1 2 space 7 enter", DRIVEN + DRIVEN)],
+        "arrived",
+    ),
+    "no such shelf": ([Step("go 99", "g 9 9 enter", REFUSED)], "refused"),
+    "what waits behind a refusal is held, and left out": (
+        [
+            QUEUED,
+            Step("skip", "k", ("skip done",)),
+            Step("continue", "n", ()),
+        ],
+        "refused",
+    ),
+    "nothing is left of a list whose first goal is refused": (
+        [
+            Step("go 99 7", "g 9 9 space 7 enter", REFUSED),
+            Step("continue", "n", ()),
+        ],
+        "refused",
+    ),
+    "what is held is continued": (
+        [
+            QUEUED,
+            Step("continue", "n", ("continue done", *DRIVEN)),
+        ],
+        "arrived",
+    ),
+    "a stopped robot goes nowhere": ([STOP, GO._replace(outcomes=REFUSED)], "refused"),
+    "released it goes": ([STOP, RELEASE, GO], "arrived"),
+    "nothing to release": ([Step("release --yes", "R", ())], ""),
+    "the encoder is reset": ([Step("reset", "r", ("reset done",))], ""),
+}
+
+
+def outcomes(station: Station) -> list[str]:
+    """Verb and code of all that was done."""
+    records = [
+        event.audit_record
+        for event in station.robot.snapshot.events
+        if event.audit_record is not None
+    ]
+    return [f"{record.verb} {record.code.value}" for record in records]
+
+
+def is_over(station: Station, wanted: list[str]) -> bool:
+    """True when so much was done, and nothing goes on."""
+    snapshot = station.robot.snapshot
+    stops = [said for said in wanted if said in (*STOP.outcomes, *RELEASE.outcomes)]
+    stopped = bool(stops) and stops[-1] == STOP.outcomes[0]
+    going = snapshot.running_goal is not None or station.queue.is_going
+    there = snapshot.motion.stopped is not None and len(snapshot.offered) >= 7
+    return there and not going and (snapshot.motion.stopped is stopped)
+
+
+async def told(station: Station, steps: list[Step], do: Callable[[Step], Awaitable[object]]) -> str:
+    """Go through a story; returns how its last goal ended."""
+    wanted: list[str] = []
+    await until(lambda: is_over(station, wanted))
+
+    def is_done() -> bool:
+        return len(outcomes(station)) >= len(wanted) and is_over(station, wanted)
+
+    for step in steps:
+        await do(step)
+        wanted += step.outcomes
+        await until(is_done, lambda: str(outcomes(station)))
+        assert outcomes(station) == wanted
+    goal = station.robot.snapshot.goal
+    return "" if goal is None or goal.code is None else goal.code.value
+
+
+@pytest.fixture(params=STORIES)
+def story(request: pytest.FixtureRequest) -> tuple[list[Step], str]:
+    return STORIES[request.param]
+
+
+async def test_by_keys(story: tuple[list[Step], str], unlimited: Path) -> None:
+    steps, end = story
+    async with console(*FAST, robot=unlimited) as op:
+
+        async def do(step: Step) -> None:
+            await op.press(*step.keys.split())
+
+        assert await told(op.session.station, steps, do) == end
+
+
+async def test_by_lines(story: tuple[list[Step], str], unlimited: Path) -> None:
+    steps, end = story
+    async with served(robot=unlimited, ros_args=FAST) as person:
+
+        async def do(step: Step) -> None:
+            person.type(f"{step.words}\n")
+
+        assert await told(person._plain._station, steps, do) == end
+
+
+@pytest.mark.parametrize("screen", corners([False], [True]), ids=["plain", "screen"])
+async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimited: Path) -> None:
+    steps, end = story
+
+    async def do(step: Step) -> None:
+        waits = ["--wait"] if step.words.startswith("go") and step.waits else []
+        said = await typed(*step.words.split(), *waits)
+        is_refused = step.waits and any("refused" in outcome for outcome in step.outcomes)
+        good = bool(step.outcomes) and not is_refused
+        assert said.code == (0 if good else 1), said
+
+    if screen:
+        async with console(*FAST, robot=unlimited, remote=True) as op:
+            await op.until(own_socket)
+            assert await told(op.session.station, steps, do) == end
+    else:
+        async with served(robot=unlimited, ros_args=FAST) as person:
+            assert await told(person._plain._station, steps, do) == end
+
+
+async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> None:
+    steps, end = story
+    async with served(robot=unlimited, ros_args=FAST) as person:
+        with await asyncio.to_thread(archo_tui.connect) as robot:
+
+            def run(step: Step) -> None:
+                with contextlib.suppress(NotDone):
+                    robot.do(*step.words.split(), wait=step.words.startswith("go") and step.waits)
+
+            async def do(step: Step) -> None:
+                await asyncio.to_thread(run, step)
+
+            assert await told(person._plain._station, steps, do) == end
