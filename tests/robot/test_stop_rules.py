@@ -15,9 +15,8 @@ def test_a_machine_to_which_nothing_has_happened_wants_nothing() -> None:
     stop = Stop()
     assert stop.shown == (None, Latch.NONE, "", False, False)
     assert stop.may_start
-    claims = stop.has_reached_nobody, stop.is_held_by_nobody, stop.is_given_up
-    claims += stop.reports, stop.says_stopped, stop.is_held_here
-    assert not any(claims)
+    assert not any((stop.has_reached_nobody, stop.is_held_by_nobody, stop.is_given_up))
+    assert not any((stop.reports, stop.says_stopped, stop.is_held_here))
     assert stop.tick(60.0, ALL)[1] == []
     assert stop.must_be_obeyed(60.0) == 0
     assert not stop.must_follow(1)

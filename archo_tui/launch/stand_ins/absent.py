@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.launch.stand_ins.action import Action, LaunchDescription
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import SkipActionError
-from archo_tui.launch.stand_ins.substitution import Substitution
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    LaunchContext,
+    LaunchDescription,
+    SkipActionError,
+    Substitution,
+)
 
 _PROGRAMS = "no other programs are started here: start it in another terminal"
 _EVENTS = "launch's events are not followed here: what waits for one does not start"

@@ -6,14 +6,18 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from archo_tui.launch.stand_ins import absent, actions, ros_actions
-from archo_tui.launch.stand_ins.action import Action, LaunchDescription
-from archo_tui.launch.stand_ins.conditions import Condition, IfCondition, UnlessCondition
-from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError
+from archo_tui.launch.stand_ins.conditions import IfCondition, UnlessCondition
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    Condition,
+    InvalidLaunchFileError,
+    LaunchDescription,
+    TextSubstitution,
+    at,
+)
 from archo_tui.launch.stand_ins.markup import Element, read
-from archo_tui.launch.stand_ins.parameters import ParameterFile, ParameterValue
-from archo_tui.launch.stand_ins.places import at
-from archo_tui.launch.stand_ins.substitution import TextSubstitution
 from archo_tui.launch.stand_ins.templates import substitutions_in, unescaped, words_in
+from archo_tui.launch.stand_ins.values import ParameterFile, ParameterValue
 from archo_tui.nearest import nearest_hint
 
 _TYPES: dict[str, Any] = {

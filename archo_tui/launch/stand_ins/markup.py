@@ -11,9 +11,8 @@ from xml.parsers import expat
 import yaml
 
 from archo_tui import regular_files
-from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError
-from archo_tui.launch.stand_ins.places import Place
-from archo_tui.launch.stand_ins.typed_values import SCALARS, parts_of
+from archo_tui.launch.stand_ins.core import InvalidLaunchFileError, Place
+from archo_tui.launch.stand_ins.values import SCALARS, parts_of
 from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text import bounded_yaml
 

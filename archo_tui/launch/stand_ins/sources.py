@@ -9,13 +9,15 @@ from types import ModuleType
 from typing import Any
 
 from archo_tui import regular_files
-from archo_tui.launch.stand_ins import ament_index
-from archo_tui.launch.stand_ins.action import LaunchDescription
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError, SkipActionError
-from archo_tui.launch.stand_ins.places import Place, calling_place
-from archo_tui.launch.stand_ins.substitution import (
+from archo_tui.launch.stand_ins import packages
+from archo_tui.launch.stand_ins.core import (
+    InvalidLaunchFileError,
+    LaunchContext,
+    LaunchDescription,
+    Place,
+    SkipActionError,
     SomeSubstitutionsType,
+    calling_place,
     normalize_to_list_of_substitutions,
     perform_substitutions,
 )
@@ -45,7 +47,7 @@ class LaunchDescriptionSource:
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
         """Return the path of the file, and what it describes; each path runs once only."""
         path = os.path.abspath(perform_substitutions(context, self._path))
-        missing = ament_index.index.missing_package(path)
+        missing = packages.index.missing_package(path)
         if missing:
             text = f"{missing} is not here: start its {os.path.basename(path)} with ROS 2"
             raise SkipActionError(text, self.place)
@@ -54,7 +56,7 @@ class LaunchDescriptionSource:
             hint = "AnyLaunchDescriptionSource takes each kind"
             raise InvalidLaunchFileError(f"{text}: {hint}", self.place)
         if not os.path.isfile(path):
-            raise InvalidLaunchFileError(ament_index.index.why_missing(path), self.place)
+            raise InvalidLaunchFileError(packages.index.why_missing(path), self.place)
         if path not in self._loaded:
             self._loaded[path] = load_launch_file(path)
         return path, self._loaded[path]

@@ -6,10 +6,13 @@ import re
 import shlex
 from typing import Any
 
-from archo_tui.launch.stand_ins import absent, ros_substitutions, substitutions
-from archo_tui.launch.stand_ins.failures import SubstitutionFailure
-from archo_tui.launch.stand_ins.places import calling_place
-from archo_tui.launch.stand_ins.substitution import Substitution, TextSubstitution
+from archo_tui.launch.stand_ins import absent, substitutions
+from archo_tui.launch.stand_ins.core import (
+    Substitution,
+    SubstitutionFailure,
+    TextSubstitution,
+    calling_place,
+)
 from archo_tui.nearest import nearest_hint
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -40,15 +43,15 @@ _SUBSTITUTIONS: dict[str, tuple[Any, str]] = {
     "file-content": (substitutions.FileContent, "path"),
     "filename": (substitutions.ThisLaunchFile, ""),
     "find-exec": (_absent("launch.substitutions", "FindExecutable"), "name"),
-    "find-pkg-prefix": (ros_substitutions.FindPackagePrefix, "package"),
-    "find-pkg-share": (ros_substitutions.FindPackageShare, "package"),
+    "find-pkg-prefix": (substitutions.FindPackagePrefix, "package"),
+    "find-pkg-share": (substitutions.FindPackageShare, "package"),
     "if": (substitutions.IfElseSubstitution, "condition if_value | else_value"),
     "launch_log_dir": (_absent("launch.substitutions", "LaunchLogDir"), ""),
     "log_dir": (_absent("launch.substitutions", "LaunchLogDir"), ""),
     "not": (substitutions.NotSubstitution, "value"),
     "not-equals": (substitutions.NotEqualsSubstitution, "left right"),
     "or": (substitutions.OrSubstitution, "left right"),
-    "param": (ros_substitutions.Parameter, "name | default"),
+    "param": (substitutions.Parameter, "name | default"),
     "var": (substitutions.LaunchConfiguration, "variable_name | default"),
 }
 _OF_ANY_NUMBER = {"any": substitutions.AnySubstitution, "all": substitutions.AllSubstitution}
