@@ -17,7 +17,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from archo_tui.launch.plan import LaunchArgument
 
-_SUFFIX = ".launch.py"  # As the names of ROS 2's launch files end.
+_SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml")  # As ROS 2's launch files end.
 
 
 def launch(options: Namespace) -> int:
@@ -51,9 +51,14 @@ def _launch_file(given: Path) -> Path:
     from archo_tui.launch.workspace import Workspace
 
     folders = [package.folder for package in Workspace.below(given).packages.values()]
-    found = sorted(path for folder in folders for path in folder.glob(f"launch/*{_SUFFIX}"))
+    found = sorted(
+        path
+        for folder in folders
+        for path in folder.glob("launch/*")
+        if path.name.endswith(_SUFFIXES)
+    )
     if not found:
-        raise ArchoError(f"{given}: no package of it has launch/*{_SUFFIX}")
+        raise ArchoError(f"{given}: no package of it has launch/*{_SUFFIXES[0]}, .xml or .yaml")
     if len(found) > 1:
         raise ArchoError(f"{given} has several launch files, name one: {' '.join(map(str, found))}")
     return found[0]

@@ -252,7 +252,7 @@ def _launch_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "file",
         metavar="FILE",
-        help="launch file in Python (NAME.launch.py), or a workspace that has one",
+        help="launch file (NAME.launch.py, .xml or .yaml), or a workspace that has one",
     )
     parser.add_argument(
         "arguments",

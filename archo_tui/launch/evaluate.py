@@ -12,6 +12,7 @@ from archo_tui.launch.plan import LaunchArgument, LaunchedProgram, LaunchNote, L
 from archo_tui.launch.workspace import Workspace
 
 EVALUATION_TIME = 10.0  # Seconds that a launch file may take.
+LAUNCH_FILES = (".py", ".xml", ".launch", ".yaml", ".yml")  # The ends of their names.
 _CHILD = "archo_tui.launch.evaluation"
 
 
@@ -77,8 +78,10 @@ def _evaluate_in_process(
     path = Path(given).resolve()
     if not path.is_file():
         raise LaunchFileError(f"{given}: there is no such launch file")
-    if path.suffix != ".py":
-        raise LaunchFileError(f"{given}: only launch files in Python are read: NAME.launch.py")
+    if path.suffix not in LAUNCH_FILES:
+        raise LaunchFileError(
+            f"{given}: not the name of a launch file: NAME.launch.py, .xml, .yaml"
+        )
     request = {
         "file": str(path),
         "arguments": dict(arguments),

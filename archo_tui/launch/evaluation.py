@@ -11,19 +11,24 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch import child_process, user_errors
-from archo_tui.launch.stand_ins import ament_index
-from archo_tui.launch.stand_ins.action import LaunchDescription
-from archo_tui.launch.stand_ins.arguments import DeclaredArgument, declared_arguments
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import SubstitutionFailure
+from archo_tui.launch.stand_ins import frontend, markup, packages
+from archo_tui.launch.stand_ins.core import (
+    DeclaredArgument,
+    LaunchContext,
+    LaunchDescription,
+    Place,
+    SubstitutionFailure,
+    declared_arguments,
+    visit,
+    visit_delayed,
+)
 from archo_tui.launch.stand_ins.modules import importable_stand_ins
-from archo_tui.launch.stand_ins.places import Place
-from archo_tui.launch.stand_ins.sources import load_launch_file, loaded_files
-from archo_tui.launch.stand_ins.visiting import visit, visit_delayed
+from archo_tui.launch.stand_ins.sources import LOADERS, load_launch_file, loaded_files
 from archo_tui.launch.workspace import Workspace
 from archo_tui.nearest import nearest_hint
 from archo_tui.ros_release import EMBEDDED_RELEASE, distribution
 
+LOADERS.update(dict.fromkeys(markup.ENDINGS, frontend.load))
 _own_folders: list[Path] = []  # Of the packages, whose modules a launch file may import.
 
 
@@ -46,7 +51,7 @@ def evaluate(request: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a launch file would start, or only `error`, a UserError."""
     workspace = Workspace(Path(folder) for folder in request["packages"])
     _own_folders[:] = [package.folder for package in workspace.packages.values()]
-    ament_index.use(ament_index.PackageIndex(workspace, Path(request["prefix"])))
+    packages.use(packages.PackageIndex(workspace, Path(request["prefix"])))
     context = LaunchContext()
     before = list(sys.path)
     # Built packages are on Python's path, so a launch file can import their modules.
@@ -97,9 +102,9 @@ def _perform(
             Place(path, 0), f"{name}:={given[name]}: this launch file has no argument {name}{near}"
         )
     notes = " ".join(note["text"] for note in context.notes)
-    for package, place in ament_index.index.missing.items():
+    for package, place in packages.index.missing.items():
         if f"{package} is not here" not in notes:
-            near = ament_index.index.workspace.nearest_package_hint(package)
+            near = packages.index.workspace.nearest_package_hint(package)
             context.note(place, f"package {package} is not here{near}: its folder has no files")
 
 
@@ -120,7 +125,7 @@ def _user_error_of(error: BaseException, context: LaunchContext) -> user_errors.
     """Describe an error of a launch file, with the file and line to mend, or "" and 0."""
     described = user_errors.describe(error, _is_own)
     place: Place | None = getattr(error, "place", None)
-    missing = ament_index.index.missing_package(str(getattr(error, "filename", "")))
+    missing = packages.index.missing_package(str(getattr(error, "filename", "")))
     if missing:
         described = described._replace(text=f"package {missing} is not here, nor its files")
     elif isinstance(error, ArchoError):  # A setup.py, which is named.

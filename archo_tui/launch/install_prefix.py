@@ -13,7 +13,7 @@ from pathlib import Path
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch.package import AMENT_PYTHON, Package
-from archo_tui.launch.package_setup import run_setup
+from archo_tui.launch.setup_script import run_setup
 
 _INDEX = Path("share", "ament_index", "resource_index", "packages")
 # `install(DIRECTORY launch config DESTINATION share/${PROJECT_NAME})` of a CMakeLists.txt.

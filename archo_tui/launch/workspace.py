@@ -13,7 +13,7 @@ from pathlib import Path
 
 from archo_tui.errors import ArchoError
 from archo_tui.launch.package import AMENT_PYTHON, Package, read_package
-from archo_tui.launch.package_setup import PackageSetup, run_setup
+from archo_tui.launch.setup_script import PackageSetup, run_setup
 from archo_tui.nearest import nearest_hint
 
 _IGNORED = ("COLCON_IGNORE", "AMENT_IGNORE")  # A folder with such a file is left out.

@@ -39,9 +39,6 @@ REFUSED = {
     "IncludeLaunchDescription(os.path.join(get_package_share_directory('nav2'), 'a.launch.py'))": (
         "nav2 is not here: start its a.launch.py with ROS 2"
     ),
-    "IncludeLaunchDescription('robot.launch.xml')": (
-        "robot.launch.xml is left out: only launch files in Python are read"
-    ),
     "Node(package='my_robot', executable='talker', parameters=[{'model': Command('xacro a')}])": (
         "Command: no command is run here: what needs its output is left out"
     ),

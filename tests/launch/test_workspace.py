@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from archo_tui.errors import ArchoError
-from archo_tui.launch import install_prefix, package_setup
+from archo_tui.launch import install_prefix, setup_script
 from archo_tui.launch import workspace as rooms
 from archo_tui.launch.package import Package, read_package
-from archo_tui.launch.package_setup import run_setup
+from archo_tui.launch.setup_script import run_setup
 from archo_tui.launch.workspace import EntryPoint, Workspace
 from tests.launch.planning import WORKSPACE
 
@@ -142,7 +142,7 @@ def test_what_is_wrong_with_a_setup_is_one_line(package: Package) -> None:
 def test_a_setup_that_does_not_return_is_ended(
     package: Package, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(package_setup, "SETUP_TIME", 0.3)
+    monkeypatch.setattr(setup_script, "SETUP_TIME", 0.3)
     (package.folder / "setup.py").write_text("while True:\n    pass", encoding="utf-8")
     with pytest.raises(ArchoError, match=r"setup\.py:\d: does not return within 0\.3 s"):
         run_setup(package)

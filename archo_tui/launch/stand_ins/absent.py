@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.launch.stand_ins.action import Action, LaunchDescription
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import SkipActionError
-from archo_tui.launch.stand_ins.substitution import Substitution
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    LaunchContext,
+    LaunchDescription,
+    SkipActionError,
+    Substitution,
+)
 
 _PROGRAMS = "no other programs are started here: start it in another terminal"
 _EVENTS = "launch's events are not followed here: what waits for one does not start"
 _COMPONENTS = "components are written in C++: start them with ROS 2"
-_LANGUAGES = "only launch files in Python are read"
 _COMMANDS = "no command is run here: what needs its output is left out"
 _NEWER = "Jazzy has no such action: an OpaqueFunction returns several, too"
 _PACKAGE = "its package is not here: what needs it is left out"
@@ -43,9 +45,6 @@ REASONS: dict[str, dict[str | None, str]] = {
         "LaunchLogDir": "launch writes no log folder here",
         "LocalSubstitution": _EVENTS,
     },
-    "launch.launch_description_sources": {
-        "FrontendLaunchDescriptionSource": _LANGUAGES,
-    },
     "launch_ros.actions": {
         "ComposableNodeContainer": _COMPONENTS,
         "LifecycleTransition": _EVENTS,
@@ -60,8 +59,6 @@ REASONS: dict[str, dict[str | None, str]] = {
     "launch_ros.events": {None: _EVENTS},
     "launch_ros.events.lifecycle": {None: _EVENTS},
     "launch_ros.substitutions": {"ExecutableInPackage": _COMMANDS, "FindPackage": _COMMANDS},
-    "launch_xml.launch_description_sources": {None: _LANGUAGES},
-    "launch_yaml.launch_description_sources": {None: _LANGUAGES},
     "launch_param_builder": {None: _PACKAGE},
     "moveit_configs_utils": {None: _PACKAGE},
     "nav2_common.launch": {None: _PACKAGE},

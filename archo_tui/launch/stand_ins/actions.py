@@ -9,22 +9,24 @@ from collections.abc import Callable, Iterable, Mapping, MutableMapping
 from operator import attrgetter
 from typing import Any
 
-from archo_tui.launch.stand_ins.action import Action, LaunchDescription
-from archo_tui.launch.stand_ins.arguments import declared_arguments
-from archo_tui.launch.stand_ins.conditions import Condition
-from archo_tui.launch.stand_ins.context import Delayed, LaunchContext
-from archo_tui.launch.stand_ins.failures import SubstitutionFailure
-from archo_tui.launch.stand_ins.sources import (
-    AnyLaunchDescriptionSource,
-    PythonLaunchDescriptionSource,
-)
-from archo_tui.launch.stand_ins.substitution import (
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    Condition,
+    Delayed,
+    LaunchContext,
+    LaunchDescription,
     SomeSubstitutionsType,
+    SubstitutionFailure,
+    declared_arguments,
     normalize_to_list_of_substitutions,
     perform,
     perform_substitutions,
 )
-from archo_tui.launch.stand_ins.typed_values import check_typed, perform_typed
+from archo_tui.launch.stand_ins.sources import (
+    AnyLaunchDescriptionSource,
+    PythonLaunchDescriptionSource,
+)
+from archo_tui.launch.stand_ins.values import check_typed, perform_typed
 from archo_tui.nearest import nearest_hint
 
 __all__ = [

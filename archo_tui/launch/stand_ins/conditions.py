@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import SubstitutionFailure
-from archo_tui.launch.stand_ins.places import calling_place
-from archo_tui.launch.stand_ins.substitution import (
+from archo_tui.launch.stand_ins.core import (
+    Condition,
+    LaunchContext,
     SomeSubstitutionsType,
+    SubstitutionFailure,
     normalize_to_list_of_substitutions,
     perform,
     perform_substitutions,
@@ -20,17 +18,6 @@ __all__ = [
     "LaunchConfigurationNotEquals",
     "UnlessCondition",
 ]
-
-
-class Condition:
-    """A rule, given as a function of the context, that decides whether an action is performed."""
-
-    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
-        self.place = calling_place()
-        self._predicate = predicate
-
-    def evaluate(self, context: LaunchContext) -> bool:
-        return self._predicate(context)
 
 
 class IfCondition(Condition):

@@ -11,29 +11,26 @@ from types import ModuleType
 from typing import Any
 
 from archo_tui.launch.stand_ins import (
-    action,
     actions,
-    ament_index,
     conditions,
-    context,
-    parameters,
+    core,
+    packages,
     ros_actions,
-    ros_substitutions,
     sources,
-    substitution,
     substitutions,
+    values,
 )
 from archo_tui.launch.stand_ins.absent import REASONS, absent_class
 
 _INDEX = {
-    name: vars(ament_index)[name]
+    name: vars(packages)[name]
     for name in (
         *("PackageNotFoundError", "get_package_prefix", "get_package_share_directory"),
         *("get_package_share_path", "get_packages_with_prefixes"),
     )
 }
 _SUBSTITUTION = {
-    name: vars(substitution)[name]
+    name: vars(core)[name]
     for name in ("Substitution", "SomeSubstitutionsType", "normalize_to_list_of_substitutions")
 }
 
@@ -46,40 +43,46 @@ def _public(module: ModuleType) -> dict[str, Any]:
 _CONTENTS: Mapping[str, Mapping[str, Any]] = {
     "ament_index_python": _INDEX,
     "ament_index_python.packages": _INDEX,
-    "ament_index_python.resources": {"has_resource": ament_index.has_resource},
+    "ament_index_python.resources": {"has_resource": packages.has_resource},
     "launch": {
-        "Action": action.Action,
-        "Condition": conditions.Condition,
-        "LaunchContext": context.LaunchContext,
-        "LaunchDescription": action.LaunchDescription,
-        "LaunchDescriptionEntity": action.LaunchDescriptionEntity,
+        "Action": core.Action,
+        "Condition": core.Condition,
+        "LaunchContext": core.LaunchContext,
+        "LaunchDescription": core.LaunchDescription,
+        "LaunchDescriptionEntity": core.LaunchDescriptionEntity,
         "SomeSubstitutionsType": Any,
-        "Substitution": substitution.Substitution,
+        "Substitution": core.Substitution,
     },
-    "launch.action": {"Action": action.Action},
+    "launch.action": {"Action": core.Action},
     "launch.actions": _public(actions),
-    "launch.condition": {"Condition": conditions.Condition},
+    "launch.condition": {"Condition": core.Condition},
     "launch.conditions": _public(conditions),
-    "launch.launch_context": {"LaunchContext": context.LaunchContext},
-    "launch.launch_description": {"LaunchDescription": action.LaunchDescription},
-    "launch.launch_description_entity": {"LaunchDescriptionEntity": action.LaunchDescriptionEntity},
+    "launch.launch_context": {"LaunchContext": core.LaunchContext},
+    "launch.launch_description": {"LaunchDescription": core.LaunchDescription},
+    "launch.launch_description_entity": {"LaunchDescriptionEntity": core.LaunchDescriptionEntity},
     "launch.launch_description_sources": _public(sources),
     "launch.logging": {"get_logger": logging.getLogger},
     "launch.some_substitutions_type": {"SomeSubstitutionsType": Any},
     "launch.substitution": _SUBSTITUTION,
     "launch.substitutions": _public(substitutions),
     "launch.utilities": {
-        "normalize_to_list_of_substitutions": substitution.normalize_to_list_of_substitutions,
-        "perform_substitutions": substitution.perform_substitutions,
+        "normalize_to_list_of_substitutions": core.normalize_to_list_of_substitutions,
+        "perform_substitutions": core.perform_substitutions,
     },
     "launch_ros": {},
     "launch_ros.actions": _public(ros_actions),
-    "launch_ros.descriptions": _public(parameters),
-    "launch_ros.parameter_descriptions": _public(parameters),
-    "launch_ros.substitutions": _public(ros_substitutions),
-    # Their modules are absent.
+    "launch_ros.descriptions": _public(values),
+    "launch_ros.parameter_descriptions": _public(values),
+    "launch_ros.substitutions": {n: vars(substitutions)[n] for n in substitutions.OF_ROS},
     "launch_xml": {},
+    "launch_xml.launch_description_sources": {
+        "XMLLaunchDescriptionSource": sources.XMLLaunchDescriptionSource
+    },
     "launch_yaml": {},
+    "launch_yaml.launch_description_sources": {
+        "YAMLLaunchDescriptionSource": sources.YAMLLaunchDescriptionSource
+    },
+    # Its modules are absent.
     "nav2_common": {},
 }
 

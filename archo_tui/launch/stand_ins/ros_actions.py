@@ -9,19 +9,25 @@ from typing import Any
 
 import yaml
 
-from archo_tui.launch.stand_ins import ament_index
-from archo_tui.launch.stand_ins.action import Action
-from archo_tui.launch.stand_ins.conditions import Condition
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import SkipActionError, SubstitutionFailure
-from archo_tui.launch.stand_ins.parameters import Parameter, ParameterFile, evaluate_parameters
-from archo_tui.launch.stand_ins.substitution import (
+from archo_tui.launch.stand_ins import packages
+from archo_tui.launch.stand_ins.core import (
+    Action,
+    Condition,
+    LaunchContext,
+    SkipActionError,
     SomeSubstitutionsType,
+    SubstitutionFailure,
     normalize_to_list_of_substitutions,
     perform,
     perform_substitutions,
 )
-from archo_tui.launch.stand_ins.typed_values import check_typed, perform_typed
+from archo_tui.launch.stand_ins.values import (
+    Parameter,
+    ParameterFile,
+    check_typed,
+    evaluate_parameters,
+    perform_typed,
+)
 from archo_tui.nearest import nearest_hint
 
 __all__ = [
@@ -171,7 +177,7 @@ class Node(Action):
         else:
             values = evaluate_parameters(context, given)
             if full_name and values:  # launch_ros writes a file then, which has precedence.
-                folder = ament_index.index.prefix / "parameters"
+                folder = packages.index.prefix / "parameters"
                 folder.mkdir(parents=True, exist_ok=True)
                 file = folder / f"{len(context.programs)}_{number}.yaml"
                 text = yaml.safe_dump({full_name: {"ros__parameters": values}}, sort_keys=False)
@@ -185,13 +191,13 @@ class Node(Action):
         self, context: LaunchContext, path: str, given: ParameterFile | None = None
     ) -> Iterator[str]:
         """Yield the arguments for a parameter file, or only add a note why it is left out."""
-        missing = ament_index.index.missing_package(path)
+        missing = packages.index.missing_package(path)
         place = self.place if given is None else given.place
         if missing:
             file = os.path.basename(path)
             context.note(place, f"{missing} is not here, so {file} of it is left out")
         elif not os.path.isfile(path):
-            why = ament_index.index.why_missing(path)
+            why = packages.index.why_missing(path)
             context.note(place, f"parameter file {os.path.basename(path)} is left out: {why}")
         elif given is not None and given.is_substituted(context) and _has_substitutions(path):
             text = f"{os.path.basename(path)} is left out: $(...) in it is not replaced here"

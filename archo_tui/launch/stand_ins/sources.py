@@ -3,31 +3,41 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from archo_tui import regular_files
-from archo_tui.launch.stand_ins import ament_index
-from archo_tui.launch.stand_ins.action import LaunchDescription
-from archo_tui.launch.stand_ins.context import LaunchContext
-from archo_tui.launch.stand_ins.failures import InvalidLaunchFileError, SkipActionError
-from archo_tui.launch.stand_ins.places import Place, calling_place
-from archo_tui.launch.stand_ins.substitution import (
+from archo_tui.launch.stand_ins import packages
+from archo_tui.launch.stand_ins.core import (
+    InvalidLaunchFileError,
+    LaunchContext,
+    LaunchDescription,
+    Place,
+    SkipActionError,
     SomeSubstitutionsType,
+    calling_place,
     normalize_to_list_of_substitutions,
     perform_substitutions,
 )
 
-__all__ = ["AnyLaunchDescriptionSource", "PythonLaunchDescriptionSource"]
+__all__ = [
+    "AnyLaunchDescriptionSource",
+    "FrontendLaunchDescriptionSource",
+    "PythonLaunchDescriptionSource",
+]
 
 _GENERATE = "generate_launch_description"
 
+# Of other languages than Python, by the ends of names; the evaluation adds them, since they need
+# all actions, of which one includes files.
+LOADERS: dict[str, Callable[[str], LaunchDescription]] = {}
 loaded_files: set[str] = set()  # The paths of the launch files, which errors are told of.
 
 
-class PythonLaunchDescriptionSource:
-    """A launch file in Python that another launch file includes."""
+class LaunchDescriptionSource:
+    """A launch file that another one includes."""
 
     def __init__(self, launch_file_path: SomeSubstitutionsType) -> None:
         self.place = calling_place()
@@ -37,27 +47,57 @@ class PythonLaunchDescriptionSource:
     def load(self, context: LaunchContext) -> tuple[str, LaunchDescription]:
         """Return the path of the file, and what it describes; each path runs once only."""
         path = os.path.abspath(perform_substitutions(context, self._path))
-        missing = ament_index.index.missing_package(path)
+        missing = packages.index.missing_package(path)
         if missing:
             text = f"{missing} is not here: start its {os.path.basename(path)} with ROS 2"
             raise SkipActionError(text, self.place)
-        if not path.endswith(".py"):
-            text = f"{os.path.basename(path)} is left out: only launch files in Python are read"
-            raise SkipActionError(text, self.place)
+        if not self._takes(path):
+            text = f"{os.path.basename(path)} is not for {type(self).__name__}"
+            hint = "AnyLaunchDescriptionSource takes each kind"
+            raise InvalidLaunchFileError(f"{text}: {hint}", self.place)
         if not os.path.isfile(path):
-            raise InvalidLaunchFileError(ament_index.index.why_missing(path), self.place)
+            raise InvalidLaunchFileError(packages.index.why_missing(path), self.place)
         if path not in self._loaded:
             self._loaded[path] = load_launch_file(path)
         return path, self._loaded[path]
 
+    def _takes(self, _path: str) -> bool:
+        return True
 
-class AnyLaunchDescriptionSource(PythonLaunchDescriptionSource):
-    """A launch file in any language, of which only Python is read: others are left out."""
+
+class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in Python that another launch file includes."""
+
+    def _takes(self, path: str) -> bool:
+        return path.endswith(".py")
+
+
+class FrontendLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in XML or YAML that another launch file includes."""
+
+    def _takes(self, path: str) -> bool:
+        return not path.endswith(".py")
+
+
+class XMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
+    """A launch file in XML that another launch file includes."""
+
+
+class YAMLLaunchDescriptionSource(FrontendLaunchDescriptionSource):
+    """A launch file in YAML that another launch file includes."""
+
+
+class AnyLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file in Python, XML or YAML that another launch file includes."""
 
 
 def load_launch_file(path: str) -> LaunchDescription:
-    """Run a launch file, and return what it describes; add its path to `loaded_files`."""
+    """Run or read a launch file, and return what it describes; add its path to `loaded_files`."""
     loaded_files.add(path)
+    return LOADERS.get(os.path.splitext(path)[1], _run)(path)
+
+
+def _run(path: str) -> LaunchDescription:
     module = ModuleType("python_launch_file")
     module.__file__ = path
     exec(compile(regular_files.read(Path(path)), path, "exec", dont_inherit=True), vars(module))

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from archo_tui.launch.install_prefix import missing_file_text, share_folder
-from archo_tui.launch.stand_ins.places import Place, calling_place
+from archo_tui.launch.stand_ins.core import Place, calling_place
 from archo_tui.launch.workspace import Workspace
 
 _INDEX = Path("share", "ament_index", "resource_index", "packages")

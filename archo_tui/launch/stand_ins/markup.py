@@ -1,0 +1,199 @@
+"""XML and YAML launch files as one kind of tree."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import yaml
+
+from archo_tui import regular_files
+from archo_tui.launch.stand_ins.core import InvalidLaunchFileError, Place
+from archo_tui.launch.stand_ins.values import SCALARS, parts_of
+from archo_tui.nearest import nearest_hint
+from archo_tui.yaml_text import bounded_yaml
+
+_YAML = yaml.constructor.SafeConstructor()  # Of YAML 1.1, by which launch reads values.
+ENDINGS = {".xml": "xml", ".launch": "xml", ".yaml": "yaml", ".yml": "yaml"}
+
+
+class Element:
+    """An element of a launch file, whose attributes and sub-elements are asked for once each.
+
+    XML has texts, which become the type that is asked for; the values of YAML must have it. In
+    both, a text may stand for any type, since it may have substitutions.
+    """
+
+    def __init__(self, tag: str, place: Place, is_typed: bool) -> None:
+        self.tag, self.place = tag, place
+        self.attributes: dict[str, Any] = {}
+        self.elements: list[Element] = []
+        self.has_children = not is_typed  # In YAML there is a list of them, which may be empty.
+        self._is_typed = is_typed
+        self._asked: set[str] = set()
+
+    def get(self, name: str, kind: Any = str) -> Any:
+        """Return an attribute of a type, by default a text; None if there is none."""
+        self._asked.update((name, f"{name}-sep"))
+        value = self.attributes.get(name)
+        if value is None:
+            return None
+        if self._is_typed:
+            return self._checked(name, value, kind)
+        separator = self.attributes.get(f"{name}-sep")
+        if separator is None:
+            return self._coerced(name, value, kind)
+        wanted = parts_of(kind)[0] if kind is not None else None
+        return [self._coerced(name, part, wanted) for part in value.split(separator)]
+
+    def need(self, name: str, kind: Any = str) -> Any:
+        """Return an attribute that must be there."""
+        value = self.get(name, kind)
+        if value is None:
+            near = nearest_hint(name, self.attributes)
+            raise InvalidLaunchFileError(f"{self.tag} has no {name}{near}", self.place)
+        return value
+
+    def named(self, tag: str) -> list[Element]:
+        """Return the sub-elements of a tag."""
+        self._asked.add(tag)
+        if tag in self.attributes:
+            text = f"{tag} of {self.tag}: a list is wanted, as `{tag}: [{{...}}]`"
+            raise InvalidLaunchFileError(text, self.place)
+        return [element for element in self.elements if element.tag == tag]
+
+    def others(self, *left_out: str) -> list[Element]:
+        """Return all sub-elements but those of some tags: actions."""
+        if not self.has_children:
+            text = f"{self.tag} has no list of actions: write it as `children:`"
+            raise InvalidLaunchFileError(text, self.place)
+        found = [element for element in self.elements if element.tag not in left_out]
+        self._asked.update(element.tag for element in found)
+        return found
+
+    def check_all_asked(self) -> None:
+        """Raise InvalidLaunchFileError for a part that nobody has asked for."""
+        for name in [*self.attributes, *(element.tag for element in self.elements)]:
+            if name not in self._asked:
+                near = nearest_hint(name, self._asked)
+                raise InvalidLaunchFileError(f"{self.tag} takes no {name}{near}", self.place)
+
+    def _checked(self, name: str, value: Any, kind: Any) -> Any:
+        scalar, is_list = parts_of(kind) if kind is not None else (SCALARS, isinstance(value, list))
+        values = value if is_list and isinstance(value, list) else [value]
+        is_of_shape = isinstance(value, (list, str)) if is_list else not isinstance(value, list)
+        wanted = (*SCALARS,) if kind is None else (scalar, str)
+        if not is_of_shape or not all(isinstance(part, wanted) for part in values):
+            how = f'"{str(value).lower()}"' if kind is str else getattr(scalar, "__name__", scalar)
+            what = f"a text is wanted: {how}" if kind is str else f"{how} is wanted, not {value!r}"
+            raise InvalidLaunchFileError(f"{name} of {self.tag}: {what}", self.place)
+        return value
+
+    def _coerced(self, name: str, text: str, kind: Any) -> Any:
+        """Return a text as a value of a type, or as it is: it may have substitutions."""
+        if kind is str:
+            return text
+        if kind is bool:  # launch takes these two besides YAML's words.
+            text = {"1": "true", "0": "false"}.get(text, text)
+        try:
+            value = kind(text) if kind in (int, float) else yaml.safe_load(text or "''")
+        except (ValueError, yaml.YAMLError):
+            return text
+        # Texts may become anything yet; all else in a list is of one type.
+        kinds = {type(part) for part in (value if isinstance(value, list) else [value])} - {str}
+        if len(kinds) > 1 or not kinds.issubset(SCALARS):
+            why = f"{name} of {self.tag} is {text!r}, neither a value nor a list of one type"
+            raise InvalidLaunchFileError(why, self.place)
+        return value
+
+
+def read(path: str) -> Element:
+    """Return the root element of a launch file; raise InvalidLaunchFileError."""
+    if ENDINGS[os.path.splitext(path)[1]] == "yaml":
+        return _read_yaml(path)
+    return _XmlReader(path).root
+
+
+class _XmlReader:
+    """An XML file that is read. Entities are refused: a few can expand to gigabytes."""
+
+    def __init__(self, path: str) -> None:
+        self._path, self._parser = path, expat.ParserCreate()
+        self._open: list[Element] = []
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.EntityDeclHandler = self._refuse
+        try:
+            self._parser.Parse(regular_files.read(Path(path)), True)
+        except expat.ExpatError as error:
+            why = f"not XML: {expat.ErrorString(error.code)}"
+            raise InvalidLaunchFileError(why, Place(path, error.lineno)) from None
+        except (LookupError, ValueError):  # As for `encoding="none such"`.
+            why = "not XML: its encoding is not known"
+            raise InvalidLaunchFileError(why, Place(path, 1)) from None
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, Place(self._path, self._parser.CurrentLineNumber), False)
+        element.attributes = attributes
+        if self._open:
+            self._open[-1].elements.append(element)
+        else:
+            self.root = element
+        self._open.append(element)
+
+    def _end(self, _tag: str) -> None:
+        self._open.pop()
+
+    def _refuse(self, name: str, *_: object) -> None:
+        place = Place(self._path, self._parser.CurrentLineNumber)
+        raise InvalidLaunchFileError(f"entities (&{name};) are not read: write it out", place)
+
+
+def _read_yaml(path: str) -> Element:
+    try:
+        text = bounded_yaml.read(Path(path))
+        bounded_yaml.compose(text, Path(path))  # Raises for what never ends, or is no YAML.
+    except bounded_yaml.YamlError as error:
+        where, _, why = str(error).removeprefix(f"{path}:").partition(": ")
+        place = Place(path, int(where)) if where.isdigit() else Place(path, 0)
+        raise InvalidLaunchFileError(why, place) from None
+    node = yaml.compose(text, Loader=yaml.SafeLoader)
+    if not isinstance(node, yaml.MappingNode) or len(node.value) != 1:
+        raise InvalidLaunchFileError("it does not begin with launch: alone", Place(path, 1))
+    [(key, content)] = node.value
+    return _yaml_element(path, key, content)
+
+
+def _yaml_element(path: str, key: yaml.Node, node: yaml.Node) -> Element:
+    element = Element(str(key.value), Place(path, key.start_mark.line + 1), True)
+    if isinstance(node, yaml.SequenceNode):
+        element.elements, element.has_children = [*_yaml_entities(path, node)], True
+    elif isinstance(node, yaml.MappingNode):
+        for name, content in node.value:
+            if name.value == "children" and isinstance(content, yaml.SequenceNode):
+                element.elements += _yaml_entities(path, content)
+                element.has_children = True
+            elif _is_list_of_maps(content):
+                element.elements += [_yaml_element(path, name, part) for part in content.value]
+            else:
+                element.attributes[name.value] = _YAML.construct_document(content)
+    else:
+        raise InvalidLaunchFileError(f"{element.tag}: a mapping or a list is wanted", element.place)
+    return element
+
+
+def _yaml_entities(path: str, node: yaml.SequenceNode) -> Iterator[Element]:
+    for part in node.value:
+        if not isinstance(part, yaml.MappingNode) or len(part.value) != 1:
+            place = Place(path, part.start_mark.line + 1)
+            raise InvalidLaunchFileError("each entry is one action, as `- node:`", place)
+        [(key, content)] = part.value
+        yield _yaml_element(path, key, content)
+
+
+def _is_list_of_maps(node: yaml.Node) -> bool:
+    parts = node.value if isinstance(node, yaml.SequenceNode) else []
+    return bool(parts) and all(isinstance(part, yaml.MappingNode) for part in parts)
