@@ -31,6 +31,7 @@ TESTS = {
     "archo_tui": "console station/test_shutdown.py robot/test_session.py test_clock.py "
     "test_collector.py test_imports.py test_other_systems.py",
     "cli": "test_cli.py test_docs.py",
+    "client": "client assistant",
     "console": "plain client",
     "embedded": "contract embedded",
     "recordings": "black_box replay",

@@ -25,7 +25,7 @@ from archo_tui.user_code.output import NodeOutput
 
 _RADIUS = 0.07  # In m; the chapter's listing declares another value.
 # Seconds in which a program begins to spin; a process of ROS 2 takes its time.
-_START_TIME = {engine.EMBEDDED: 4.0, engine.ROS2: 15.0}
+_START_TIME = {engine.EMBEDDED: 8.0, engine.ROS2: 15.0}
 _VALUES = f"/**: {{ros__parameters: {{max_speed: 0.8, wheel_radius: {_RADIUS}}}}}"
 
 

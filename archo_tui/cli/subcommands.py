@@ -75,7 +75,7 @@ def list_consoles(options: Namespace) -> int:
 def serve_assistant(options: Namespace) -> int:
     """Serve an assistant on standard input and output until the input ends, and return 0."""
     try:
-        from archo_tui.assistant.server import serve
+        from archo_tui.client.mcp.server import serve
     except ImportError:  # The SDK is missing or too old.
         text = "mcp needs another package: pip install '.[mcp]' in a clone of archo-tui"
         raise ArchoError(text) from None

@@ -11,15 +11,15 @@ from typing import Any
 
 import pytest
 
-from archo_tui.assistant.connection import SILENT, ConsoleConnection
-from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.client.connection import Unreached
+from archo_tui.client.mcp.connection import SILENT, ConsoleConnection
+from archo_tui.client.mcp.server import make_server
 from archo_tui.robot.stop.words import is_stop_text
 from tests.assistant.support import fake_console
 
 pytestmark = pytest.mark.real_time
 
-RANDOM_CALLS = 3000
+RANDOM_CALLS = 10_000
 NAMES = ("status", "events", "history", "parameters", "stop", "go", "wait", "cancel")
 OTHERS = ("release", "set", "allow", "answer", "go --yes", "", "Stop", "\x1b[31m", "call" * 999)
 ARGUMENTS = ("kind", "values", "request", "seconds", "level", "minutes", "node", "name", "words")
@@ -54,8 +54,10 @@ def is_allowed(request: dict[str, Any]) -> bool:
 
 async def test_whatever_a_model_calls_only_what_it_may_is_sent() -> None:
     dice = random.Random(7)
-    known = available_tools(goals=True)
     async with fake_console() as console, linked() as link:
+        server = make_server(link, goals=True)
+        tools = await server.list_tools()
+        known = {tool.name: tool.input_schema["properties"] for tool in tools}
         console.answer("wait", "denied", "request 3 is denied")
         for word in ("status", "history", "params", "events", "get", "stop", "cancel"):
             console.answer(word, "done", "", data=[])
@@ -63,10 +65,11 @@ async def test_whatever_a_model_calls_only_what_it_may_is_sent() -> None:
         await link.request(words=["status"])  # else each STOP has a connection of its own
         for _ in range(RANDOM_CALLS):
             name = dice.choice((*NAMES, *OTHERS))
-            schema = known[name].schema["properties"] if name in known else {}
+            schema = known.get(name, {})
             some = [one for one in (*schema, *ARGUMENTS) if one in schema or dice.random() < 0.05]
             given = {one: dice.choice(VALUES) for one in some if dice.random() < 0.8}
-            told, failed = await call_tool_by_name(known, link, name, given)
+            result = await server.call_tool(name, given)
+            told, failed = result.structured_content, result.is_error
             json.dumps(told, allow_nan=False).encode()
             assert failed or name in NAMES or is_stop_text(name)
             assert told["summary"].isprintable()

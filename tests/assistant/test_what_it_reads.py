@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from archo_tui.assistant.sanitize import MAX_ITEMS, sanitize
+from archo_tui.client.mcp.sanitize import MAX_ITEMS, sanitize
 from tests.assistant.support import assistant, fake_console
 
 pytestmark = pytest.mark.real_time

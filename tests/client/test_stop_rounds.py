@@ -17,9 +17,9 @@ from pathlib import Path
 import pytest
 
 import archo_tui
-from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.client import shell, sockets
 from archo_tui.client.connection import Unreached
+from archo_tui.client.mcp.connection import ConsoleConnection
 from archo_tui.client.robot import Robot
 from tests.support.night import corners
 from tests.support.shells import reached

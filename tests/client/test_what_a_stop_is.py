@@ -10,10 +10,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.assistant.connection import ConsoleConnection
-from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.cli import main
 from archo_tui.client import protocol, sockets
+from archo_tui.client.mcp.connection import ConsoleConnection
+from archo_tui.client.mcp.server import make_server
 from archo_tui.console import socket as server
 from archo_tui.robot.stop import words as lines
 from archo_tui.robot.stop.gate import Stops
@@ -81,11 +81,9 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
             link = ConsoleConnection("")
             assert await asyncio.to_thread(main, text.split(" ")) == 0, text
             await stopped(console)
-            told, failed = await call_tool_by_name(
-                available_tools(goals=False), link, text, {"now": [1]}
-            )
-            assert not failed
-            assert told["summary"].endswith("is ignored: STOP takes nothing.")
+            told = await make_server(link, goals=False).call_tool(text, {"now": [1]})
+            assert not told.is_error
+            assert told.structured_content["summary"].endswith("is ignored: STOP takes nothing.")
             await stopped(console)
             await link.close()
         capsys.readouterr()

@@ -19,13 +19,11 @@ from unittest.mock import patch
 import pytest
 
 import archo_tui
-from archo_tui.assistant.connection import ConsoleConnection
-from archo_tui.assistant.reading_tools import StatusTool
-from archo_tui.assistant.stop_tool import StopTool
-from archo_tui.assistant.tool_answer import ToolAnswer
 from archo_tui.client import find, shell, sockets
 from archo_tui.client.connection import Unreached as NotReached
 from archo_tui.client.errors import Unreached
+from archo_tui.client.mcp.connection import ConsoleConnection
+from archo_tui.client.mcp.server import make_server
 from archo_tui.client.shell import print_consoles
 from archo_tui.console import socket as server
 from tests.assistant.support import FakeConsole
@@ -112,26 +110,23 @@ def by_consoles() -> int:
     return print_consoles([])
 
 
-def asked_of(tool: Any) -> int:
-    async def ask() -> ToolAnswer:
+def asked_of(tool: str) -> int:
+    async def ask() -> bool:
         link = ConsoleConnection("")
         try:
-            answer: ToolAnswer = await tool.call(link, {})
-        except NotReached:
-            return ToolAnswer("unreached", "", failed=True)
+            return bool((await make_server(link, goals=False).call_tool(tool, {})).is_error)
         finally:
             await link.close()
-        return answer
 
-    return 3 if asyncio.run(ask()).failed else 0
+    return 3 if asyncio.run(ask()) else 0
 
 
 def by_assistant() -> int:
-    return asked_of(StatusTool())
+    return asked_of("status")
 
 
 def stop_by_assistant() -> int:
-    return asked_of(StopTool())
+    return asked_of("stop")
 
 
 VERBS = (by_shell, by_python, by_assistant)

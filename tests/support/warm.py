@@ -29,7 +29,7 @@ _LOADED = (
     *("archo_tui.app", "archo_tui.session", "archo_tui.console.plain", "archo_tui.replay_app"),
     *("archo_tui.user_code.host", "archo_tui.robot.robot"),
     *("archo_tui.terminal.driver", "archo_tui.console.socket", "archo_tui.client.shell"),
-    *("archo_tui.client.robot", "archo_tui.assistant.server", "archo_tui.recordings.recorder"),
+    *("archo_tui.client.robot", "archo_tui.client.mcp.server", "archo_tui.recordings.recorder"),
     *("archo_bringup.battery_monitor", "archo_bringup.dashboard", "archo_bringup.motor_controller"),
 )
 _STREAMS = ("r", "surrogateescape"), ("w", "surrogateescape"), ("w", "backslashreplace")
