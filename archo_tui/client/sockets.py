@@ -30,8 +30,8 @@ def folder() -> str:
 
 
 def uid() -> int:
-    """Return the number of this user; 0 on Windows."""
-    if sys.platform == "win32":
+    """Return the number of this user; 0 where users have none, as on Windows."""
+    if sys.platform == "win32" or not hasattr(os, "getuid"):
         return 0
     return os.getuid()
 

@@ -57,7 +57,7 @@ def test_the_goals_of_others_are_cancelled_by_their_ids_once_all_were() -> None:
     assert Do.CANCEL_OTHERS not in todo(stop.given_up(), 2.1)
 
 
-def test_a_node_that_got_a_later_call_alone_is_not_confirmed_by_an_earlier_one() -> None:
+def test_a_node_that_got_a_later_call_is_not_confirmed_by_an_earlier() -> None:
     both = called().calling(5, 1.0, is_pressed=False).leaving(6, MOTOR | FAR)
     early = both.answered_by(Result(StopAnswer.AWAITED), 2, 1.0, 7, MOTOR, MOTOR | FAR, ())
     assert early.open is not None
