@@ -18,7 +18,6 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import Answers, Command, Console, Work
 from archo_tui.commands.footer import blocked_commands, keys_of_footer
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
@@ -31,6 +30,7 @@ from archo_tui.station import form_history
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.terminal.stop_marks import now
+from archo_tui.user_code.output import NodeOutput
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS

@@ -171,7 +171,8 @@ class KeyedApp(TerminalApp):
                 return
         if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
             return
-        if isinstance(event, events.Key) and isinstance(self.screen, (Dialog, MainScreen)):
+        is_key = isinstance(event, events.Key) and not repeated
+        if is_key and isinstance(self.screen, (Dialog, MainScreen)):
             self.screen.forget_refusal()
         await self._handle(event, repeated)
 

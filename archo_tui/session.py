@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import io
 import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from archo_tui import __version__, engine
 from archo_tui.client.protocol import PROTOCOL
@@ -20,9 +19,6 @@ from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.handover import Handover
-from archo_tui.hosting.node_output import NodeOutput
-from archo_tui.hosting.watch import FileWatcher, Watched, WatchedFile
-from archo_tui.hosting.workspace_nodes import found_in_workspaces
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
@@ -35,6 +31,9 @@ from archo_tui.session_options import Options, check_options
 from archo_tui.station.journal import Journal, unreleased_stop
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
+from archo_tui.user_code.output import NodeOutput
+from archo_tui.user_code.watch import FileWatcher, Watched, WatchedFile
+from archo_tui.user_code.workspace_nodes import found_in_workspaces
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -42,14 +41,14 @@ if TYPE_CHECKING:
 
     from archo_tui.console.session import RequestHandler
     from archo_tui.console.socket import Server
-    from archo_tui.hosting.host import Host
-    from archo_tui.hosting.hosted_program import HostedProgram, Program
-    from archo_tui.hosting.launch_file import LaunchFile
-    from archo_tui.hosting.package_shares import PackageShares
     from archo_tui.recordings.console import ConsoleRecorder
     from archo_tui.recordings.recorder import BlackBox
     from archo_tui.robot.robot import Robot
     from archo_tui.robot.state.events import Event
+    from archo_tui.user_code.host import Host
+    from archo_tui.user_code.launch_file import LaunchFile
+    from archo_tui.user_code.package_shares import PackageShares
+    from archo_tui.user_code.program import HostedProgram, Program
 
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
@@ -67,6 +66,8 @@ class Session:
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
     restart = Handover()  # What the frontend leaves to the next process.
     _server: Server | None = None
+    _stdout: TextIO | None = None  # The standard output before `_output` took its place.
+    _output: NodeOutput | None = None
     _listening: tuple[int, str] | None = None  # The socket that was kept for the next process.
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
@@ -76,6 +77,7 @@ class Session:
         """
         check_options(options)
         self._early_events: list[LaunchNote] | None = []  # Until `start`.
+        self._noted: set[str] = set()  # Nodes of the user whose defaults were told.
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
@@ -92,32 +94,28 @@ class Session:
         self._rclpy = RclpyContext(
             self._ros_args(),
             options.domain_id,
-            hosts_files=bool(options.node_files),
-            hosts_programs=bool(options.program_files or options.launch)
+            has_program_threads=bool(options.node_files or options.launch)
             and options.engine == engine.EMBEDDED,
         )
-        self._context = self._rclpy.context
+        self.context = self._rclpy.context
         self._place = self._journal_place()
         self.journal = Journal(journal_file(), self._place)
-        self._make_nodes()
-        self.station = Station(
-            self.robot,
-            self.host,
-            self.journal,
-            self._console_recorder,
-            self._clock,
-            engine=engine.describe(options.engine, self._context),
-            namespace=options.namespace,
-            attached=options.attach,
-            on_disconnect=options.on_disconnect,
-            quiet=options.quiet_alarms,
-            unseen=engine.no_node_hint(options.engine, self._context),
-            file_is_default=options.robot is None,
-        )
-        self.host.operator_values = self.station.edits.values_set
+        try:
+            self._make_robot()
+            self.station = self._make_station()
+            self.host.operator_values = self.station.edits.values_set
+            if options.handover is not None:
+                self._resume(options.handover)
+            self._programs = self._user_programs()
+            self._shares = self._package_shares()
+            self._host_nodes()
+        except BaseException as error:
+            self._undo_init()
+            mistake = self._mistake_of(error)
+            if mistake:
+                raise ArchoError(mistake) from None
+            raise
         self._watch = FileWatcher(self._watched_files(interfaces))
-        if options.handover is not None:
-            self._resume(options.handover)
 
     def _make_server(self) -> Server | None:
         """Return the server of the socket, not started yet; None on Windows, which has none."""
@@ -144,7 +142,7 @@ class Session:
             "robot": self.file.name,
             "namespace": self.options.namespace,
             "engine": self.options.engine,
-            "domain": None if is_embedded else self._context.get_domain_id(),
+            "domain": None if is_embedded else self.context.get_domain_id(),
             "pid": os.getpid(),
             "watching": self.options.watch,
         }
@@ -157,7 +155,7 @@ class Session:
         others = options.attach or options.node_makers or options.only
         of_workspaces = [p for w in self._workspaces for p in w.interface_packages.values()]
         if folders := [*of_workspaces, *options.interfaces]:
-            from archo_tui.hosting import own_interfaces
+            from archo_tui.user_code import interfaces as own_interfaces
 
             own, self._mistakes = own_interfaces.find_all(folders, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
@@ -166,23 +164,16 @@ class Session:
     def _read_launch_file(self) -> LaunchFile | None:
         if self.options.launch is None:
             return None
-        from archo_tui.hosting.launch_file import LaunchFile
+        from archo_tui.user_code.launch_file import LaunchFile
 
         return LaunchFile(*self.options.launch)
 
-    def _make_nodes(self) -> None:
-        """Make black box, client, nodes and programs; end them again if one fails."""
-        from rclpy.exceptions import (
-            InvalidParameterTypeException,
-            InvalidParameterValueException,
-            NameValidationException,
-        )
-
-        from archo_tui.hosting.host import Host
-        from archo_tui.hosting.node_files import NodeFile
+    def _make_robot(self) -> None:
+        """Make the black box, the client's node, and the host, which has no nodes yet."""
         from archo_tui.recordings.console import ConsoleRecorder
         from archo_tui.recordings.recorder import BlackBox
         from archo_tui.robot.robot import Robot
+        from archo_tui.user_code.host import Host
 
         self.box = BlackBox(
             state_file("recordings"),
@@ -193,41 +184,59 @@ class Session:
             self.options.record,
         )
         self._console_recorder = ConsoleRecorder(self.box)
-        try:
-            self.robot = Robot(
-                self._context,
-                self.file,
-                self._clock,
-                self._record_event,
-                self.box.receive,
-                watching=self.options.watch,
-            )
-            robot = self.robot
-            self.host = Host(
-                *(self._context, self._note_early, robot.end_goals_of_node),
-                early_stop_request=robot.early_stop_request,
-                on_early_stop=robot.on_early_stop,
-                on_restored=robot.on_parameters_restored,
-                make_program=self._make_program,
-            )
-            robot.own_nodes = self.host.names
-            robot.unended_nodes = self.host.unended_names
-            self._server = self._make_server() if self.options.remote else None
-            self._count_stops_of_gap()
-            self._node_files = [NodeFile(given) for given in self._node_names]
-            self._programs = self._user_programs()
-            self._shares = self._package_shares()
-            self._host_nodes()
-        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            self._undo_init()
-            raise ArchoError(self._refusal_line(str(error))) from None
-        except NameValidationException as error:
-            self._undo_init()
+        self.robot = Robot(
+            self.context,
+            self.file,
+            self._clock,
+            self._record_event,
+            self.box.receive,
+            watching=self.options.watch,
+        )
+        robot = self.robot
+        self.host = Host(
+            *(self.context, self._note_early, robot.end_goals_of_node),
+            early_stop_request=robot.early_stop_request,
+            on_early_stop=robot.on_early_stop,
+            on_restored=robot.on_parameters_restored,
+            make_program=self._make_program,
+            on_spin=self._note_own_defaults,
+        )
+        robot.own_nodes = self.host.names
+        robot.unended_nodes = self.host.unended_names
+        self._server = self._make_server() if self.options.remote else None
+        self._count_stops_of_gap()
+
+    def _make_station(self) -> Station:
+        options = self.options
+        return Station(
+            self.robot,
+            self.host,
+            self.journal,
+            self._console_recorder,
+            self._clock,
+            engine=engine.describe(options.engine, self.context),
+            namespace=options.namespace,
+            attached=options.attach,
+            on_disconnect=options.on_disconnect,
+            quiet=options.quiet_alarms,
+            unseen=engine.no_node_hint(options.engine, self.context),
+            file_is_default=options.robot is None,
+        )
+
+    def _mistake_of(self, error: BaseException) -> str:
+        """Return rclpy's error about a parameter or a name as one line; "" for any other error."""
+        from rclpy.exceptions import (
+            InvalidParameterTypeException,
+            InvalidParameterValueException,
+            NameValidationException,
+        )
+
+        if isinstance(error, (InvalidParameterTypeException, InvalidParameterValueException)):
+            return self._refusal_line(str(error))
+        if isinstance(error, NameValidationException):
             text, name = str(error).splitlines()[:2]  # The third line points at the character.
-            raise ArchoError(f"{text} {name.strip()}") from None
-        except BaseException:
-            self._undo_init()
-            raise
+            return f"{text} {name.strip()}"
+        return ""
 
     def _count_stops_of_gap(self) -> None:
         """Count the STOPs of a restart before a node is made: each carries them out first."""
@@ -253,8 +262,6 @@ class Session:
             ]
         )
         self.robot.note("YOU", "console", f"{left.why}: restarted")
-        for line in left.lost:
-            self.robot.note("WARN", "console", line)
 
     def send_stop(self) -> None:
         """Send a STOP that was counted before the frontend came, as soon as it comes."""
@@ -267,14 +274,7 @@ class Session:
 
     def hand_over(self) -> Handover:
         """Return `restart` with what this process leaves to the next; call `close` first."""
-        station, lost = self.station, list[str]()
-        programs = self.host.programs.names()
-        edits: list[Edit] = []
-        for edit in station.edits.edits:
-            if edit.node in programs:
-                lost.append(f"{edit.node}: {', '.join(edit.after)} was set by hand, and is lost")
-            else:
-                edits.append(edit)
+        station = self.station
         # Of a later STOP it is not sure that it has left.
         is_later = self.robot.stops.count > station.stops_before_restart
         is_stopped = is_later or bool(station.restart_blocker)
@@ -287,8 +287,7 @@ class Session:
         return self.restart._replace(
             stop=is_stopped,
             goals=goals,
-            edits=edits,
-            lost=[*dict.fromkeys(lost)],
+            edits=[*station.edits.edits],
             listening=self._listening,
         )
 
@@ -296,7 +295,7 @@ class Session:
         """Let nodes find the files of their workspaces' packages; close the result at the end."""
         if not self._workspaces:
             return None
-        from archo_tui.hosting.package_shares import PackageShares
+        from archo_tui.user_code.package_shares import PackageShares
 
         return PackageShares(self._workspaces)
 
@@ -307,18 +306,17 @@ class Session:
 
     def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
         """Return the user's own files, each with what a change does: reload it, or restart."""
-        note, host = self.robot.note, self.host
+        note, programs = self.robot.note, self.host.programs
         watched: list[Watched] = [
-            WatchedFile(file, partial(host.reload, file)) for file in self._node_files
+            WatchedFile(program.file, partial(programs.reload, program.file))
+            for program in self._programs
         ]
-        programs = [program.file for program in self._programs]
-        watched += [WatchedFile(file, partial(host.programs.reload, file)) for file in programs]
         if self._launch_file is not None:
-            from archo_tui.hosting.launch_file import HostedLaunchFile
+            from archo_tui.user_code.launch_file import HostedLaunchFile
 
             watched.append(HostedLaunchFile(self._launch_file, note, self.station.restart))
         if interfaces:
-            from archo_tui.hosting.own_interfaces import OwnInterfaces
+            from archo_tui.user_code.interfaces import OwnInterfaces
 
             watched.append(OwnInterfaces(interfaces, note, self.station.restart))
         return watched
@@ -334,6 +332,11 @@ class Session:
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
+        self._release_output()
+
+    def _release_output(self) -> None:
+        if self._output is not None and sys.stdout is self._output:
+            sys.stdout = self._stdout
 
     def _remove_folders(self) -> None:
         """Remove the folders that the packages of workspaces have got for this session."""
@@ -353,7 +356,7 @@ class Session:
             "file": str((self.options.robot or robot_files.default_path()).absolute()),
             "namespace": self.options.namespace,
             "engine": self.options.engine,
-            "domain": None if is_embedded else self._context.get_domain_id(),
+            "domain": None if is_embedded else self.context.get_domain_id(),
         }
 
     def _look_for_earlier_stop(self) -> None:
@@ -380,13 +383,14 @@ class Session:
         A robot's node is left out if the user's has the same name; all are with `--attach` or
         `--only`. What the user's files print meanwhile becomes events.
         """
-        # What nodes print before the start is an event as well.
-        output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
-        with contextlib.redirect_stdout(output):
-            for file in self._node_files:
-                for make in file.load():
-                    self.host.add(make)
-            self._begin_programs()
+        # What programs print before the frontend comes is an event as well.
+        if self._programs and not isinstance(sys.stdout, NodeOutput):
+            self._stdout = sys.stdout
+            self._output = NodeOutput(sys.stdout or io.StringIO(), self._note_early)
+            sys.stdout = self._output
+        output = sys.stdout
+        self._begin_programs()
+        sys.stdout = output  # Whatever a program has done to it.
         if self.options.attach or self.options.only:
             return
         for make in self.options.node_makers:
@@ -401,7 +405,7 @@ class Session:
                 if name not in taken:
                     self.host.add(partial(_make_own, kind, self._own_ros_args()))
         except expected as error:
-            from archo_tui.hosting.explain import reason_of
+            from archo_tui.user_code.errors import reason_of
 
             text = f"{name}: {reason_of(error)}"
             raise ArchoError(f"{text}: --only leaves the robot's own nodes out") from None
@@ -425,7 +429,7 @@ class Session:
                     raise
                 self.host.programs.add_failed(program, error)
         if self._launch_file is not None and self.host.programs.all_have_crashed:
-            from archo_tui.hosting.launch_file import NothingRunsError
+            from archo_tui.user_code.launch_file import NothingRunsError
 
             notes = [*self._launch_file.notes, *(self._early_events or ())]
             raise NothingRunsError(self._launch_file.path, notes)
@@ -435,13 +439,12 @@ class Session:
 
         None if several files or none could have started it.
         """
-        given = [*self._node_files, *(program.file for program in self._programs)]
-        if len(given) != 1:
+        if len(self._programs) != 1:
             return None
         output = NodeOutput(io.StringIO(), self.robot.note)
 
         def print_line(line: str) -> None:
-            threading.current_thread().name = (self.host.users_names() or [given[0].path.stem])[0]
+            threading.current_thread().name = self.host.programs.names()[0]
             output.write(line)
 
         return print_line
@@ -449,23 +452,27 @@ class Session:
     def _make_program(self, *arguments: Any) -> HostedProgram:
         """Return a new program of the engine's kind: a thread, or on ROS 2 a child process."""
         if self.options.engine == engine.EMBEDDED:
-            from archo_tui.hosting.program_thread import ProgramThread
+            from archo_tui.user_code.thread import ProgramThread
 
             return ProgramThread(*arguments)
         if sys.platform != "win32":
-            from archo_tui.hosting.program_child import ProgramChild
+            from archo_tui.user_code.child import ProgramChild
 
-            output = NodeOutput(io.StringIO(), self.robot.note)
+            is_ready = isinstance(sys.stdout, NodeOutput)  # As that of `check` is.
+            output = sys.stdout if is_ready else NodeOutput(io.StringIO(), self.robot.note)
             return ProgramChild(*arguments, output=output)
-        raise ArchoError("--run with --engine ros2 does not work on Windows")
+        raise ArchoError("--node with --engine ros2 does not work on Windows")
 
     def _user_programs(self) -> list[Program]:
-        from archo_tui.hosting.hosted_program import Program
-        from archo_tui.hosting.program_file import ProgramFile
+        """Return the user's programs, those of the launch file last."""
+        from archo_tui.user_code.file import ProgramFile
+        from archo_tui.user_code.program import Program
 
         args, domain = tuple(self._ros_args()), self.options.domain_id
-        files = [ProgramFile(str(given)) for given in self.options.program_files]
+        files = [ProgramFile(given) for given in self._node_names]
         programs = [Program(file, args, domain_id=domain) for file in files]
+        if programs:  # `--node FILE -- ARG ...`
+            programs[-1] = programs[-1]._replace(arguments=tuple(self.options.arguments))
         if self._launch_file is not None:
             programs += self._launch_file.programs(args, domain)
         return programs
@@ -498,11 +505,8 @@ class Session:
     def start(self) -> None:
         """Start the client, the hosted nodes, the watch of the user's files, and the socket."""
         declared = {
-            hosted.name: set(hosted.node.list_parameters([], 0).names)
-            for hosted in self.host.nodes
-            if hosted.is_made
+            hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
         }
-        late = [hosted.name for hosted in self.host.nodes if not hosted.is_made]
         self._early_events = None
         self.robot.start()
         self._look_for_earlier_stop()
@@ -510,37 +514,36 @@ class Session:
         self._watch.start()
         if self._server is not None:
             self._server.start()
-        for file in self._node_files:
-            if file.not_run:
-                self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():
             self.robot.note(note.level, LAUNCH, str(note))
-        options = self.options
-        users = [*self._user_overrides, *files.parse_typed(options.ros_args)]
-        users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
-        if not (options.only or options.attach):
-            self._note_own_defaults(declared, users)
         if not self._programs:  # Nobody knows which nodes and parameters a program will have.
-            for line in files.unknown_lines(users, declared):
+            for line in files.unknown_lines(self._all_user_overrides(), declared):
                 self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
 
-    def _note_own_defaults(self, declared: Mapping[str, set[str]], users: list[Override]) -> None:
-        """Say which parameters of the user's nodes ARCHO's own files do not set."""
-        for hosted in self.host.nodes:
-            own = [o for o in self._own_overrides if matches(o.pattern, hosted.name)]
-            given = {o.name for o in users if matches(o.pattern, hosted.name)}
-            names = {o.name for o in own} & declared.get(hosted.name, set()) - given
-            if hosted.file is None or not names:
-                continue
-            files_named = ", ".join(sorted({Path(o.where.rpartition(":")[0]).name for o in own}))
-            text = f"{', '.join(sorted(names))}: the default of {hosted.file.path.name}; "
-            text += f"{files_named} is for ARCHO's own node, --params-file gives it to yours"
-            self.robot.note("INFO", hosted.name.lstrip("/"), text)
+    def _note_own_defaults(
+        self, program: HostedProgram, node: str, declared: Sequence[str]
+    ) -> None:
+        """Say once which parameters of a user's node ARCHO's own files do not set. Any thread."""
+        if node in self._noted or self.options.only:
+            return
+        self._noted.add(node)
+        own = [o for o in self._own_overrides if matches(o.pattern, node)]
+        given = {o.name for o in self._all_user_overrides() if matches(o.pattern, node)}
+        names = {o.name for o in own} & {*declared} - given
+        if names:
+            named = {Path(o.where.rpartition(":")[0]).name for o in own}
+            text = f"{', '.join(sorted(names))}: the default of {program.file.path.name}; "
+            text += f"{', '.join(sorted(named))} is for ARCHO's own node, --params-file "
+            text += "gives it to yours"
+            self.robot.note("INFO", node.lstrip("/"), text)
+
+    def _all_user_overrides(self) -> list[Override]:
+        return [*self._user_overrides, *files.parse_typed(self.options.ros_args)]
 
     def close(self, *, restarts: bool = False) -> list[str]:
         """Stop everything, and return the names of the nodes and programs that did not end.
@@ -561,6 +564,7 @@ class Session:
         self.journal.close()
         self._rclpy.shutdown()
         self._remove_folders()
+        self._release_output()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck

@@ -34,8 +34,8 @@ class Options(NamedTuple):
     on_disconnect: str = CANCEL  # CANCEL or LEAVE a goal that runs at the end.
     domain_id: int | None = None
     node_makers: Sequence[Any] = ()  # Replace the robot's own nodes.
-    node_files: Sequence[Path | str] = ()  # The user's node files, or modules by dotted names.
-    program_files: Sequence[Path | str] = ()  # The user's programs, which are run as they stand.
+    node_files: Sequence[Path | str] = ()  # The user's programs, or modules by dotted names.
+    arguments: Sequence[str] = ()  # Of the last of them.
     launch: Launch | None = None  # The user's launch file.
     only: bool = False  # Host none of the robot's own nodes.
     watch: bool = False  # Send no command.
@@ -94,7 +94,7 @@ def _check_attach(options: Options) -> None:
         raise ArchoError(
             "--attach needs --engine ros2: the embedded engine exists in this process only"
         )
-    if options.node_files or options.program_files or options.only:
-        raise ArchoError("--attach hosts no nodes: --node, --run and --only have no effect")
+    if options.node_files or options.only:
+        raise ArchoError("--attach hosts no nodes: --node and --only have no effect")
     if options.params_files or options.use_sim:
         raise ArchoError("--attach hosts no nodes: --params-file and --use-sim have no effect")

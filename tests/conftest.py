@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from tests.support.ros import Ros
     from tests.support.terminal import Terminal
 
+ROOT = Path(__file__).parent.parent
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -124,6 +126,8 @@ def pytest_configure(config: pytest.Config) -> None:
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _own_folders
+        # Programs are processes of their own, which run the console of this folder.
+        os.environ["PYTHONPATH"] = f"{ROOT}{os.pathsep}{ROOT / 'nodes'}"
         engine.activate("ros2")
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
         # A goal whose executor ends before it begins.
@@ -223,11 +227,8 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
 @pytest.fixture(autouse=True, scope="session")
 def _as_all_tests_want_it() -> None:
     """Change what all tests want otherwise, once for the whole run."""
-    from archo_tui.hosting import hosted_node
     from archo_tui.screens.main import MainScreen
 
-    # On a busy machine a node of real ROS 2 may take seconds to construct.
-    hosted_node.CONSTRUCTION_TIME = 30.0
     # Style sheets and ARCHO's file are parsed once for all the apps.
     textual_once.share()
     loaded = lru_cache(load._load)

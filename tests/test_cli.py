@@ -276,7 +276,7 @@ def test_a_subcommand_takes_its_options_anywhere(
         ran.append(given[:3])
         return 0
 
-    monkeypatch.setattr("archo_tui.chapter.run.run", run)
+    monkeypatch.setattr("archo_tui.cli.check.run", run)
     assert main(words.split()) == 0
     assert ran == [(["a.py", "b.py"], "ros2", [Path("d")])]
 

@@ -54,14 +54,14 @@ def _run(
     """Do what `run_console` does, with what the process before a restart has left."""
     from pathlib import Path
 
-    if options.node or options.run or launch:
+    if options.node or launch:
         # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
     gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
-    from archo_tui.hosting.node_output import HarmlessOutput
     from archo_tui.session import Session
     from archo_tui.session_options import Options
     from archo_tui.shutdown import RESTART, ignore_signals
+    from archo_tui.user_code.output import HarmlessOutput
 
     if options.plain and sys.stdout is None:
         raise ArchoError("--plain needs a standard output, and it is closed")
@@ -75,7 +75,7 @@ def _run(
             use_sim=options.use_sim,
             namespace=options.namespace,
             node_files=options.node,
-            program_files=options.run,
+            arguments=options.program_arguments,
             launch=launch,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
@@ -132,9 +132,9 @@ def _restart(session: Session, stdin: TextIO | None) -> None:
 def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     """Take commands line by line from `stdin` until its end; what nodes print becomes events."""
     from archo_tui.console import plain
-    from archo_tui.hosting.node_output import NodeOutput
     from archo_tui.imports import OF_ALL, import_the_rest
     from archo_tui.shutdown import heed_signals
+    from archo_tui.user_code.output import NodeOutput
 
     if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.
         from archo_tui.commands import keymap, registry

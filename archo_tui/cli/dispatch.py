@@ -45,6 +45,7 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         return print_candidates(words[1:])
     if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
         words = [*words[1:2], "--help"]
+    words, arguments = _without_program_arguments(words)
     is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
     if is_verb or is_stop_text(" ".join(words)):
         from archo_tui.client import shell  # Runs quickly, since a prompt may call it.
@@ -68,6 +69,7 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         complain(f"{error}: STOP is sent anyway")
         return shell.run(words[at:], SUBCOMMANDS, helps=helps)
     if not options.command:
+        options.program_arguments = arguments
         return run_console(options, ros_args)
     name, *rest = options.command
     if name != "mcp":  # mcp uses standard output for its protocol.
@@ -82,6 +84,14 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
     before = words[: -len(options.command)]
     _check_unused(ros_args, options.command)
     return _RUN[name](parser.parse_intermixed_args([*before, *rest]))
+
+
+def _without_program_arguments(words: list[str]) -> tuple[list[str], list[str]]:
+    """Split `--node FILE -- ARG ...` at its `--`; without a `--node` before it nothing is split."""
+    at = words.index("--") if "--" in words else len(words)
+    if any(word.partition("=")[0] in ("--node", "--run") for word in words[:at]):
+        return words[:at], words[at + 1 :]
+    return words, []
 
 
 def _check_unused(ros_args: list[str], verb: list[str]) -> None:

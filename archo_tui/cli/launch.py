@@ -22,10 +22,10 @@ _SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml")  # As ROS 2's launch f
 
 def launch(options: Namespace) -> int:
     """Run the console with a launch file, or print the arguments that the file declares."""
-    from archo_tui.hosting.launch_file import NothingRunsError
     from archo_tui.launch.evaluate import launch_arguments, parse_arguments
     from archo_tui.launch.workspace import Workspace
     from archo_tui.session_options import Launch
+    from archo_tui.user_code.launch_file import NothingRunsError
 
     file = _launch_file(Path(options.file))
     if options.show_args:

@@ -38,6 +38,7 @@ def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
         "While the screen is shown, what libraries print goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
+    parser.set_defaults(program_arguments=())  # `--node FILE -- ARG ...`
     if takes_command:
         _add_verb(parser)
     parser.add_argument_group(
@@ -73,22 +74,16 @@ def _node_options(group: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         action="append",
         default=[],
-        help="host the rclpy nodes of a Python file (or package.module), in place of the robot's "
-        "own nodes of the same names; they restart when the file is saved; can be given several "
-        "times",
+        help="run a Python file (or package.module) as `python FILE` does, with its main(), beside "
+        "the console; its nodes replace the robot's own of the same names; it restarts when it is "
+        "saved; can be given several times. Words behind -- are arguments of the last one",
     )
-    group.add_argument(
-        "--run",
-        metavar="FILE",
-        action="append",
-        default=[],
-        help="run a Python file as `python FILE` does, with its main(), beside the console; its "
-        "nodes replace the robot's own of the same names; can be given several times",
-    )
+    # Its older name, until the next release.
+    group.add_argument("--run", dest="node", action="append", help=argparse.SUPPRESS)
     group.add_argument(
         "--only",
         action="store_true",
-        help="host only the nodes of --node and --run, not the robot's own",
+        help="host only the nodes of --node, not the robot's own",
     )
     _interfaces_option(group, "; when one is saved, everything restarts")
 

@@ -16,7 +16,7 @@ def replay(options: Namespace) -> int:
     from pathlib import Path
 
     from archo_tui import engine
-    from archo_tui.hosting import own_interfaces
+    from archo_tui.user_code import interfaces as own_interfaces
 
     if not options.text:
         try:

@@ -15,7 +15,7 @@ def check(options: Namespace) -> int:
     """Run the checks of the textbook's chapter on files; 0 if some passed and none failed."""
     from pathlib import Path
 
-    from archo_tui.chapter.run import run
+    from archo_tui.cli.check import run
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # So that temporary files are removed.
     out = sys.stdout

@@ -49,7 +49,7 @@ class Printer:
         """Print the events and the goal's state that are news; set `goal` and `has_failed`."""
         for event in snapshot.events:
             if event.number not in self._printed_events and is_event_news(
-                event, snapshot.goal, self._station.view.hosted, is_ending=self._is_ending()
+                event, snapshot.goal, self._station.host.states(), is_ending=self._is_ending()
             ):
                 self.print_timed(event_text(event), event.time)
         self._printed_events = {event.number for event in snapshot.events}

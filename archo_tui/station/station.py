@@ -28,9 +28,9 @@ from archo_tui.station.undo import Edit, UndoList
 from archo_tui.station.view import Recorder, View
 
 if TYPE_CHECKING:
-    from archo_tui.hosting.host import Host
     from archo_tui.robot.robot import Robot
     from archo_tui.station.journal import Journal
+    from archo_tui.user_code.host import Host
 
 
 _OFFER_AFTER = 5.0  # Seconds in which ARCHO's nodes may appear.

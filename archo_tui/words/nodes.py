@@ -44,7 +44,7 @@ class NodeRow(NamedTuple):
             return "○", f"{life.value}: {self.hosted.error}", PLAIN
         if life == Life.STUCK:
             return "✗", life.value, STRONG
-        if life in (Life.STOPPED, Life.ENDED):
+        if life in (Life.STOPPED, Life.ENDED, Life.WAITING):
             return "○", life.value, OLD
         if self.state.is_silent(self.second) and self.state.heard is not None:
             return "?", f"silent for {age_text(self.second - self.state.heard)}", OLD

@@ -58,7 +58,7 @@ async def keys_answer(op: Console) -> None:
 
 async def test_ten_thousand_log_lines_a_second() -> None:
     async with console(*FAST) as op:
-        talker = Node("talker", context=op.session._context)
+        talker = Node("talker", context=op.session.context)
         publisher = talker.create_publisher(Log, "/rosout", 1000)
 
         def publish(number: int) -> None:
@@ -77,7 +77,7 @@ async def test_ten_thousand_log_lines_a_second() -> None:
 
 async def test_a_thousand_battery_readings_a_second() -> None:
     async with console(*FAST[:4]) as op:
-        meter = Node("meter", context=op.session._context)
+        meter = Node("meter", context=op.session.context)
         publisher = meter.create_publisher(BatteryStatus, "battery_level", 10)
 
         def publish(number: int) -> None:
@@ -99,7 +99,7 @@ async def test_dozens_of_nodes_with_twenty_parameters_each(
     count = 250 if request.config.getoption("--night") else 40
     count = count if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
     async with console(*FAST) as op:
-        context = op.session._context
+        context = op.session.context
         executor = SingleThreadedExecutor(context=context)
         nodes = []
         for number in range(count):

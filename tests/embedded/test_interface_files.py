@@ -12,7 +12,7 @@ import pytest
 from archo_tui.embedded.idl import InterfaceError, parse
 from archo_tui.embedded.idl_types import FieldType
 from archo_tui.errors import ArchoError
-from archo_tui.hosting import own_interfaces
+from archo_tui.user_code import interfaces as own_interfaces
 from tests.embedded.interface_lines import READ, REFUSED
 
 

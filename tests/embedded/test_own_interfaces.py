@@ -8,7 +8,7 @@ import pytest
 
 import archo_tui
 from archo_tui.errors import ArchoError
-from archo_tui.hosting import own_interfaces
+from archo_tui.user_code import interfaces as own_interfaces
 from tests.support import chosen
 from tests.support.script import Script
 from tests.support.shells import said

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import heapq
 import itertools
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -134,7 +135,7 @@ class VirtualClock(Clock):
         for thread in threading.enumerate():
             if thread is self._tester or thread in self._stuck:
                 continue
-            if thread.name.startswith(_SPINNERS):
+            if thread.name.startswith(_SPINNERS) and not _is_idle_worker(thread):
                 waiter = waiters.get(thread)
                 if waiter is None or not waiter.rests():
                     return False
@@ -173,6 +174,12 @@ class VirtualClock(Clock):
         while not self.at_rest():
             assert time.monotonic() < end, f"never at rest: {threading.enumerate()}"
             time.sleep(LOOK)
+
+
+def _is_idle_worker(thread: threading.Thread) -> bool:
+    """True for a thread of a pool that has nothing to do."""
+    frame = sys._current_frames().get(thread.ident or 0)
+    return frame is not None and frame.f_code.co_name == "_worker"
 
 
 current: VirtualClock | None = None  # of the running test; None where it runs in real time

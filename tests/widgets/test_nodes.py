@@ -195,7 +195,7 @@ async def test_a_crashed_node_says_why_and_is_started_again() -> None:
 
 async def test_nodes_elsewhere_are_not_started_or_stopped_from_here() -> None:
     async with console(*FAST) as op:
-        other = Node("guest", context=op.session._context)
+        other = Node("guest", context=op.session.context)
         try:
             await op.until("● guest")
             await select(op, "/guest")

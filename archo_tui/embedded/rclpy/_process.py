@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -15,13 +16,18 @@ if TYPE_CHECKING:
 class Process:
     """The default context, the global executor and the command line of a program."""
 
-    def __init__(
-        self, arguments: Sequence[str] | None = None, domain_id: int | None = None
-    ) -> None:
-        self.arguments, self.domain_id = arguments, domain_id
+    def __init__(self, domain_id: int | None = None) -> None:
+        self.domain_id = domain_id
         self.default_context: Context | None = None
         self.executor: Executor | None = None
         self.lock = threading.Lock()
+
+    def begin_context(self, args: Sequence[str] | None) -> Sequence[str]:
+        """Return the command line of a context that begins, which was given `args`."""
+        return sys.argv if args is None else args
+
+    def spin_node(self, node: Node, executor: Executor) -> None:
+        """Do nothing; a subclass may take note that a node is added to an executor."""
 
     def add_node(self, node: Node) -> None:
         """Do nothing; a subclass may take note of a node that a thread of the program makes.

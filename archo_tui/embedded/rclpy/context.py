@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import os
-import sys
 import threading
 import warnings
 import weakref
@@ -43,12 +42,11 @@ class Context:
         domain_id: int | None = None,
     ) -> None:
         """Begin the context, which succeeds only once. Nodes of one domain see each other."""
+        process = _process.current()
+        args = process.begin_context(args)
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
-            process = _process.current()
-            if args is None or args is sys.argv:  # A program's own, where several share a process.
-                args = sys.argv if process.arguments is None else process.arguments
             for argument in args:
                 argument.encode()  # Raises UnicodeEncodeError for what is not UTF-8, as in rcl.
             self._arguments = _arguments.parse(args)

@@ -23,7 +23,7 @@ from operator import attrgetter
 from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rclpy import _time_source
+from rclpy import _process, _time_source
 from rclpy._entity import Entity, TimedEntity
 from rclpy.context import Context
 from rclpy.task import Future, Task
@@ -106,6 +106,7 @@ class Executor:
 
         The node leaves the executor that it had before.
         """
+        _process.current().spin_node(node, self)
         with self._condition:
             if node in self._nodes:
                 return False

@@ -34,6 +34,7 @@ class Life(Enum):
     STUCK = "does not stop"
     STARTING = "starting"  # Its constructor has not returned.
     ENDED = "ended"  # Its program has returned.
+    WAITING = "waits: release the STOP, then s"  # A program that was to start behind a STOP.
 
     @property
     def is_running(self) -> bool:

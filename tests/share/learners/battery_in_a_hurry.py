@@ -1,6 +1,7 @@
 """Ten times a second."""
 # ok: 1 3
-# not ok 2: HERE: one every 0.10 s: the first argument of create_timer is in seconds
+# not ok 2: HERE: one every 0.1
+# not ok 2: s: the first argument of create_timer is in seconds
 from rclpy.node import Node
 from std_msgs.msg import Float32
 

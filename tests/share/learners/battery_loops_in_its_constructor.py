@@ -1,5 +1,5 @@
 """The loop that the timer is there for."""
-# exit 2: HERE: BatteryMonitor.__init__ did not return within
+# exit 2: HERE: BatteryMonitor.__init__ 
 import time
 
 from rclpy.node import Node

@@ -1,5 +1,5 @@
 """main() without its `if`."""
-# exit 2: HERE: main() runs when the file is imported: put it below if __name__ == "__main__":
+# nothing
 import rclpy
 from rclpy.node import Node
 
@@ -14,4 +14,4 @@ def main():
     rclpy.spin(BatteryMonitor())
 
 
-main()  # here
+main()

@@ -1,5 +1,5 @@
 """main() without its `if`, in a try."""
-# exit 2: HERE: main() runs when the file is imported: put it below if __name__ == "__main__":
+# nothing
 import rclpy
 from rclpy.node import Node
 
@@ -15,6 +15,6 @@ def main():
 
 
 try:
-    main()  # here
+    main()
 except KeyboardInterrupt:
     pass

@@ -1,5 +1,5 @@
 """spin() in the constructor."""
-# exit 2: HERE: BatteryMonitor.__init__ did not return within
+# exit 2: HERE: BatteryMonitor.__init__ 
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import Float32

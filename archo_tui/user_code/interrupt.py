@@ -1,0 +1,28 @@
+"""Exceptions that are raised in another thread, to end what it runs."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from traceback import StackSummary, extract_stack
+
+
+class Interrupted(BaseException):
+    """The exception that ends a thread; no `except Exception` of a user catches it."""
+
+
+def raise_in(thread: threading.Thread, error: type[BaseException] = Interrupted) -> None:
+    """Raise an error in a thread as soon as it runs Python code, which a long `sleep` does not.
+
+    By CPython's PyThreadState_SetAsyncExc: https://docs.python.org/3/c-api/threads.html.
+    """
+    import ctypes  # Imported here, because it is rarely needed.
+
+    number = ctypes.c_ulong(thread.ident or 0)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(error))
+
+
+def stack_of(thread: threading.Thread) -> StackSummary:
+    """Return the stack of a thread as it is now; an empty one if the thread has ended."""
+    frame = sys._current_frames().get(thread.ident or 0)
+    return extract_stack(frame) if frame is not None else StackSummary()

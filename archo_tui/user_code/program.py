@@ -1,0 +1,329 @@
+"""A program of the user's own, which runs beside the console until its `main()` returns."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from archo_tui.errors import UserFileError
+from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.user_code.file import ProgramFile
+from archo_tui.user_code.interrupt import Interrupted
+
+START_TIME = 2.0  # Seconds that the start of the next one waits for a program.
+IMPORT_TIME = 10.0  # Seconds in which the text of a saved file must have called `rclpy.init`.
+JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
+KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.
+LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no flood.
+_SAVED_BEHIND_STOP = "saved behind a STOP: release it, then s twice starts the saved text"
+_POLL = 0.05  # Seconds between two looks at a program that is waited for.
+
+
+class Program(NamedTuple):
+    """A program to run, and how."""
+
+    file: ProgramFile
+    ros_args: tuple[str, ...] = ()  # From `--ros-args` on.
+    arguments: tuple[str, ...] = ()  # The words before them.
+    name: str = ""  # The full name of its node, if it is known before the program runs.
+    domain_id: int | None = None  # None means that of the environment.
+    respawn_delay: float | None = None  # Seconds, LEAST_RESPAWN_DELAY at least; None: runs once.
+    start_delay: float = 0.0  # Seconds before the first run.
+    is_copy: bool = False
+    sees_ros_args: bool = False  # In `sys.argv`, as a program of a launch file.
+
+
+class ProgramEnd(NamedTuple):
+    """The result of a run of a program."""
+
+    code: int  # 1 after an exception, 130 after an interruption, -N after signal N.
+    error: str = ""  # In one line which begins with the file; "" for none.
+    traceback: str = ""
+
+
+class Callbacks(NamedTuple):
+    """The functions of the console that a program calls, each in a thread of its own."""
+
+    on_end: Callable[[HostedProgram], None]  # It has ended, and was not stopped.
+    on_node: Callable[[HostedProgram, str], None]  # It has made a node of that full name.
+    may_run: Callable[[], bool]  # False while a STOP is not released.
+    operator_values: Callable[[str], Mapping[str, Any]]  # The parameters set on a node by hand.
+    on_restored: Callable[[str, Mapping[str, Any], Mapping[str, str]], None]
+    """The values that a node was given again, and why it refused others, by parameter."""
+    on_event: Callable[[str, str, str], None]  # Level, source and text.
+    on_spin: Callable[[HostedProgram, str, Sequence[str]], None]
+    """A node spins for the first time: its full name, and the parameters that it declares."""
+
+
+class HostedProgram(ABC):
+    """The base of a program of the user's own, and the thread that runs it, again if it respawns.
+
+    On the embedded engine it is a `ProgramThread` of this process, on ROS 2 a `ProgramChild`.
+    """
+
+    thread_class: type[threading.Thread] = threading.Thread  # Of the thread of the program.
+
+    def __init__(self, program: Program, callbacks: Callbacks, is_held: bool = False) -> None:
+        """Create the hosted program; `begin` runs it."""
+        self.program, self.file, self.callbacks = program, program.file, callbacks
+        name, file = program.name or f"/{program.file.path.stem}", program.file
+        self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
+        self.crash = ""  # The error of the last run that ended by itself.
+        self.has_name = False  # True once a node of it was accepted, in this run or before.
+        self.was_refused = False  # This run ended where it would make a node behind a STOP.
+        self.was_forced = False  # It was ended by force.
+        self.has_begun = threading.Event()  # Set once this run has called `rclpy.init`.
+        self._goes_on = threading.Event()  # Not set while it is held at `rclpy.init`.
+        if not is_held:
+            self._goes_on.set()
+        self._has_node = self.has_spun = False  # In this run; spun outside of a constructor.
+        self.served: tuple[str, ...] = ()  # The services and actions that it was known to serve.
+        self._stopping = threading.Event()
+        self._thread = self.thread_class(target=self._run, name=name, daemon=True)
+
+    @property
+    def name(self) -> str:
+        """The first of `names`."""
+        return self.names[0]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The full names of the program's nodes on the graph, the oldest first; never empty.
+
+        Without one, the name of the first node that it ever made, the planned one, or the file's.
+        """
+        return self.node_names() or (self.state.name,)
+
+    @property
+    def is_stopping(self) -> bool:
+        """True if the program has been asked to end."""
+        return self._stopping.is_set()
+
+    @property
+    def is_over(self) -> bool:
+        """True if its thread has ended, or was never begun."""
+        return not self._thread.is_alive()
+
+    def current_states(self) -> tuple[Hosted, ...]:
+        """Return a state for each node of the program, or one state if it has none.
+
+        Each has the services and actions of the whole program. One whose constructor has not
+        returned is STARTING, with the line where it is.
+        """
+        state = self.state
+        if state.life is Life.UP:
+            self.served = self.serves_now()
+            where = self.constructor_line()
+            if where:
+                line, _, text = self.file.without_name(where).partition(": ")
+                error = f"{line}, in: {text.partition(', in: ')[2]}"
+                state = state._replace(life=Life.STARTING, error=error)
+        return tuple(state._replace(name=name, serves=self.served) for name in self.names)
+
+    def begin(self) -> None:
+        """Start the thread that runs the compiled file; call this once only."""
+        self.state = self.state._replace(saved=self.file.saved)
+        self._thread.start()
+
+    def wait(self) -> None:
+        """Wait until the program waits for others or has ended, at most START_TIME."""
+        end = time.monotonic() + START_TIME
+        while not (self.is_over or time.monotonic() > end or self.is_at_rest()):
+            time.sleep(_POLL)
+
+    def wait_for_init(self) -> bool:
+        """Wait until the program calls `rclpy.init`, at most IMPORT_TIME; False if it crashed."""
+        end = time.monotonic() + IMPORT_TIME
+        while not (self.is_over or time.monotonic() > end):
+            if self.has_begun.wait(_POLL):
+                break
+        return self.state.life is not Life.CRASHED
+
+    def go_on(self) -> None:
+        """Let a program that is held go on."""
+        self._goes_on.set()
+
+    def wait_for_release(self) -> None:
+        """Say in `state` that a STOP is not released: it waits, or runs on with its old text."""
+        if self.is_over:
+            self.state = self.state._replace(life=Life.WAITING, error="", traceback="")
+        else:
+            self.state = self.state._replace(error=_SAVED_BEHIND_STOP, traceback="")
+
+    def report_not_restarted(self, error: UserFileError) -> None:
+        """Put the error of the saved text into `state`; the program runs on with the old text."""
+        text = self.file.without_name(str(error))
+        self.state = self.state._replace(error=text, traceback=error.report)
+
+    def record_failure(self, error: UserFileError) -> None:
+        """Put the error of a text that does not compile into `state`: the program has crashed."""
+        self.report_not_restarted(error)
+        self.state = self.state._replace(life=Life.CRASHED)
+        self.crash = str(error)
+
+    @property
+    def has_failed_for_good(self) -> bool:
+        """True if the program has crashed without a node, and is not respawned."""
+        is_over = self.state.life is Life.CRASHED and self.program.respawn_delay is None
+        return is_over and not self.has_name
+
+    def _run(self) -> None:
+        """Run the program until it has ended, and again if it respawns and no STOP holds."""
+        with contextlib.suppress(Interrupted, KeyboardInterrupt):  # Too late for the program.
+            if self.program.start_delay > 0 and not self._may_run_after(self.program.start_delay):
+                return
+            while not self._stopping.is_set():
+                self.state = self.state._replace(life=Life.UP, error="", traceback="")
+                self._has_node = self.has_spun = self.was_refused = False
+                self._record_end(self.run_once())
+                delay = self.program.respawn_delay
+                if delay is None or self.was_refused:
+                    return
+                if not self._may_run_after(max(delay, LEAST_RESPAWN_DELAY)):
+                    return
+
+    def _may_run_after(self, delay: float) -> bool:
+        """Wait `delay` seconds; return False if the program is to end, or to wait for a release."""
+        if self._stopping.wait(delay):
+            return False
+        if self.callbacks.may_run():
+            return True
+        self.was_refused = True
+        self._record_end(ProgramEnd(0))
+        return False
+
+    def _record_end(self, end: ProgramEnd) -> None:
+        """Set `state` and `crash` from a run's result; call `on_end` unless it was stopped."""
+        done = self.state._replace(error="", traceback="")
+        if self._stopping.is_set():
+            self.state = done._replace(life=Life.STOPPED)
+            return
+        if self.was_refused:
+            self.state = done._replace(life=Life.WAITING)
+        elif end.code == 0:
+            self.state = done._replace(life=Life.ENDED)
+        else:
+            self.crash = end.error or f"{self.file}: exit code {end.code}"
+            error = self.file.without_name(self.crash)
+            self.state = done._replace(life=Life.CRASHED, error=error, traceback=end.traceback)
+        self.callbacks.on_end(self)
+
+    def begin_context(self) -> bool:
+        """Note a call of `rclpy.init`, and wait while held; False if the program must end."""
+        self.has_begun.set()
+        while not self._goes_on.wait(_POLL):
+            if self._stopping.is_set():
+                return False
+        return True
+
+    def accept_node(self, name: str) -> bool:
+        """Record a node that the program has made, and decide whether the program may go on.
+
+        A STOP that was sent since the program was started has not reached its nodes. So the program
+        must end if a STOP holds when its first node is made; before that it moves nothing. The name
+        of its first node ever becomes that of the program and its thread.
+        """
+        if not self._has_node and not self.callbacks.may_run():
+            self.was_refused = True
+            return False
+        if not self.has_name:
+            self.has_name = True
+            self.state = self.state._replace(name=name)
+            self._thread.name = name  # By which its output is known.
+        self.callbacks.on_node(self, name)
+        # The robot's own node may have held it, and be gone.
+        if not self._has_node and not self.callbacks.may_run():
+            self.was_refused = True
+            return False
+        self._has_node = True
+        return True
+
+    def begin_to_stop(self) -> None:
+        """Interrupt the program, as Ctrl-C does, without waiting for its end; it is not respawned.
+
+        A second call does nothing.
+        """
+        if self._stopping.is_set():
+            return
+        self._stopping.set()
+        if self._thread.is_alive():
+            self.interrupt()
+
+    def join(self, timeout: float) -> bool:
+        """Wait for the end of the program, at most `timeout` seconds; return `is_over`."""
+        if self._thread.ident is not None:
+            self._thread.join(max(timeout, 0.0))
+        return self.is_over
+
+    def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
+        """Interrupt the program and wait for its end; end it by force if it takes too long.
+
+        Its state becomes STOPPED, unless it has crashed. What it left on the graph is taken off.
+        """
+        self.begin_to_stop()
+        if not self.join(timeout):
+            self.was_forced = True
+            self.force_end()
+            if not self.join(kill_timeout):
+                self.state = self.state._replace(name=self.name, life=Life.STUCK)
+                return False
+        self.release()
+        if self.state.life is not Life.CRASHED:
+            self.state = self.state._replace(life=Life.STOPPED, error="")
+        return True
+
+    @abstractmethod
+    def run_once(self) -> ProgramEnd:
+        """Run the program until it has ended, in the calling thread, and return the result."""
+
+    @abstractmethod
+    def node_names(self) -> tuple[str, ...]:
+        """Return the full names of the program's nodes on the graph, the oldest first."""
+
+    @abstractmethod
+    def serves_now(self) -> tuple[str, ...]:
+        """Return the full names of the services and actions that its nodes are known to serve."""
+
+    @abstractmethod
+    def is_at_rest(self) -> bool:
+        """Return True if the program waits for other nodes or messages.
+
+        A `ProgramChild`, into which the console cannot look, is at rest once it has made a node.
+        """
+
+    @abstractmethod
+    def ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the answer of the program's `Probe`; {} if there is none in time."""
+
+    @abstractmethod
+    def interrupt(self) -> None:
+        """Interrupt the program as Ctrl-C does; may be called again, and on any thread."""
+
+    @abstractmethod
+    def force_end(self) -> None:
+        """End the program by force if it runs, without waiting; may be called on any thread."""
+
+    def constructor_line(self) -> str:
+        """Return the line of `Probe` about a node's constructor that has not returned, or ""."""
+        return ""
+
+    def release(self) -> None:  # noqa: B027
+        """Take the nodes that an ended program has left off the graph; a child leaves none."""
+
+
+def with_ros_args(args: Sequence[str], program: Program) -> list[str]:
+    """Return what `rclpy.init` is given, with the ROS arguments of the program if it has none."""
+    return [*args] if "--ros-args" in args else [*args, *program.ros_args]
+
+
+def exit_code(error: SystemExit) -> tuple[int, str]:
+    """Return the exit code that Python makes of a SystemExit, and the text that it prints or ""."""
+    if error.code is None:
+        return 0, ""
+    if isinstance(error.code, int):
+        return error.code, ""
+    return 1, str(error.code)

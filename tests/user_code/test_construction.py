@@ -1,0 +1,228 @@
+"""A node whose constructor takes its time: others are started meanwhile, and it when it is made."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+from archo_tui.errors import ArchoError
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from tests.support import chosen
+from tests.support.console import console
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.real_time
+
+ASKER = """
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Asker(Node):
+    def __init__(self):
+        super().__init__("asker")
+        client = self.create_client(Trigger, "blink")
+        while not client.wait_for_service(timeout_sec=0.1):
+            pass
+        future = client.call_async(Trigger.Request())
+        rclpy.spin_until_future_complete(self, future)
+        print("answer:", future.result().message)
+"""
+LAMP = """
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Lamp(Node):
+    def __init__(self):
+        super().__init__("lamp")
+        self.create_service(Trigger, "blink", self.blink)
+
+    def blink(self, request, response):
+        response.message = "on"
+        return response
+"""
+# serves a STOP, and is made when there is a file called `go`
+MOTOR = """
+import time
+from pathlib import Path
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Motor(Node):
+    def __init__(self):
+        super().__init__("motor")
+        self.said = []
+        self.declare_parameter("speed", 1.0)
+        self.create_service(Trigger, "halt", self.halt)
+        self.create_timer(0.01, lambda: self.said.append("drives"))
+        while not Path("go").exists():
+            time.sleep(0.01)  # here
+
+    def halt(self, request, response):
+        self.said.append("halted")
+        response.success = True
+        return response
+"""
+
+
+def written(name: str, text: str) -> Path:
+    file = Path(name)
+    file.write_text(text)
+    return file
+
+
+@contextmanager
+def hosting(*files: Path, **options: Any) -> Iterator[Session]:
+    """A session whose nodes are waited for as long as a constructor without a wait may take."""
+    given = {"only": True, **options}
+    session = Session(
+        Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, **given), None
+    )
+    session.start()
+    try:
+        yield session
+    finally:
+        assert session.close() == []
+
+
+@pytest.fixture(autouse=True)
+def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if chosen.ENGINE == "embedded":
+        monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 0.3)
+
+
+def state(session: Session, name: str) -> Hosted:
+    return next(hosted for hosted in session.host.states() if hosted.name == name)
+
+
+def texts(session: Session) -> list[str]:
+    return [event.text for event in session.robot.snapshot.events]
+
+
+def is_up(session: Session, name: str) -> Callable[[], bool]:
+    return lambda: state(session, name).life is Life.UP
+
+
+def test_a_constructor_is_answered_by_a_node_of_a_later_file() -> None:
+    with hosting(written("asker.py", ASKER), written("lamp.py", LAMP)) as session:
+        wait_until(is_up(session, "/asker"))
+        wait_until(lambda: "answer: on" in texts(session))
+        if chosen.ENGINE == "embedded":
+            late = "asker.py:11: Asker.__init__ waits for other nodes, in: while not client."
+            wait_until(lambda: any(text.startswith(late) for text in texts(session)))
+
+
+INSIDE = pytest.mark.skipif(chosen.ENGINE != "embedded", reason="a child cannot be looked into")
+
+
+@INSIDE
+def test_a_constructor_that_waits_for_others_holds_up_nobody(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 20.0)
+    began = time.monotonic()
+    with hosting(written("asker.py", ASKER), written("lamp.py", LAMP)) as session:
+        assert time.monotonic() - began < 15.0
+        wait_until(is_up(session, "/asker"))
+
+
+@INSIDE
+def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
+    with hosting(written("asker.py", ASKER)) as session:
+        waiting = state(session, "/asker")
+        assert waiting.life is Life.STARTING
+        assert waiting.error.startswith("line 11, in: while not client.wait_for_service(")
+        assert session.host.start_node("/asker") == (Code.REFUSED, "/asker is starting")
+        assert session.host.stop_node("/asker") == (Code.DONE, "/asker stopped")
+        assert state(session, "/asker").life is Life.STOPPED
+        wait_until(lambda: "/asker" not in [n.name for n in session.robot.snapshot.nodes])
+        assert session.host.start_node("/asker").ok
+        wait_until(lambda: state(session, "/asker").life is Life.STARTING)
+
+
+@INSIDE
+def test_one_that_takes_its_time_is_said_with_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 4.0)  # It begins within that.
+    with hosting(written("motor.py", MOTOR)) as session:
+        late = re.compile(r"motor\.py:1[56]: Motor\.__init__ has not returned, in: ")
+        wait_until(lambda: any(late.match(text) for text in texts(session)))
+        Path("go").touch()
+        wait_until(is_up(session, "/motor"))
+
+
+@INSIDE
+async def test_on_the_screen_s_stops_it() -> None:
+    async with console(node_files=[written("asker.py", ASKER)], only=True, wait=False) as op:
+        await op.until("○ asker")
+        await op.until("starting: line 11, in: while not")
+        await op.press("5", "s")
+        await op.until("○ asker            stopped by you")
+
+
+SPINS_ITSELF = LAMP.replace(
+    "\n    def blink", "        import rclpy\n        rclpy.spin(self)\n\n    def blink"
+)
+
+
+def test_what_one_serves_that_spins_in_its_constructor_is_known_and_goes_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with hosting(written("lamp.py", SPINS_ITSELF), written("asker.py", ASKER)) as session:
+        wait_until(lambda: "answer: on" in texts(session))  # by the lamp
+        wait_until(lambda: state(session, "/lamp").serves == ("/blink",))
+        gone: list[str] = []
+        monkeypatch.setattr(session.host, "_on_end", gone.extend)
+        assert session.host.stop_node("/lamp").ok
+        assert gone == ["/blink"]
+
+
+def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
+    fails = MOTOR.replace("\n    def halt", "        1 / 0\n\n    def halt")
+    with hosting(written("motor.py", fails)) as session:
+        wait_until(lambda: "/motor" in session.host.names())
+        Path("go").touch()
+        wait_until(lambda: state(session, "/motor").life is Life.CRASHED)
+        assert state(session, "/motor").error == (
+            "line 17: ZeroDivisionError: division by zero, in: 1 / 0"
+        )
+        wait_until(lambda: any("crashed: line 17: " in text for text in texts(session)))
+
+
+class Motor(Node):
+    """One of the robot's own."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("motor", **options)
+
+
+def test_it_takes_the_place_of_one_of_the_robots_own_of_its_name() -> None:
+    unnamed = MOTOR.replace(
+        'super().__init__("motor")', "wait()\n" + 8 * " " + "super().__init__('motor')"
+    )
+    waits = "\n\ndef wait():\n    while not Path('go').exists():\n        time.sleep(0.01)\n"
+    with hosting(written("mine.py", unnamed + waits), only=False, node_makers=(Motor,)) as session:
+        assert sorted(session.host.names()) == ["/mine", "/motor"]
+        Path("go").touch()
+        wait_until(lambda: session.host.names() == ["/motor"])
+        assert session.host.nodes == []
+
+
+def test_a_session_that_does_not_begin_leaves_no_thread_of_a_program() -> None:
+    lamp, broken = written("lamp.py", LAMP), written("broken.py", "def")
+    with pytest.raises(ArchoError, match=r"broken\.py:1: SyntaxError"), hosting(lamp, broken):
+        pass
+    wait_until(lambda: not any("/lamp" in thread.name for thread in threading.enumerate()))

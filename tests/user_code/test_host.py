@@ -1,0 +1,133 @@
+"""A hosted node that fails fails alone, and it is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state.snapshot import Life
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from tests.support import chosen, clock
+from tests.support.waiting import wait_until
+
+
+class Bad(Node):
+    """Raises in its first callback."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("bad", **options)
+        self.create_timer(0.01, self.explode)
+
+    def explode(self) -> None:
+        raise ZeroDivisionError("boom")
+
+
+class Good(Node):
+    """Ticks on."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("good", **options)
+        self.count = 0
+        self.create_timer(0.01, self.tick)
+
+    def tick(self) -> None:
+        self.count += 1
+
+
+def test_a_crash_is_an_event_and_the_others_go_on() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad, Good))
+    with Session(options, clock.current) as session:
+        wait_until(
+            lambda: (
+                [
+                    (e.level, e.source, e.text)
+                    for e in session.robot.snapshot.events
+                    if e.source == "bad"
+                ]
+                == [("ERROR", "bad", "crashed: ZeroDivisionError: boom")]
+            )
+        )
+        bad, good = session.host.nodes
+        assert bad.state.life is Life.CRASHED
+        assert "in explode" in bad.state.traceback
+        seen = good.node.count  # type: ignore[attr-defined]
+        wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes][-1] == "/good")
+
+
+def test_the_crashed_node_has_left_the_graph() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad,))
+    with Session(options, clock.current) as session:
+        wait_until(lambda: session.host.states()[0].error)
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == [])
+
+
+def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session.host.nodes[0], "stop", lambda: False)
+        outcome = session.host.stop_node("/good")
+        assert outcome == (Code.TIMEOUT, "/good does not stop: its callback does not return")
+
+
+def test_a_restarted_copy_keeps_its_own_name() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session:
+        assert session.host.copy_node("/good").ok
+        assert session.host.stop_node("/good_2").ok
+        assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
+        assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
+
+
+def test_a_node_that_runs_is_not_started_again() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session:
+        (good,) = session.host.nodes
+        assert session.host.start_node("/good") == (Code.REFUSED, "/good is running")
+        assert session.host.nodes == [good]
+        seen = good.node.count  # type: ignore[attr-defined]
+        wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]
+
+
+IDLE = """
+import rclpy
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
+
+
+class Idle(Node):
+    def __init__(self):
+        super().__init__("idle")
+
+
+def main():
+    rclpy.init()
+    executor = MultiThreadedExecutor()
+    executor.add_node(Idle())
+    executor.spin()
+"""
+
+
+@pytest.mark.real_time
+def test_a_program_of_several_threads_stops_each_time_it_is_told_to(here: Path) -> None:
+    file = here / "idle.py"
+    file.write_text(IDLE)
+    options = Options(
+        engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=(file,), only=True
+    )
+    session = Session(options, None)
+    session.start()
+    try:
+        for _ in range(6):
+            wait_until(lambda: session.host.programs.find("/idle") is not None)
+            assert session.host.stop_node("/idle").text == "/idle stopped"
+            assert session.host.start_node("/idle").text == "/idle started"
+    finally:
+        stuck = session.close()
+    assert stuck == []

@@ -1,0 +1,360 @@
+"""A launch file of the user's own, whose programs run without ROS: `archo-tui launch FILE`."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui.cli import main
+from archo_tui.errors import ArchoError
+from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.session import Session
+from archo_tui.session_options import Launch, Options, check_options
+from archo_tui.user_code import program as hosted_program
+from archo_tui.user_code.launch_file import LaunchFile
+from tests.support import chosen
+from tests.support.waiting import wait_until
+
+pytestmark = [
+    pytest.mark.real_time,
+    pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there ros2 launch does it"),
+]
+
+WHEELS = """
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+
+class Wheels(Node):
+    def __init__(self):
+        super().__init__("wheels")
+        self.declare_parameter("speed", 0.0)
+        self.publisher = self.create_publisher(Float64, "speed", 10)
+        self.create_timer(0.05, self.tick)
+
+    def tick(self):
+        self.publisher.publish(Float64(data=self.get_parameter("speed").value))
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(Wheels())
+
+
+def once():
+    rclpy.init()
+    rclpy.create_node("once")
+    with open("runs.txt", "a") as file:
+        print("ran", file=file)
+"""
+SETUP = """
+from glob import glob
+from setuptools import find_packages, setup
+
+setup(
+    name="my_wheels",
+    packages=find_packages(),
+    data_files=[("share/my_wheels/config", glob("config/*.yaml"))],
+    entry_points={
+        "console_scripts": ["wheels = my_wheels.wheels:main", "once = my_wheels.wheels:once"],
+    },
+)
+"""
+PACKAGE = """
+<package>
+  <name>my_wheels</name>
+  <export><build_type>ament_python</build_type></export>
+</package>
+"""
+LAUNCH = """
+import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, LogInfo, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+
+def wheels(**options):
+    return Node(package="my_wheels", executable="wheels", **options)
+
+
+def generate_launch_description():
+    values = os.path.join(get_package_share_directory("my_wheels"), "config", "wheels.yaml")
+    return LaunchDescription([
+        DeclareLaunchArgument("side", default_value="left"),
+        LogInfo(msg=["wheels on the ", LaunchConfiguration("side")]),
+        {actions}
+    ])
+"""
+TWO = """
+        SetEnvironmentVariable("WHEELS", "4"),
+        ExecuteProcess(cmd=["rviz2"]),
+        wheels(namespace=LaunchConfiguration("side"), parameters=[values]),
+        wheels(name="spare", parameters=[{"speed": 2.5}], remappings=[("speed", "spare_speed")]),
+"""
+
+
+@pytest.fixture
+def workspace(here: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A workspace with a package of nodes."""
+    monkeypatch.setattr("sys.path", [*sys.path])
+    names = ("my_wheels", "my_wheels.wheels", "my_wheels.bridge")
+    for name in names:  # Of another test's workspace.
+        sys.modules.pop(name, None)
+    robot = Path("ws/src/my_wheels")
+    for name in ("my_wheels", "launch", "config"):
+        (robot / name).mkdir(parents=True)
+    (robot / "package.xml").write_text(PACKAGE)
+    (robot / "setup.py").write_text(SETUP)
+    (robot / "my_wheels/__init__.py").touch()
+    (robot / "my_wheels/wheels.py").write_text(WHEELS)
+    (robot / "config/wheels.yaml").write_text("/**:\n  ros__parameters:\n    speed: 1.5\n")
+    yield Path("ws")
+    for name in names:
+        sys.modules.pop(name, None)
+
+
+def launch_file(actions: str) -> Path:
+    file = Path("ws/src/my_wheels/launch/robot.launch.py")
+    file.write_text(LAUNCH.replace("{actions}", actions))
+    return file
+
+
+@contextmanager
+def launched(file: Path, **options: Any) -> Iterator[Session]:
+    given = Options(domain_id=chosen.next_domain(), launch=Launch(file, {}), only=True)
+    with Session(given._replace(**options)) as session:
+        yield session
+
+
+def states(session: Session) -> dict[str, Hosted]:
+    return {hosted.name: hosted for hosted in session.host.states()}
+
+
+def texts(session: Session) -> list[str]:
+    return [event.text for event in session.robot.snapshot.events]
+
+
+def test_a_launch_file_runs_its_programs_each_as_it_says(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("WHEELS", "2")
+    file = launch_file(TWO)
+    given = {"launch": Launch(file, {"side": "right"})}
+    with launched(file, **given) as session:
+        wait_until(lambda: set(states(session)) == {"/right/wheels", "/spare"})
+        topics = {t for t in session.context._graph.topics if "speed" in t}
+        assert topics == {"/right/speed", "/spare_speed"}
+        nodes = {n.get_fully_qualified_name(): n for n in session.context._graph.nodes}
+        assert nodes["/right/wheels"].get_parameter("speed").value == 1.5
+        assert nodes["/spare"].get_parameter("speed").value == 2.5
+        assert os.environ["WHEELS"] == "4"
+        said = [f"{file}:18: wheels on the right"]
+        said += [f"{file}:21: ExecuteProcess: no other programs are started here"]
+        wait_until(lambda: all(any(t.startswith(s) for t in texts(session)) for s in said))
+        # One of them ends, and the other goes on.
+        assert session.host.stop_node("/spare").ok
+        assert states(session)["/right/wheels"].life is Life.UP
+
+
+def test_what_is_respawned_is_not_behind_a_stop(
+    workspace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hosted_program, "LEAST_RESPAWN_DELAY", 0.2)
+    once = 'Node(package="my_wheels", executable="once", respawn=True),'
+    runs = Path("runs.txt")
+    with launched(launch_file(once), only=False) as session:
+        wait_until(lambda: runs.exists() and runs.read_text().count("ran") >= 3)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        wait_until(lambda: session.host._early_stop_request()[0])
+        count = runs.read_text().count("ran")
+        asyncio.run(asyncio.sleep(0.6))
+        assert runs.read_text().count("ran") <= count + 1  # It may have begun just before.
+        count = runs.read_text().count("ran")
+        wait_until(lambda: states(session)["/once"].life is Life.WAITING)
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        asyncio.run(asyncio.sleep(0.6))
+        assert runs.read_text().count("ran") == count  # Never by the release itself.
+        assert session.host.start_node("/once").ok
+        wait_until(lambda: runs.read_text().count("ran") > count)
+
+
+def test_a_launch_file_of_which_nothing_runs_says_all_and_fails(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = launch_file('Node(package="turtlesim", executable="turtlesim_node"),')
+    assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
+    assert capsys.readouterr().err.splitlines() == [
+        f"archo-tui: {file}:18: wheels on the left",
+        f"archo-tui: {file}:19: package turtlesim is not here: start it with ROS 2",
+        f"archo-tui: nothing of {file} runs here",
+    ]
+
+
+EXITS = """
+import sys
+
+
+def main():
+    print("no serial port")
+    sys.exit(1)
+"""
+BRIDGE = 'Node(package="my_wheels", executable="once", name="bridge"),'
+
+
+def test_of_programs_that_exit_at_once_the_others_run_on(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    setup = Path("ws/src/my_wheels/setup.py")
+    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
+    (setup.parent / "my_wheels/bridge.py").write_text(EXITS)
+    with launched(launch_file(BRIDGE + "wheels(),")) as session:
+        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
+        assert states(session)["/bridge"].life is Life.CRASHED
+        assert states(session)["/bridge"].error == "exit code 1"
+        wait_until(lambda: {"no serial port", "crashed: exit code 1"} <= set(texts(session)))
+    sys.modules.pop("my_wheels.bridge")  # As in a new process.
+    file = launch_file(BRIDGE)
+    assert main(["launch", str(file), "--plain", "--no-remote"]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[1:] == [
+        "archo-tui: bridge stdout: no serial port",
+        "archo-tui: bridge: crashed: exit code 1",
+        f"archo-tui: nothing of {file} runs here",
+    ]
+
+
+def test_of_programs_that_are_not_python_the_others_run_on(workspace: Path) -> None:
+    setup = Path("ws/src/my_wheels/setup.py")
+    setup.write_text(setup.read_text().replace("wheels:once", "bridge:main"))
+    (setup.parent / "my_wheels/bridge.py").write_text("def")
+    with launched(launch_file(BRIDGE + "wheels(),")) as session:
+        wait_until(lambda: states(session)["/wheels"].life is Life.UP)
+        assert states(session)["/bridge"].life is Life.CRASHED
+        assert states(session)["/bridge"].error.startswith("line 1: SyntaxError")
+
+
+def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: Path) -> None:
+    file = launch_file(TWO)
+    restarts: list[str] = []
+    with launched(file) as session:
+        watched = session._watch.watched[-1]
+        watched._restart = restarts.append  # type: ignore[attr-defined]
+        launch_file("1 / 0,")
+        wrong = f"the saved text does not run: {file}:19: ZeroDivisionError"
+        wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))
+        assert restarts == []
+        Path("ws/src/my_wheels/config/wheels.yaml").write_text("/**: {ros__parameters: {speed: 2}}")
+        launch_file(TWO)
+        wait_until(lambda: restarts)
+        assert restarts[0] == "robot.launch.py, or a file that it reads, was saved"
+
+
+OUTER = """
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+
+
+def generate_launch_description():
+    return LaunchDescription([IncludeLaunchDescription("FILE")])
+"""
+
+
+def test_a_launch_file_is_saved_when_one_that_it_includes_is(workspace: Path) -> None:
+    inner = launch_file(TWO)
+    outer = inner.with_name("outer.launch.py")
+    outer.write_text(OUTER.replace("FILE", inner.as_posix()))
+    launch = LaunchFile(outer, {})
+    before = launch.current_stamps()
+    launch_file(TWO + "    # changed\n")
+    assert launch.current_stamps() != before
+    launch.close()
+
+
+def test_with_ros_2_the_launch_of_ros_2_is_named() -> None:
+    options = Options("ros2", launch=Launch(Path("robot.launch.py"), {}))
+    with pytest.raises(ArchoError, match=r"on ROS 2, ros2 launch robot\.launch\.py does it"):
+        check_options(options)
+
+
+def test_a_workspace_in_the_place_of_a_node_file_is_hosted(workspace: Path) -> None:
+    given = Options(domain_id=chosen.next_domain(), node_files=[workspace], only=True)
+    with Session(given) as session:
+        wait_until(lambda: "/wheels" in states(session))
+        assert "/speed" in session.context._graph.topics
+
+
+READS = """
+import rclpy
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("reader")
+    with open(get_package_share_directory("my_wheels") + "/config/wheels.yaml") as file:
+        print(file.read().split()[-1])
+    try:
+        get_package_share_directory("my_robt")
+    except PackageNotFoundError as error:
+        print(error)
+    rclpy.spin(node)
+"""
+
+
+def test_a_node_finds_the_files_of_its_package_as_it_runs(workspace: Path) -> None:
+    (workspace / "src/my_wheels/my_wheels/wheels.py").write_text(READS)
+    with launched(launch_file("wheels()")) as session:
+        wait_until(lambda: "1.5" in texts(session))
+        wait_until(lambda: any("my_robt' not found" in text for text in texts(session)))
+    assert "ament_index_python" not in sys.modules
+
+
+def test_the_arguments_of_a_launch_file_are_printed(
+    workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    launch_file(
+        """
+        DeclareLaunchArgument("robot", description="which one"),
+        DeclareLaunchArgument("mode", default_value="slow", choices=["slow", "fast"]),
+    """
+    )
+    assert main(["launch", "ws", "--show-args"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "side:=  (default: left)",
+        "robot:=  which one  (no default)",
+        "mode:=  (default: slow, one of slow fast)",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["none.launch.py"], "none.launch.py: there is no such launch file"),
+        (["ws/src/my_wheels/setup.py", "right"], "right: an argument of a launch file is written"),
+        (["ws"], "ws: no package of it has launch/*.launch.py"),
+        (["."], "several launch files, name one: a/launch/x.launch.py a/launch/y.launch.py"),
+        (["--engine", "ros2", "x.launch.py"], "on ROS 2, ros2 launch x.launch.py does it"),
+    ],
+)
+def test_a_launch_that_is_typed_wrong_is_one_line(
+    words: list[str], error: str, workspace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if words == ["."]:
+        package = Path("a")
+        (package / "launch").mkdir(parents=True)
+        (package / "package.xml").write_text(PACKAGE.replace("my_wheels", "a"))
+        for name in "xy":
+            (package / f"launch/{name}.launch.py").touch()
+    assert main(["launch", *words]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert error in line

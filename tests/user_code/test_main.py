@@ -1,0 +1,212 @@
+"""What `main()` makes is what runs, however it makes it: `--node FILE` runs the file's program."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from tests.support import chosen
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.real_time, pytest.mark.posix]
+
+PROGRAMS = Path(__file__).parent.parent / "share" / "programs"
+HEAD = """
+import sys
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+
+class Talker(Node):
+    def __init__(self, name="nobody", **options):
+        super().__init__(name, **options)
+
+
+class Other(Node):
+    def __init__(self):
+        super().__init__("other")
+
+
+"""
+
+
+@contextmanager
+def running(*files: Path, **options: Any) -> Iterator[Session]:
+    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, only=True)
+    with Session(given._replace(**options)) as session:
+        yield session
+
+
+def states(session: Session) -> dict[str, Hosted]:
+    return {hosted.name: hosted for hosted in session.host.states()}
+
+
+def texts(session: Session) -> list[str]:
+    return [event.text for event in session.robot.snapshot.events]
+
+
+def up(session: Session) -> list[str]:
+    return sorted(name for name, state in states(session).items() if state.life is Life.UP)
+
+
+@pytest.mark.parametrize(
+    ("program", "nodes"),
+    [
+        ("main_chained_call", ["/battery_monitor"]),
+        ("main_has_branches", ["/motor_sim"]),
+        ("name_given_in_main", ["/talker"]),
+        ("node_made_in_main", ["/battery_monitor"]),
+    ],
+)
+def test_a_program_of_a_course_makes_what_its_main_makes(program: str, nodes: list[str]) -> None:
+    with running(PROGRAMS / f"{program}.py") as session:
+        wait_until(lambda: up(session) == nodes)
+
+
+MADE = {
+    "an App": """
+class App:
+    def __init__(self):
+        rclpy.init()
+        self.node = Talker("talker")
+
+    def run(self):
+        rclpy.spin(self.node)
+
+
+if __name__ == "__main__":
+    App().run()
+""",
+    "asyncio": """
+import asyncio
+
+
+async def main():
+    rclpy.init()
+    node = Talker("talker")
+    while rclpy.ok():
+        rclpy.spin_once(node, timeout_sec=0.01)
+        await asyncio.sleep(0.01)
+
+
+if __name__ == "__main__":
+    asyncio.run(main())
+""",
+    "a partial": """
+from functools import partial
+
+
+def main():
+    rclpy.init()
+    make = partial(Talker, "talker")
+    rclpy.spin(make())
+""",
+    "a ternary": """
+def main():
+    rclpy.init()
+    rclpy.spin(Other() if len(sys.argv) > 100 else Talker("talker"))
+""",
+    "a match": """
+def main():
+    rclpy.init()
+    match "talker":
+        case "other":
+            node = Other()
+        case name:
+            node = Talker(name)
+    rclpy.spin(node)
+""",
+    "a lambda": """
+def main():
+    rclpy.init()
+    make = lambda: Talker("talker")
+    rclpy.spin(make())
+""",
+    "a coroutine function without a block": """
+async def main():
+    rclpy.init()
+    rclpy.spin(Talker("talker"))
+""",
+    "a script": """
+rclpy.init()
+rclpy.spin(Talker("talker"))
+""",
+}
+
+
+@pytest.mark.parametrize("made", MADE)
+def test_what_is_made_by(made: str, here: Path) -> None:
+    file = here / "program.py"
+    file.write_text(HEAD + MADE[made])
+    with running(file) as session:
+        wait_until(lambda: up(session) == ["/talker"])
+
+
+def test_a_file_without_main_has_its_node_classes_made_each_alone(here: Path) -> None:
+    file = here / "program.py"
+    file.write_text(HEAD)
+    with running(file) as session:
+        wait_until(lambda: up(session) == ["/nobody", "/other"])
+
+
+def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
+    file = here / "program.py"
+    given = "Talker('talker', parameter_overrides=[Parameter('gain', value=2.5)])"
+    file.write_text(
+        f"{HEAD}def main():\n    rclpy.init()\n    node = {given}\n"
+        "    node.declare_parameter('gain', 1.0)\n"
+        "    print('gain', node.get_parameter('gain').value)\n    rclpy.spin(node)\n"
+    )
+    with running(file) as session:
+        wait_until(lambda: "gain 2.5" in texts(session))
+
+
+def test_a_main_that_sends_a_goal_sends_it() -> None:
+    with running(PROGRAMS / "main_sends_a_goal.py", only=False) as session:
+        wait_until(lambda: states(session)["/sender"].life is Life.ENDED)
+        wait_until(lambda: any("Moving to shelf 3" in text for text in texts(session)))
+
+
+ARGUMENTS = HEAD + "print('words', sys.argv[1:], len(sys.argv), [*sys.argv][1:2])\n"
+
+
+def test_a_program_has_the_arguments_behind_the_dashes_and_no_other(here: Path) -> None:
+    (here / "first.py").write_text(ARGUMENTS)
+    (here / "program.py").write_text(ARGUMENTS)
+    words = ["--only", "--node", "first.py", "--run", "program.py", "--plain", "--no-remote"]
+    words += ["--engine", chosen.ENGINE, "--", "--speed", "3"]
+    done = subprocess.run(
+        [sys.executable, "-m", "archo_tui", *words],
+        input="",
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "ROS_DOMAIN_ID": str(chosen.next_domain())},
+    )
+    assert done.returncode == 0, done.stderr
+    own = [line.partition(" INFO ")[2] for line in done.stdout.splitlines() if "words" in line]
+    words = ["first stdout: words [] 1 []", "program stdout: words ['--speed', '3'] 3 ['--speed']"]
+    assert own == words
+
+
+def test_a_copy_has_another_name_and_is_copied_again(here: Path) -> None:
+    with running(PROGRAMS / "name_given_in_main.py") as session:
+        wait_until(lambda: up(session) == ["/talker"])
+        assert session.host.copy_node("/talker").text == "/talker_2 started"
+        wait_until(lambda: up(session) == ["/talker", "/talker_2"])
+        assert session.host.copy_node("/talker_2").text == "/talker_3 started"
+        wait_until(lambda: up(session) == ["/talker", "/talker_2", "/talker_3"])
+        assert session.host.stop_node("/talker_2").ok
+        assert session.host.start_node("/talker_2").ok
+        wait_until(lambda: up(session) == ["/talker", "/talker_2", "/talker_3"])

@@ -1,0 +1,175 @@
+"""Nodes of the user's own, from files, beside the robot's or in their place."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+import tests.contract.textbook as textbook
+from archo_tui.errors import ArchoError
+from archo_tui.robot.state.snapshot import Life
+from archo_tui.safe_text import HIDDEN
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from archo_tui.user_code.file import ProgramFile
+from tests.support import chosen, clock
+from tests.support.console import console
+from tests.support.waiting import wait_until
+
+LISTINGS = Path(textbook.__file__).parent
+GREETER = """
+import rclpy
+from rclpy.node import Node
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.create_timer(0.5, lambda: self.get_logger().warning("hello from my own node"))
+
+def main():
+    rclpy.init()
+    rclpy.spin(Greeter())
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "my_node.py"
+    file.write_text(text)
+    return file
+
+
+def session(*files: Path) -> Session:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files)
+    return Session(options, clock.current)
+
+
+async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
+    async with console(node_files=[written(here, GREETER)]) as op:
+        await op.until("hello from my own node")
+        await op.until("● greeter")
+        await op.until("warnings + your commands and nodes")
+        await op.press("r")
+        await op.until("reset encoder: zero")
+
+
+async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> None:
+    only = chosen.ENGINE == "ros2"  # there is one type a topic in one process, on DDS
+    listing = LISTINGS / "battery_publisher.py"
+    async with console(node_files=[listing], only=only, wait=False) as op:
+        await op.until(lambda: (op.app.view.snapshot.battery.percentage or 0) > 50)
+        await op.until("charging: not reported")
+        names = op.session.host.names()
+        others = [] if only else ["/dashboard", "/motor_controller"]
+        assert sorted(names) == ["/battery_monitor", *others]
+
+
+@pytest.mark.real_time
+async def test_a_textbooks_motor_shows_its_way_and_says_what_it_lacks_in_words() -> None:
+    listing = LISTINGS / "move_action_server.py"
+    async with console(node_files=[listing], only=True, wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", "5", "enter")
+        await op.until("9.0 m left of 15.0 m")
+        await op.until("   40 %")
+        assert "no node publishes motor_status" in op.text
+        await op.until("ARRIVED")
+
+
+async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
+    async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
+        await op.until("hello from my own node")
+        assert op.session.host.names() == ["/greeter"]
+        await op.until("move_to_shelf is not offered by any node")
+
+
+async def test_it_is_stopped_started_and_copied(here: Path) -> None:
+    async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
+        await op.until("● greeter")
+        await op.until(lambda: op.session.host.names() == ["/greeter"])
+        await op.press("5", "s")
+        await op.until("○ greeter          stopped by you")
+        await op.press("s")
+        await op.until("✓  start /greeter")
+        await op.until(lambda: any(program.node_names() for program in op.session.host.programs))
+        await op.press("plus")
+        await op.until("● greeter_2")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("x = 1\nclass X(:\n", "line 2: SyntaxError: ", "invalid syntax"),
+        ("import nosuchpackage\n", "line 1: ModuleNotFoundError: ", "nosuchpackage"),
+        (
+            "import no_such_msgs.msg\n",
+            "line 1: ModuleNotFoundError: ",
+            "--interfaces DIR takes the",
+        ),
+        ("import sys\nsys.exit('no map')\n", "no map", ""),
+        ("import sys\nsys.exit(3)\n", "exit code 3", ""),
+        (
+            "from rclpy.node import Node\nclass X(Node):\n    def __init__(self):\n"
+            "        super().__init__('x')\n        self.create_timer('fast', print)\n",
+            "line 5: ValueError: ",
+            "could not convert string to float",
+        ),
+    ],
+)
+def test_a_file_that_does_not_run_is_one_line(text: str, line: str, said: str, here: Path) -> None:
+    file = written(here, text)
+    if "SyntaxError" in line:
+        with pytest.raises(ArchoError) as caught:
+            session(file)
+        assert str(caught.value).startswith(f"{file}:2: SyntaxError: invalid syntax")
+        assert "\n" not in str(caught.value)
+        return
+    with session(file) as running:
+        (program,) = running.host.programs
+        wait_until(lambda: program.state.life is Life.CRASHED)
+        state = program.state
+        assert state.error.startswith(line)
+        assert said in state.error
+        assert "\n" not in state.error
+
+
+PRINTS = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)
+
+
+async def test_what_a_file_prints_when_it_is_imported_is_an_event(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with console(node_files=[written(here, PRINTS)]) as op:
+
+        def printed() -> list[str]:
+            events = op.app.view.snapshot.events
+            return [event.text for event in events if event.source == "my_node stdout"]
+
+        await op.until(printed)
+        assert printed() == [f"{HIDDEN}[31m"]
+    assert "\x1b[31m" not in capsys.readouterr().out
+
+
+def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(tmp_path: Path) -> None:
+    taken = GREETER.replace("import rclpy\n", "import sys\nsys.stdout = None\nimport rclpy\n", 1)
+    with session(written(tmp_path, taken)):
+        assert sys.stdout is not None
+
+
+@pytest.mark.posix
+def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
+    file = ProgramFile(str(written(tmp_path, GREETER)))
+    file.path.unlink()
+    os.mkfifo(file.path)
+    with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
+        file.compile()
+
+
+def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(ArchoError, match=r"nowhere\.py: no such file"):
+        session(tmp_path / "nowhere.py")

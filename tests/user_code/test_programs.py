@@ -1,0 +1,769 @@
+"""Programs that run beside the console as `python FILE` runs them: `--node FILE`."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import io
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import tests.contract.textbook as textbook
+from archo_tui.errors import ArchoError
+from archo_tui.handover import Handover
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.requests.stop import HELD_BY_NOBODY
+from archo_tui.robot.state.snapshot import Hosted, Latch, Life
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from archo_tui.station.undo import Edit
+from archo_tui.user_code import program as hosted_program
+from archo_tui.user_code.output import NodeOutput
+from tests.support import chosen
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.real_time, pytest.mark.posix]
+
+# As in textbooks; what it does is in said.txt.
+TALKER = """
+import rclpy
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+def say(text):
+    with open("said.txt", "a") as file:
+        print(text, file=file)
+
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.create_service(Trigger, "answer", lambda request, response: response)
+        say("{word}")
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    node = Talker()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        say("interrupted")
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+        say("left")
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def talker(word: str = "made") -> Path:
+    return written("talker.py", TALKER.replace("{word}", word))
+
+
+def written(name: str, text: str) -> Path:
+    file = Path(name)
+    file.write_text(text)
+    return file
+
+
+def said() -> list[str]:
+    file = Path("said.txt")
+    return file.read_text().split() if file.exists() else []
+
+
+@contextmanager
+def running(*files: Path, only: bool = True, **options: Any) -> Iterator[Session]:
+    """A session that runs programs."""
+    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, only=only)
+    with Session(given._replace(**options)) as session:
+        yield session
+
+
+@pytest.fixture(autouse=True)
+def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run each test in a folder of its own, and let its processes find each other."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+def states(session: Session) -> dict[str, Hosted]:
+    return {hosted.name: hosted for hosted in session.host.states()}
+
+
+def life(session: Session, name: str = "/talker") -> Life:
+    return states(session)[name].life
+
+
+def texts(session: Session) -> list[str]:
+    return [event.text for event in session.robot.snapshot.events]
+
+
+def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: "/talker" in states(session))
+        wait_until(lambda: any(n.name == "/talker" for n in session.robot.snapshot.nodes))
+        assert life(session) is Life.UP
+        wait_until(lambda: states(session)["/talker"].serves == ("/answer",))
+        assert session.host.start_node("/talker") == (Code.REFUSED, "/talker is running")
+        assert session.host.stop_node("/talker") == (Code.DONE, "/talker stopped")
+        assert said() == ["made", "interrupted", "left"]
+        assert life(session) is Life.STOPPED
+        assert session.host.start_node("/talker") == (Code.DONE, "/talker started")
+        wait_until(lambda: said()[3:] == ["made"])
+        wait_until(lambda: life(session) is Life.UP)
+    assert said()[3:] == ["made", "interrupted", "left"]
+
+
+ENDS = """
+import sys
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("worker")
+node.create_timer(0.05, lambda: {what})
+rclpy.spin(node)
+{then}
+"""
+
+
+def test_a_program_that_shuts_down_ends_alone_and_saving_does_not_run_it_again() -> None:
+    worker = written("worker.py", ENDS.format(what="rclpy.shutdown()", then=""))
+    with running(talker(), worker) as session:
+        wait_until(lambda: life(session, "/worker") is Life.ENDED)
+        wait_until(lambda: "worker.py has ended" in texts(session))
+        assert life(session) is Life.UP
+        worker.write_text(worker.read_text() + "# saved\n")
+        said = "worker.py was saved, and has ended: s in Nodes runs it again"
+        wait_until(lambda: said in texts(session))
+        assert life(session, "/worker") is Life.ENDED
+        assert session.host.start_node("/worker").ok
+        wait_until(lambda: life(session, "/worker") is Life.ENDED)
+
+
+@pytest.mark.parametrize(
+    ("what", "then", "error"),
+    [
+        ("sys.exit(3)", "", "exit code 3"),
+        ("sys.exit('no map')", "", "no map"),
+        ("1 / 0", "", "line 7: ZeroDivisionError: division by zero, in: node.create_timer"),
+        ("rclpy.shutdown()", "[][1]", "line 9: IndexError: list index out of range, in: [][1]"),
+    ],
+)
+def test_a_program_that_fails_says_where_and_saving_runs_it(
+    what: str, then: str, error: str
+) -> None:
+    worker = written("worker.py", ENDS.format(what=what, then=then))
+    with running(worker) as session:
+        wait_until(lambda: life(session, "/worker") is Life.CRASHED)
+        state = states(session)["/worker"]
+        assert state.error.startswith(error)
+        assert ("Traceback" in state.traceback) == ("line" in error)
+        wait_until(lambda: any(t.startswith(f"crashed: {error}") for t in texts(session)))
+        worker.write_text(ENDS.format(what="None", then=""))
+        wait_until(lambda: life(session, "/worker") is Life.UP)
+        wait_until(lambda: "worker.py was saved: /worker restarted" in texts(session))
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("import sys; sys.exit(3)", "exit code 3"),
+        ("1 / 0", "line 2: ZeroDivisionError: division by zero, in: 1 / 0"),
+        ("input()", "line 2: EOFError: EOF when reading a line, in: input()"),
+    ],
+)
+def test_a_program_that_ends_before_its_first_node_ends_alone(
+    text: str, error: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    bad = written("bad.py", f"print('last words')\n{text}")
+    with running(bad, talker()) as session:
+        wait_until(lambda: life(session, "/bad") is Life.CRASHED)
+        assert states(session)["/bad"].error == error
+        wait_until(lambda: {"last words", f"crashed: {error}"} <= set(texts(session)))
+        wait_until(lambda: life(session) is Life.UP)
+        wait_until(lambda: said() == ["made"])
+
+
+def test_a_program_that_is_not_python_is_an_error_at_the_start() -> None:
+    error = "^bad.py:1: SyntaxError: invalid syntax, in: def"
+    with pytest.raises(ArchoError, match=error), running(written("bad.py", "def")):
+        pass
+
+
+def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said() == ["made"])
+        talker("anew")
+        wait_until(lambda: said() == ["made", "interrupted", "left", "anew"])
+        written("talker.py", "def")
+        wrong = "the saved text does not run: talker.py:1: SyntaxError"
+        wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))
+        assert life(session) is Life.UP
+        assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
+
+
+GAIN = TALKER.replace(
+    "self.create_service", 'self.declare_parameter("gain", 1.0)\n        self.create_service'
+)
+SAYS_GAIN = "lambda: say(f\"gain{node.get_parameter('gain').value}\")"
+GAIN = GAIN.replace("    try:", f"    node.create_timer(0.1, {SAYS_GAIN})\n    try:")
+
+
+def test_a_restarted_program_has_the_parameters_that_were_set_and_an_event_names_them() -> None:
+    file = written("talker.py", GAIN.replace("{word}", "made"))
+    with running(file) as session:
+        wait_until(lambda: "gain1.0" in said())
+        given = {"gain": 2.5, "speed": 1.0}
+        session.host.operator_values = lambda node: given if node == "/talker" else {}
+        written("talker.py", GAIN.replace("{word}", "anew"))
+        wait_until(lambda: "gain2.5" in said())
+        assert "gain1.0" not in said()[said().index("anew") :]
+        wait_until(lambda: "set talker gain 2.5 again: it was restarted" in texts(session))
+        wait_until(lambda: any(t.startswith("speed was not set again: ") for t in texts(session)))
+
+
+BESIDE = """
+from __future__ import annotations
+from dataclasses import dataclass, fields
+from typing import ClassVar
+import rclpy
+
+
+@dataclass
+class Place:
+    x: int = 0
+    unit: ClassVar[str] = "m"
+
+
+import words
+
+rclpy.init()
+node = rclpy.create_node(words.NAME)
+with open("said.txt", "a") as file:
+    print(words.NAME, *[field.name for field in fields(Place)], file=file)
+rclpy.spin(node)
+"""
+
+
+def test_a_module_beside_a_program_is_its_own_and_restarts_it_when_saved() -> None:
+    for folder in ("north", "south"):
+        Path(folder).mkdir()
+        written(f"{folder}/words.py", f"NAME = '{folder}'\n")
+        written(f"{folder}/mine.py", BESIDE)
+    with running(Path("north/mine.py"), Path("south/mine.py")) as session:
+        wait_until(lambda: said() == ["north", "x", "south", "x"])
+        written("north/words.py", "NAME = 'northern'\n")
+        wait_until(lambda: said()[4:] == ["northern", "x"])
+        wait_until(lambda: "mine.py was saved: /north restarted" in texts(session))
+        # An import is no save.
+        assert sum("was saved" in text for text in texts(session)) == 1
+
+
+def test_no_program_is_started_behind_a_stop_that_is_not_released() -> None:
+    with running(talker(), only=False) as session:
+        wait_until(lambda: said() == ["made"])  # A STOP before its first node would end it.
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        talker("anew")
+        refused = "is not started behind a STOP that is not released: release it first"
+        then = "then s in Nodes, twice, starts the saved text"
+        wait_until(lambda: f"talker.py was saved, and {refused}, {then}" in texts(session))
+        waits = "saved behind a STOP: release it, then s twice starts the saved text"
+        assert states(session)["/talker"].error == waits
+        assert session.host.stop_node("/talker").ok
+        assert session.host.start_node("/talker") == (Code.REFUSED, f"/talker {refused}")
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        assert said() == ["made", "interrupted", "left"]
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: said() == ["made", "interrupted", "left", "anew"])
+
+
+def test_one_that_has_crashed_and_is_saved_behind_a_stop_waits_for_a_key() -> None:
+    with running(written("talker.py", "1 / 0"), only=False) as session:
+        wait_until(lambda: life(session) is Life.CRASHED)
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        talker("mended")
+        wait_until(lambda: life(session) is Life.WAITING)
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        talker("better")
+        saved = "talker.py was saved, and waits for a release: s in Nodes runs it"
+        wait_until(lambda: saved in texts(session))
+        assert said() == []
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: said() == ["better"])
+
+
+def test_a_program_waits_behind_a_stop_that_was_sent_while_the_console_restarted() -> None:
+    with running(talker(), handover=Handover("interfaces were saved", stop=True)) as session:
+        refused = "talker.py is not started behind a STOP that is not released: release it first"
+        wait_until(lambda: f"{refused}, then s in Nodes starts it" in texts(session))
+        assert life(session) is Life.WAITING
+        assert not any(node.name == "/talker" for node in session.robot.snapshot.nodes)
+        assert said() == []
+
+
+def test_a_value_set_on_a_programs_node_outlives_a_restart_of_the_console() -> None:
+    file = written("talker.py", GAIN.replace("{word}", "made"))
+    with running(file) as session:
+        wait_until(lambda: "gain1.0" in said())
+        session.station.edits.restore([Edit("/talker", {"gain": 1.0}, {"gain": 2.5})])
+        left = session.hand_over()
+    Path("said.txt").unlink()
+    with running(file, handover=left):
+        wait_until(lambda: "gain2.5" in said())
+        assert "gain1.0" not in said()
+
+
+WAITS = """
+import time
+from pathlib import Path
+
+while not Path("go").exists():
+    time.sleep(0.02)
+"""
+
+
+def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "START_TIME", 0.2)
+    late = written("late.py", WAITS + TALKER.replace("{word}", "made"))
+    with running(late, only=False) as session:
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        refused = "late.py is not started behind a STOP that is not released: release it first"
+        wait_until(lambda: f"{refused}, then s in Nodes starts it" in texts(session))
+        assert life(session, "/late") is Life.WAITING
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        assert session.host.start_node("/late").ok
+        wait_until(lambda: said() == ["made"])
+
+
+def test_a_stop_while_a_saved_text_begins_leaves_the_one_before_running(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.watch.FileWatcher.start", lambda self: None)
+    with running(talker(), only=False) as session:
+        wait_until(lambda: said() == ["made"])
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        written("talker.py", "print('begins')" + WAITS + TALKER.replace("{word}", "anew"))
+        (program,) = session.host.programs
+        reload = threading.Thread(target=session.host.programs.reload, args=[program.file])
+        reload.start()
+        wait_until(lambda: "begins" in texts(session))
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        reload.join()
+        assert [*session.host.programs] == [program]
+        assert program.state.life is Life.UP
+        assert program.state.error.startswith("saved behind a STOP")
+        assert said() == ["made"]
+
+
+@pytest.mark.parametrize("is_slow_to_end", [True, False])
+def test_a_program_that_a_stop_keeps_from_running_is_not_called_restarted(
+    is_slow_to_end: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.watch.FileWatcher.start", lambda self: None)
+    waits = 'import os, time\n        while not os.path.exists("go"): time.sleep(0.02)\n        '
+    slow = TALKER.replace('say("left")', f'{waits}say("left")')
+    path = written("talker.py", (slow if is_slow_to_end else TALKER).replace("{word}", "made"))
+    with running(path, only=False) as session:
+        wait_until(lambda: said() == ["made"])
+        wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
+        anew = TALKER.replace("{word}", "anew")
+        written("talker.py", anew if is_slow_to_end else WAITS + anew)
+        file = session.host.programs.find("/talker").file  # type: ignore[union-attr]
+        reload = threading.Thread(target=session.host.programs.reload, args=[file])
+        reload.start()
+        before = ["made", "interrupted"] if is_slow_to_end else ["made", "interrupted", "left"]
+        wait_until(lambda: said() == before)
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        written("go", "")
+        refused = "behind a STOP that is not released: release it first"
+        wait_until(lambda: any(refused in text for text in texts(session)))
+        reload.join()
+        asyncio.run(session.robot.wait_for_events())
+        assert not any("restarted" in text for text in texts(session))
+        assert "anew" not in said()
+
+
+MOTOR = """
+import rclpy
+from archo_interfaces.srv import EmergencyStop
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+
+class Motor(Node):
+    def __init__(self):
+        super().__init__("motor_controller")
+        self.create_service(EmergencyStop, "emergency_stop", self.agree)
+        self.create_service(Trigger, "release_emergency_stop", self.agree)
+
+    def agree(self, request, response):
+        response.success = True
+        return response
+
+
+rclpy.init()
+rclpy.spin(Motor())
+"""
+
+
+def test_a_stop_whose_program_has_ended_is_released_by_forgetting_it() -> None:
+    with running(written("motor.py", MOTOR)) as session:
+        robot = session.robot
+        wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+        assert asyncio.run(robot.emergency_stop()).ok
+        assert session.host.stop_node("/motor_controller").ok
+        wait_until(lambda: robot.snapshot.stop_held_by_nobody)
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        assert not session.host.start_node("/motor_controller").ok
+        assert asyncio.run(robot.release_emergency_stop()) == (Code.DONE, HELD_BY_NOBODY)
+        wait_until(lambda: not robot.snapshot.is_stopped)
+        assert session.host.start_node("/motor_controller").ok
+        wait_until(lambda: "emergency_stop" in robot.snapshot.offered)
+
+
+def test_a_stop_of_a_node_elsewhere_with_an_ended_programs_name_is_not_forgotten() -> None:
+    with running(written("motor.py", MOTOR)) as session:
+        robot = session.robot
+        wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+        assert session.host.stop_node("/motor_controller").ok
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        with running(written("elsewhere.py", MOTOR), domain_id=session.options.domain_id):
+            wait_until(lambda: "release_emergency_stop" in robot.snapshot.offered)
+            assert asyncio.run(robot.emergency_stop()).ok
+        wait_until(lambda: "release_emergency_stop" not in robot.snapshot.offered)
+        assert asyncio.run(robot.release_emergency_stop()).code is Code.NOT_OFFERED
+        assert robot.snapshot.is_stopped
+
+
+def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
+    text = TALKER.replace('"talker"', '"dashboard"').replace("{word}", "made")
+    with running(written("mine.py", text), only=False) as session:
+        wait_until(lambda: "/dashboard" in states(session))
+        wait_until(lambda: states(session)["/dashboard"].file == "mine.py")
+        others = ["/battery_monitor", "/motor_controller"]
+        wait_until(lambda: [h.name for h in session.host.nodes] == others)
+
+
+def test_a_stop_reaches_a_service_that_a_running_program_offers_later() -> None:
+    waits = 'super().__init__("motor_controller")\n        while not Path("go").exists():\n'
+    waits += "            time.sleep(0.02)"
+    text = "import time\nfrom pathlib import Path\n"
+    text += MOTOR.replace('super().__init__("motor_controller")', waits)
+    with running(written("slow.py", text)) as session:
+        robot = session.robot
+        wait_until(lambda: "/motor_controller" in states(session))
+        assert asyncio.run(robot.emergency_stop()).code is Code.NOT_OFFERED
+        written("go", "")
+        wait_until(lambda: robot.snapshot.latch is Latch.HELD)
+
+
+SECOND = """
+first = Node("first")
+while not Path("go").exists():
+    rclpy.spin_once(first, timeout_sec=0.05)
+rclpy.spin(Motor())
+"""
+
+
+def test_a_second_node_that_replaces_the_motor_makes_the_stop_uncertain() -> None:
+    head = MOTOR.replace("import rclpy\n", "from pathlib import Path\nimport rclpy\n", 1)
+    text = head.replace("rclpy.spin(Motor())\n", SECOND)
+    with running(written("two.py", text), only=False) as session:
+        robot = session.robot
+        wait_until(lambda: "/first" in states(session))
+        wait_until(lambda: "emergency_stop" in robot.snapshot.offered)
+        assert asyncio.run(robot.emergency_stop()).ok
+        wait_until(lambda: robot.snapshot.latch is Latch.HELD)
+        written("go", "")
+        wait_until(lambda: robot.snapshot.latch is Latch.UNCERTAIN)
+
+
+LISTINGS = Path(textbook.__file__).parent
+
+
+@pytest.mark.parametrize(
+    ("listing", "node"),
+    [
+        ("battery_publisher", "/battery_monitor"),
+        ("battery_subscriber", "/dashboard"),
+        ("motor_parameters", "/motor_controller"),
+        ("move_action_server", "/motor_controller"),
+    ],
+)
+def test_the_listings_of_the_textbook_run_as_printed(listing: str, node: str) -> None:
+    with running(LISTINGS / f"{listing}.py") as session:
+        wait_until(lambda: node in states(session) and life(session, node) is Life.UP)
+        if listing == "move_action_server":  # By which it is asked before it is ended.
+            wait_until(lambda: states(session)[node].serves == ("/move_to_shelf",))
+        assert session.host.stop_node(node).ok
+
+
+def test_a_client_of_the_textbook_ends_when_its_service_has_answered() -> None:
+    with running(LISTINGS / "reset_client.py", LISTINGS / "reset_service.py") as session:
+        wait_until(lambda: life(session, "/reset_client") is Life.ENDED)
+        if chosen.ENGINE == "embedded":  # On ROS 2 it has left before its log is discovered.
+            wait_until(lambda: "Result: True, Encoder reset to zero" in texts(session))
+
+
+LATE = """
+import threading
+import rclpy
+
+
+def say(text):
+    with open("said.txt", "a") as file:
+        print(text, file=file)
+
+
+def end():
+    say("shut")
+    rclpy.shutdown()
+
+
+rclpy.init()
+node = rclpy.create_node("late")
+threading.Thread(target=rclpy.spin, args=(node,)).start()
+node.create_timer(1.0, end)
+say("over")
+"""
+
+
+def test_a_program_lasts_as_long_as_the_threads_that_it_started() -> None:
+    with running(written("late.py", LATE), talker()) as session:
+        wait_until(lambda: life(session, "/late") is Life.ENDED)
+        assert [word for word in said() if word != "made"] == ["over", "shut"]
+        assert life(session) is Life.UP
+
+
+THREADS = """
+import threading
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("printer")
+threading.Thread(target=print, args=("hello from a thread",)).start()
+rclpy.spin(node)
+"""
+
+
+def test_what_a_thread_of_a_program_prints_is_said_by_the_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    later: list[tuple[str, str]] = []  # Once the session runs, its frontend takes what is printed.
+    output = NodeOutput(io.StringIO(), lambda _, source, text: later.append((source, text)))
+    monkeypatch.setattr(sys, "stdout", output)
+    with running(written("printer.py", THREADS)) as session:
+        said = ("printer stdout", "hello from a thread")
+
+        def all_said() -> list[tuple[str, str]]:
+            return [*later, *((e.source, e.text) for e in session.robot.snapshot.events)]
+
+        wait_until(lambda: said in all_said())
+
+
+THREAD_RAISES = """
+import threading
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("thrower")
+threading.Thread(target=lambda: 1 / 0, name="work").start()
+rclpy.spin(node)
+"""
+
+
+def test_an_error_in_a_thread_of_a_program_is_an_event_and_no_crash() -> None:
+    with running(written("thrower.py", THREAD_RAISES)) as session:
+        wait_until(lambda: any("ZeroDivisionError" in text for text in texts(session)))
+        wait_until(lambda: life(session, "/thrower") is Life.UP)  # Its node may come later.
+
+
+ODD = """
+import rclpy
+
+
+class Odd(Exception):
+    def __str__(self):
+        raise ValueError
+
+
+rclpy.init()
+node = rclpy.create_node("odd")
+raise Odd
+"""
+
+
+def test_an_error_that_has_no_text_is_a_crash_all_the_same() -> None:
+    with running(written("odd.py", ODD)) as session:
+        wait_until(lambda: life(session, "/odd") is Life.CRASHED)
+        assert states(session)["/odd"].error == "line 12: Odd, in: raise Odd"
+
+
+def test_nothing_of_an_ended_run_is_kept() -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said().count("made") == 1)
+        first = weakref.ref(session.host.programs.find("/talker"))
+        assert session.host.stop_node("/talker").ok
+        assert session.host.start_node("/talker").ok
+        wait_until(lambda: gc.collect() >= 0 and first() is None)
+        # the end interrupts the second run: where that reads a file, it would be left unclosed
+        wait_until(lambda: said().count("made") == 2)
+
+
+POOL = """
+from concurrent.futures import ThreadPoolExecutor
+import rclpy
+from rclpy.executors import MultiThreadedExecutor
+
+rclpy.init()
+node = rclpy.create_node("pooled")
+executor = MultiThreadedExecutor()
+executor.add_node(node)
+node.create_timer(0.05, rclpy.shutdown)
+pool = ThreadPoolExecutor()
+pool.submit(print, "worked")
+executor.spin()
+"""
+
+
+def test_a_program_with_pools_of_threads_ends_when_main_returns() -> None:
+    with running(written("pooled.py", POOL)) as session:
+        wait_until(lambda: life(session, "/pooled") is Life.ENDED)
+
+
+LOOPS = """
+import threading
+import time
+import rclpy
+
+
+def loop():
+    while True:
+        time.sleep(0.02)
+
+
+rclpy.init()
+node = rclpy.create_node("looper")
+threading.Thread(target=loop, name="a loop").start()
+threading.Thread(target=loop, name="a loop", daemon=True).start()
+rclpy.spin(node)
+"""
+
+
+def test_the_threads_of_a_program_end_with_it(capsys: pytest.CaptureFixture[str]) -> None:
+    with running(written("looper.py", LOOPS)) as session:
+        wait_until(lambda: life(session, "/looper") is Life.UP)
+        assert session.host.stop_node("/looper").ok
+        wait_until(lambda: "a loop" not in [thread.name for thread in threading.enumerate()])
+    assert capsys.readouterr().err == ""
+
+
+SLEEPS = """
+import time
+from pathlib import Path
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("sleeper")
+while not Path("end").exists():
+    try:
+        Path("said.txt").write_text("asleep")
+        time.sleep(1.5)
+    except BaseException:
+        pass
+"""
+
+
+def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hosted_program, "START_TIME", 0.2)
+    monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3, 0.5))
+    with running(written("sleeper.py", SLEEPS)) as session:
+        wait_until(lambda: said() == ["asleep"])  # else an interrupt before the loop ends it
+        outcome = session.host.stop_node("/sleeper")
+        if chosen.ENGINE == "embedded":  # A thread cannot be ended while it sleeps.
+            assert outcome.code == Code.TIMEOUT
+            assert life(session, "/sleeper") is Life.STUCK
+            assert not any("sleeper" in n.get_name() for n in _nodes(session))
+        else:
+            assert outcome == (Code.DONE, "/sleeper stopped")
+        written("end", "")
+        program = session.host.programs.find("/sleeper")
+        assert program is not None
+        wait_until(lambda: not program._thread.is_alive())
+
+
+def test_many_programs_that_do_not_end_take_no_longer_than_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "START_TIME", 0.1)
+    names = [f"sleeper_{number}" for number in range(6)]
+    files = [written(f"{n}.py", SLEEPS.replace("sleeper", n)) for n in names]
+    with running(*files) as session:
+        wait_until(lambda: {f"/{name}" for name in names} == states(session).keys())
+        began = time.monotonic()
+        session.host.stop()
+        assert time.monotonic() - began < 2.3
+        written("end", "")
+        programs = [session.host.programs.find(f"/{name}") for name in names]
+        wait_until(lambda: not any(p._thread.is_alive() for p in programs if p is not None))
+
+
+LEAVES = """
+import subprocess
+import rclpy
+
+rclpy.init()
+node = rclpy.create_node("parent")
+subprocess.Popen(["sleep", "1000"])
+"""
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
+def test_what_a_program_has_started_ends_with_it() -> None:
+    with running(written("parent.py", LEAVES)) as session:
+        # All that has its standard output has ended by then.
+        wait_until(lambda: life(session, "/parent") is Life.ENDED)
+
+
+def _nodes(session: Session) -> list[Any]:
+    return list(session.context._graph.nodes)
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there its programs are threads")
+def test_a_program_ends_with_a_console_that_is_killed() -> None:
+    talker()
+    words = ["--engine", "ros2", "--only", "--run", "talker.py", "--plain", "--no-remote"]
+    domain = {"ROS_DOMAIN_ID": str(chosen.next_domain())}
+    console = subprocess.Popen(
+        [sys.executable, "-m", "archo_tui", *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        env={**os.environ, **domain},
+    )
+    with console:
+        wait_until(lambda: said() == ["made"])
+        console.send_signal(signal.SIGKILL)
+    wait_until(lambda: said() == ["made", "interrupted", "left"])
