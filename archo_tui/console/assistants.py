@@ -59,8 +59,6 @@ class Assistants:
         outcome = await verb.run(self._station, values)
         result = {"id": number, "code": outcome.code.value, "text": outcome.text}
         data = data_of(outcome)
-        if data is None and outcome.ok:
-            data = verb.data(self._station, values)
         return result if data is None else {**result, "data": data}
 
     def _goals(self) -> list[dict[str, Any]]:

@@ -375,8 +375,6 @@ class Session:
         tells = verb.tells_with(values) if requester is YOU else verb.tells
         result = {**_result(number, outcome), "tells": tells}
         data = data_of(outcome)
-        if data is None and outcome.ok:
-            data = verb.data(station, values)
         answer = answer_of(outcome)
         if answer is not None and word == "call" and requester is not YOU:
             data = await in_daemon(as_json, answer)  # A map has a million values.

@@ -365,7 +365,7 @@ def open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:
     remove one that refuses them.
     """
     folder = sockets.folder()
-    if not folder or sys.platform == "win32":
+    if not folder or sys.platform == "win32" or not hasattr(os, "getuid"):
         raise OSError("this system has no sockets for it")
     with contextlib.suppress(FileExistsError):
         os.makedirs(os.path.dirname(folder), exist_ok=True)

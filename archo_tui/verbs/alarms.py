@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from archo_tui.errors import ArchoError
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.station.alarm_board import SHELF_TIME
 from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.station.station import Station
@@ -29,12 +27,11 @@ class Alarms(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
         lines = [f"{alarm.name}, {timeline(alarm)}: {alarm.text}" for alarm in station.view.alarms]
-        return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
-
-    def data(self, station: Station, values: Values) -> Any:
-        """Return the alarms as in `status --json`; None for none before any data has come."""
+        text = "\n".join(lines) or no_alarms_text(station.robot.snapshot)
         alarms = state(station)["alarms"]
-        return None if not alarms and no_data_text(station.robot.snapshot) else alarms
+        # None for no alarms before any data has come.
+        is_unknown = not alarms and no_data_text(station.robot.snapshot)
+        return Report.of(text, None if is_unknown else alarms)
 
 
 class _AlarmVerb(Verb):

@@ -192,7 +192,7 @@ class Verb:
         """Complete and check the values, before a question is asked; by default, change nothing.
 
         Returns:
-            The values for `question`, `run` and `data`: full names, the text of a file.
+            The values for `question` and `run`: full names, the text of a file.
 
         Raises:
             ArchoError: A name means nothing, or a file is not valid.
@@ -204,12 +204,10 @@ class Verb:
         """Return the question that must be answered before `run`; None, the default, for none."""
         return None
 
-    def data(self, station: Station, values: Values) -> Any:
-        """Return the data of the verb for `--json`, after `run`; by default None: it has none."""
-        return None
-
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
         """Run the verb, and return an awaitable of its outcome; nothing is asked any more.
+
+        The outcome of a verb with data for `--json` is a `Report`.
 
         Raises:
             ArchoError: A name means nothing; nothing has been done then.

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from archo_tui.errors import ArchoError
-from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
 from archo_tui.robot.state.readings import GONE, Diagnostic
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.station import Station
@@ -25,12 +23,9 @@ class ShowDiagnostics(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
-        lines = [diagnostic_line(status, now) for status in diagnostics_worst_first(snapshot, now)]
-        return Outcome(Code.DONE, "\n".join(lines) or no_diagnostics_text(snapshot))
-
-    def data(self, station: Station, values: Values) -> Any:
-        snapshot, now = station.robot.snapshot, station.clock.monotonic()
-        return [
+        found = diagnostics_worst_first(snapshot, now)
+        lines = [diagnostic_line(status, now) for status in found]
+        data = [
             {
                 "name": status.name,
                 "hardware_id": status.hardware_id,
@@ -38,8 +33,9 @@ class ShowDiagnostics(Verb):
                 "message": status.message,
                 "age": now - status.received,  # In s.
             }
-            for status in diagnostics_worst_first(snapshot, now)
+            for status in found
         ]
+        return Report.of("\n".join(lines) or no_diagnostics_text(snapshot), data)
 
 
 class ForgetPart(Verb):

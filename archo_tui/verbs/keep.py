@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
 
 from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER
 from archo_tui.recordings.ring import SPAN
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.outcome import Outcome, Report
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Values, Verb
 
@@ -28,7 +27,6 @@ class Keep(Verb):
                 written.set_result(outcome)
 
         begun = station.recorder.keep(on_disk)
-        return await written if begun.ok else begun
-
-    def data(self, station: Station, values: Values) -> Any:
-        return {"recording": station.recorder.kept}
+        outcome = await written if begun.ok else begun
+        data = {"recording": station.recorder.kept}
+        return Report.of(outcome.text, data) if outcome.ok else outcome

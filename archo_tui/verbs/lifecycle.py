@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from archo_tui.errors import ArchoError
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.graph import ACTION, SERVICE, NodeState
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
@@ -64,6 +62,12 @@ class Lifecycle(Verb):
         return Question(title, text[0].upper() + text[1:], "Leave it", transition.capitalize())
 
     async def run(self, station: Station, values: Values) -> Outcome:
+        node, outcome = values["node"], await self._run(station, values)
+        managed = _managed(station.robot.snapshot).get(node)
+        data = {"node": node, "state": None if managed is None else managed.lifecycle}
+        return Report.of(outcome.text, data) if outcome.ok else outcome
+
+    async def _run(self, station: Station, values: Values) -> Outcome:
         node = values["node"]
         if "transition" in values:
             return await station.robot.change_lifecycle(node, values["transition"])
@@ -76,11 +80,6 @@ class Lifecycle(Verb):
             return Outcome(Code.TIMEOUT, f"no answer from {node.lstrip('/')}; shown is {state}")
         can = f": it can {possible}" if possible else ""
         return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
-
-    def data(self, station: Station, values: Values) -> Any:
-        name = self._name(station, values)
-        node = _managed(station.robot.snapshot).get(name)
-        return {"node": name, "state": None if node is None else node.lifecycle}
 
     def _name(self, station: Station, values: Values) -> str:
         snapshot = station.robot.snapshot

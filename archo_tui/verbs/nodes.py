@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import LEVELS
 from archo_tui.robot.state.snapshot import Hosted
@@ -29,16 +28,13 @@ class Nodes(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
-        lines = []
-        for row in node_rows(station.view):
+        lines, rows = [], node_rows(station.view)
+        for row in rows:
             _, word, _ = row.word()
             here = " (in this process)" if row.hosted else ""
             word = word or row.state.lifecycle or "up"
             lines.append(f"{row.name.lstrip('/')} {word}{here}")
-        return Outcome(Code.DONE, "\n".join(lines) or "no node is on the graph")
-
-    def data(self, station: Station, values: Values) -> Any:
-        return [
+        data = [
             {
                 "name": row.name,
                 "word": row.word()[1] or "up",
@@ -46,8 +42,9 @@ class Nodes(Verb):
                 "here": row.hosted is not None,
                 "rate": row.state.rate,
             }
-            for row in node_rows(station.view)
+            for row in rows
         ]
+        return Report.of("\n".join(lines) or "no node is on the graph", data)
 
 
 class _NodeVerb(Verb):

@@ -16,7 +16,7 @@ from archo_tui.paths import typed_path
 from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.graph.parameter_values import parse, range_text
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.graph import NOT_REPORTED, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
@@ -88,11 +88,8 @@ class Get(_ParameterVerb):
         parameter = self.find_parameter(station, values)
         if parameter is None:
             return self.missing_outcome(station, values)
-        return Outcome(Code.DONE, parameter_line(_for_requester(parameter)))
-
-    def data(self, station: Station, values: Values) -> Any:
-        parameter = self.find_parameter(station, values)
-        return None if parameter is None else as_data.parameter(_for_requester(parameter))
+        shown = _for_requester(parameter)
+        return Report.of(parameter_line(shown), as_data.parameter(shown))
 
 
 class Set(_ParameterVerb):
@@ -163,12 +160,9 @@ class Params(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot = station.robot.snapshot
-        lines = [parameter_line(_for_requester(found)) for found in snapshot.parameters]
-        return Outcome(Code.DONE, "\n".join([*lines, *_unreported_lines(snapshot)]))
-
-    def data(self, station: Station, values: Values) -> Any:
-        shown = map(_for_requester, station.robot.snapshot.parameters)
-        return [as_data.parameter(found) for found in shown]
+        shown = [_for_requester(found) for found in snapshot.parameters]
+        lines = [*map(parameter_line, shown), *_unreported_lines(snapshot)]
+        return Report.of("\n".join(lines), [*map(as_data.parameter, shown)])
 
 
 def _for_requester(parameter: Parameter) -> Parameter:

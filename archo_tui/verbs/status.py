@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
@@ -78,10 +77,7 @@ class Status(Verb):
             *([f"queue {waiting}"] if waiting else []),
             *(f"alarm {state_word(a)}: {self.advice(a, snapshot)}" for a in station.view.alarms),
         ]
-        return Outcome(Code.DONE, "\n".join(lines))
-
-    def data(self, station: Station, values: Values) -> Any:
-        return state(station)
+        return Report.of("\n".join(lines), state(station))
 
 
 class Events(Verb):
@@ -95,11 +91,7 @@ class Events(Verb):
             return Outcome(Code.MISUSE, f"not a count of events: {given}")
         last = station.robot.snapshot.events[-int(given) :]
         lines = [f"{time_of_day(found.time)} {event_text(found)}" for found in last]
-        return Outcome(Code.DONE, "\n".join(lines) or "no events yet")
-
-    def data(self, station: Station, values: Values) -> Any:
-        last = int(values.get("n", _EVENTS))
-        return [event(found) for found in station.robot.snapshot.events[-last:]]
+        return Report.of("\n".join(lines) or "no events yet", [*map(event, last)])
 
 
 class ShowHistory(Verb):
@@ -111,9 +103,7 @@ class ShowHistory(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         lines = [_past_line(station, quantity) for quantity in _NAMES]
         lines += map(ended_goal_text, station.robot.snapshot.history)
-        return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
-
-    def data(self, station: Station, values: Values) -> Any:
+        text = "\n".join(filter(None, lines)) or "nothing yet"
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         goals = [{**goal_data(found, now), "time": found.time} for found in snapshot.history]
         hour = {
@@ -125,7 +115,7 @@ class ShowHistory(Verb):
             }
             for quantity in _NAMES
         }
-        return {**hour, "goals": goals}
+        return Report.of(text, {**hour, "goals": goals})
 
 
 _NAMES: dict[Quantity, str] = {

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import Outcome, Report
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.words.graph import SILENT, resource_rows
@@ -21,12 +19,8 @@ class Topics(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
-        lines = [row.as_line for row in resource_rows(station.view)]
-        return Outcome(Code.DONE, "\n".join(lines) or "nothing on the graph")
-
-    def data(self, station: Station, values: Values) -> Any:
-        rates = station.robot.snapshot.message_rates
-        return [
+        rows, rates = resource_rows(station.view), station.robot.snapshot.message_rates
+        data = [
             {
                 "kind": row.resource.kind,
                 "name": row.resource.name,
@@ -36,5 +30,7 @@ class Topics(Verb):
                 "silent": row.rate == SILENT,
                 "mismatches": list(row.resource.mismatches),
             }
-            for row in resource_rows(station.view)
+            for row in rows
         ]
+        lines = [row.as_line for row in rows]
+        return Report.of("\n".join(lines) or "nothing on the graph", data)

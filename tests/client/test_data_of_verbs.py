@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import re
 from dataclasses import replace
@@ -11,6 +12,7 @@ import pytest
 
 from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
+from archo_tui.robot.outcome import data_of
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.verbs.status import ShowHistory
 from tests.client.test_waits import waited
@@ -75,7 +77,9 @@ def test_history_is_data_with_the_age_of_each_reading() -> None:
     robot: Any = StubRobot(NORMAL)
     station = stub_station(robot)
     station.on_snapshot(NORMAL)
-    told = json.loads(json.dumps(ShowHistory().data(station, {}), allow_nan=False))
+    told = json.loads(
+        json.dumps(data_of(asyncio.run(ShowHistory().run(station, {}))), allow_nan=False)
+    )
     charge = told["charge"]
     assert charge["unit"] == "%"
     assert [one["age"] for one in charge["readings"]] == [0.0, 60.0, 600.0, 3600.0]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.robot.outcome import Code
+from archo_tui.robot.outcome import Code, data_of
 from archo_tui.robot.state.graph import NodeInfo
 from tests.robots.managed import Navigator
 from tests.support.console import Console, console
@@ -185,5 +185,9 @@ async def test_no_call_makes_a_transition_without_the_question() -> None:
 
 async def test_data_for_a_program_names_the_node_that_a_short_name_means() -> None:
     async with managed() as (op, _):
-        data = op.app.verbs["lifecycle"].data(op.session.station, {"node": "navigator"})
-        assert data == {"node": "/navigator", "state": "unconfigured"}
+        lifecycle, station = op.app.verbs["lifecycle"], op.session.station
+        values = await lifecycle.prepare(station, {"node": "navigator"})
+        assert data_of(await lifecycle.run(station, values)) == {
+            "node": "/navigator",
+            "state": "unconfigured",
+        }
