@@ -6,20 +6,16 @@ It has what each setup.py names in `data_files`, so what is missing there is mis
 from __future__ import annotations
 
 import os
-import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 from archo_tui.errors import ArchoError
+from archo_tui.launch import cmake
 from archo_tui.launch.package import AMENT_PYTHON, Package
 from archo_tui.launch.setup_script import run_setup
 
 _INDEX = Path("share", "ament_index", "resource_index", "packages")
-# `install(DIRECTORY launch config DESTINATION share/${PROJECT_NAME})` of a CMakeLists.txt.
-_CMAKE_INSTALL = re.compile(
-    r"install\s*\(\s*(DIRECTORY|FILES)\s+([^()]*?)\s+DESTINATION\s+([^\s()]+)"
-)
 
 
 def share_folder(prefix: Path, package: Package) -> Path:
@@ -60,21 +56,17 @@ def _installed_files(package: Package) -> Iterator[tuple[Path, Path]]:
                     raise ArchoError(f"{setup}: data_files: {name} is no file")
                 yield Path(name), Path(folder, Path(name).name)
         return
-    try:
-        text = (package.folder / "CMakeLists.txt").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return
-    text = re.sub(r"#.*", "", text).replace("${PROJECT_NAME}", package.name)
-    for kind, names, folder in _CMAKE_INSTALL.findall(text):
-        for name in names.split():
-            if kind == "FILES":
-                yield Path(name), Path(folder, Path(name).name)
+    for found in cmake.installs(package):
+        for name in found.names:
+            if found.kind != "DIRECTORY":
+                yield Path(name), Path(found.destination, found.rename or Path(name).name)
                 continue
             # `DIRECTORY launch` installs the folder, `DIRECTORY launch/` what is in it.
             root = package.folder / name
             base = root if name.endswith("/") else root.parent
             for path in sorted(p for p in root.rglob("*") if p.is_file()):
-                yield path.relative_to(package.folder), Path(folder) / path.relative_to(base)
+                target = Path(found.destination) / path.relative_to(base)
+                yield path.relative_to(package.folder), target
 
 
 def _link(source: Path, target: Path) -> None:

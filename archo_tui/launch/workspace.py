@@ -12,6 +12,7 @@ from functools import cached_property
 from pathlib import Path
 
 from archo_tui.errors import ArchoError
+from archo_tui.launch import cmake
 from archo_tui.launch.package import AMENT_PYTHON, Package, read_package
 from archo_tui.launch.setup_script import PackageSetup, run_setup
 from archo_tui.nearest import nearest_hint
@@ -26,10 +27,10 @@ _CHECKOUT = Path(__file__).parent.parent.parent
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A function that runs a node, as an executable of a package names it."""
+    """A function or a script that runs a node, as an executable of a package names it."""
 
-    module: str  # Dotted.
-    function: str
+    module: str  # Dotted; the path of a script.
+    function: str  # "" for a script, which runs as `python FILE` runs it.
     source: Path | None  # The folder to import it from; None for an installed package.
 
     def make_importable(self) -> None:
@@ -100,9 +101,13 @@ class Workspace:
         return nearest_hint(name, self.packages, _ALIKE)
 
     def executables(self, package: Package) -> dict[str, EntryPoint]:
-        """Return an ament_python package's executables; the first call blocks on its setup.py."""
+        """Return a package's executables in Python; the first call blocks on its setup.py."""
         if package.build_type != AMENT_PYTHON:
-            return {}
+            folder = package.folder.resolve()
+            return {
+                name: EntryPoint(str(folder / script), "", folder)
+                for name, script in cmake.scripts(package).items()
+            }
         if package.name not in self._setups:
             self._setups[package.name] = run_setup(package)
         setup = self._setups[package.name]
@@ -123,8 +128,8 @@ class Workspace:
             return _checked(found[executable], package, executable)
         if package is not None and package.build_type != AMENT_PYTHON:
             raise ArchoError(
-                f"{package_name} is an {package.build_type} package, of which no executable is run "
-                f"here: build it and start {executable} with ROS 2"
+                f"{package_name} is an {package.build_type} package, of which only scripts that "
+                f"install(PROGRAMS) names run here: build it and start {executable} with ROS 2"
             )
         near = nearest_hint(executable, found)
         known = "" if near or not found else f" (it has {', '.join(found)})"
@@ -136,6 +141,12 @@ def _checked(entry_point: EntryPoint, package: Package | None, executable: str) 
     """Return an entry point if the file of its module is there; installed ones are not checked."""
     if package is None or entry_point.source is None:
         return entry_point
+    if not entry_point.function:
+        script = Path(entry_point.module)
+        if script.is_file() and script.suffix == ".py":
+            return entry_point
+        why = "is no Python file" if script.is_file() else "is not there"
+        raise ArchoError(f"{executable} in CMakeLists.txt of {package.name}: {script} {why}")
     path = entry_point.source.joinpath(*entry_point.module.split("."))
     if path.with_suffix(".py").is_file() or (path / "__init__.py").is_file():
         return entry_point

@@ -18,8 +18,8 @@ REFUSED = {
         "package my_robbot is not here (nearest: my_robot)"
     ),
     "Node(package='my_cpp', executable='driver')": (
-        "my_cpp is an ament_cmake package, of which no executable is run here: build it and "
-        "start driver with ROS 2"
+        "my_cpp is an ament_cmake package, of which only scripts that install(PROGRAMS) names "
+        "run here: build it and start driver with ROS 2"
     ),
     "Node(package='my_robot', executable='talkr')": (
         "my_robot has no executable talkr (nearest: talker): see console_scripts in its setup.py"

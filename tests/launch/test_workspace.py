@@ -65,7 +65,19 @@ def test_the_executables_are_what_setup_computes(workspace: Workspace) -> None:
         name: EntryPoint(f"my_tools.{name}", "main", SRC / "stack" / "my_tools")
         for name in ("recorder", "player")
     }
-    assert workspace.executables(workspace.packages["my_cpp"]) == {}
+
+
+def test_the_scripts_of_an_ament_cmake_package_are_executables(workspace: Workspace) -> None:
+    folder = (SRC / "my_cpp").resolve()
+    found = workspace.executables(workspace.packages["my_cpp"])
+    assert found == {
+        "count.py": EntryPoint(str(folder / "scripts" / "count.py"), "", folder),
+        "relay": EntryPoint(str(folder / "scripts" / "relay.py"), "", folder),
+        "lost.py": EntryPoint(str(folder / "scripts" / "lost.py"), "", folder),
+    }
+    assert workspace.entry_point("my_cpp", "relay") == found["relay"]
+    with pytest.raises(ArchoError, match=r"lost\.py in CMakeLists\.txt of my_cpp: .*is not there"):
+        workspace.entry_point("my_cpp", "lost.py")
 
 
 def test_an_installed_python_package_offers_its_console_scripts(workspace: Workspace) -> None:

@@ -166,6 +166,46 @@ def test_a_launch_file_runs_its_programs_each_as_it_says(
         assert states(session)["/right/wheels"].life is Life.UP
 
 
+STEPS = """
+import rclpy
+from rclpy.node import Node
+from my_steps.size import SIZE
+from std_msgs.msg import Int32
+
+if __name__ == "__main__":
+    rclpy.init()
+    node = Node("steps")
+    publisher = node.create_publisher(Int32, "steps", 10)
+    node.create_timer(0.05, lambda: publisher.publish(Int32(data=SIZE)))
+    rclpy.spin(node)
+"""
+CMAKE = """
+project(my_steps)
+ament_python_install_package(${PROJECT_NAME})
+install(PROGRAMS scripts/steps.py DESTINATION lib/${PROJECT_NAME})
+"""
+
+
+def test_the_script_of_an_ament_cmake_package_runs_with_the_modules_of_its_package(
+    workspace: Path,
+) -> None:
+    package = workspace / "src" / "my_steps"
+    for name in ("my_steps", "scripts", "launch"):
+        (package / name).mkdir(parents=True)
+    text = PACKAGE.replace("my_wheels", "my_steps").replace("ament_python", "ament_cmake")
+    (package / "package.xml").write_text(text)
+    (package / "CMakeLists.txt").write_text(CMAKE)
+    (package / "my_steps/size.py").write_text("SIZE = 7")
+    (package / "scripts/steps.py").write_text(STEPS)
+    file = package / "launch/steps.launch.xml"
+    file.write_text(
+        '<launch><node pkg="my_steps" exec="steps.py" name="climb" namespace="tower"/></launch>'
+    )
+    with launched(file) as session:
+        wait_until(lambda: "/tower/steps" in session.context._graph.topics)
+        wait_until(lambda: states(session)["/tower/climb"].life is Life.UP)
+
+
 def test_what_is_respawned_is_not_behind_a_stop(
     workspace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,0 +1,2 @@
+#!/usr/bin/env python3
+import my_cpp.steps  # noqa: F401
