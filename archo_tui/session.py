@@ -115,7 +115,9 @@ class Session:
             if mistake:
                 raise ArchoError(mistake) from None
             raise
-        self._watch = FileWatcher(self._watched_files(interfaces))
+        self._watch = FileWatcher(
+            self._watched_files(interfaces), partial(self.robot.note, "ERROR", "console")
+        )
 
     def _make_server(self) -> Server | None:
         """Return the server of the socket, not started yet; None on Windows, which has none."""

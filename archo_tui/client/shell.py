@@ -243,8 +243,10 @@ def _stop(
     attach: Callable[[], AbstractContextManager[VerbConnection]] | None,
 ) -> int:
     """Send STOP to every console that could be meant or to the robot, and return the worst code."""
-    if len(command_line.rest) > 1:
-        _print_to_stderr(f"{command_line.rest[0]}: ignored: {' '.join(command_line.rest[1:])}")
+    typed = [word for word in command_line.rest if is_stop({"words": word})]
+    ignored = [word for word in command_line.rest if word not in typed[:1]]
+    if ignored:
+        _print_to_stderr(f"{(typed or ['stop'])[0]}: ignored: {' '.join(ignored)}")
     codes, unreached = [], ""
     try:
         ended = find.stop(selection, _print_to_stderr)
@@ -284,7 +286,7 @@ def _send(
     SIGINT or SIGTERM calls the request off (with `--leave` it ends the wait), a second one ends the
     program.
     """
-    words = command_line.rest[:1] if command_line.is_stop else command_line.rest
+    words = ["stop"] if command_line.is_stop else command_line.rest
     request: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if command_line.is_endless:
         as_text = "--json" not in command_line.flags

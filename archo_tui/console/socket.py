@@ -355,7 +355,12 @@ class Server:
                 surplus = next(islice(self._clients, MAX_CLIENTS, None))
                 del self._clients[surplus]
                 surplus.drop()
-        threading.Thread(target=client.run, name="requests", daemon=True).start()
+        try:
+            threading.Thread(target=client.run, name="requests", daemon=True).start()
+        except RuntimeError as error:  # No thread is free: the next client may have one.
+            self.forget(client)
+            connected.close()
+            raise OSError(str(error)) from None
 
 
 def open_socket(hello: dict[str, Any]) -> tuple[socket.socket, str]:

@@ -94,9 +94,12 @@ def on_audit_record(robot: Parts, message: String) -> None:
     Any report of a STOP voids what was requested here before and has not left yet.
     """
     published = audit_records.parse(message.data)
-    if published is None or published.console not in robot.graph.consoles:
+    if published is None:
         return
     console, record, text = published
+    is_known = console in robot.graph.consoles
+    if not is_known and not (record.verb == "stop" and robot.graph.knows_console(console)):
+        return
     robot.changes.on_audit_record(record, robot.clock.monotonic())
     robot.stops.sent_elsewhere += record.verb == "stop"
     robot.stops.superseded |= record.verb != "stop"

@@ -158,17 +158,28 @@ class ProgramFile:
         if first is None:
             return  # A program without a node.
         rclpy.init()
-        threads = [threading.Thread(target=self._spin, args=(kind, True)) for kind in others]
+        errors: list[BaseException] = []
+        threads = [threading.Thread(target=self._spin, args=(kind, errors)) for kind in others]
         for thread in threads:
             thread.start()
-        self._spin(first, bool(others))
+        self._spin(first, errors if others else None)
+        for thread in threads:
+            thread.join()
+        if errors:
+            raise errors[0]
 
-    def _spin(self, kind: type[Node], is_one_of_several: bool) -> None:
+    def _spin(self, kind: type[Node], errors: list[BaseException] | None) -> None:
+        """Spin a node; with others beside it, an error ends them all, and is added to `errors`."""
         try:
             node = self._make(kind)
-            rclpy.spin(node, SingleThreadedExecutor() if is_one_of_several else None)
+            rclpy.spin(node, None if errors is None else SingleThreadedExecutor())
         except ExternalShutdownException:
             return
+        except Exception as error:
+            if errors is None:
+                raise
+            errors.append(error)
+            rclpy.try_shutdown()
 
     def _make(self, kind: Any) -> Node:
         """Make a node without arguments."""

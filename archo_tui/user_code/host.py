@@ -181,7 +181,9 @@ class Host:
                 return
         try:
             for own in [h for h in self.nodes if h.name == name and not is_stopping()]:
-                own.stop()
+                if not own.stop() and not own.abandon():
+                    text = "is replaced, and is stuck: its callback still runs"
+                    self._on_event("ERROR", name.lstrip("/"), text)
                 self.nodes.remove(own)
                 self._report_ended(own)
         finally:

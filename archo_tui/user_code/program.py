@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from archo_tui.errors import UserFileError
+from archo_tui.errors import UserFileError, in_one_line
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.interrupt import Interrupted
@@ -179,7 +179,11 @@ class HostedProgram(ABC):
             while not self._stopping.is_set():
                 self.state = self.state._replace(life=Life.UP, error="", traceback="")
                 self._has_node = self.has_spun = self.was_refused = False
-                self._record_end(self.run_once())
+                try:
+                    end = self.run_once()
+                except Exception as error:  # As when no process or descriptor is free.
+                    end = ProgramEnd(1, f"{self.file}: {in_one_line(error)}")
+                self._record_end(end)
                 delay = self.program.respawn_delay
                 if delay is None or self.was_refused:
                     return

@@ -219,8 +219,11 @@ class Programs:
                 self._say_not_restarted(olds, name, error)
                 return
             if not olds:
-                waits = any(h.file is file and h.state.life is Life.WAITING for h in self._hosted)
+                lives = {h.state.life for h in self._hosted if h.file is file}
+                waits = Life.WAITING in lives
                 does = "waits for a release" if waits else "has ended"
+                if Life.STUCK in lives:
+                    does = "is stuck: its code still runs"
                 text = f"{name} was saved, and {does}: s in Nodes runs it{' again' * (not waits)}"
                 self._on_event("INFO", name, text)
             begun = [(old.name, new) for old in olds if (new := self._replace(old)) is not None]

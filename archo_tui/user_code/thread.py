@@ -163,6 +163,10 @@ class ProgramThread(HostedProgram):
         _adopt(threading.current_thread(), self._process)
         try:
             end = self._run_main()
+            if end.code and any(thread.is_alive() for thread in self._process.awaited):
+                # As Python prints it at once, while other threads run on.
+                text = f"{end.error or f'exit code {end.code}'}: its other threads run on"
+                self.callbacks.on_event("ERROR", self.name.lstrip("/"), text)
             # Python, too, lets the work of pools end, and awaits threads, before a process ends.
             for pool in list(self._process.pools):
                 pool.shutdown(wait=False)

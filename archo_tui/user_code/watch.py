@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from archo_tui.errors import in_one_line
+
 PERIOD = 0.25  # Seconds between two comparisons.
 # When each file was saved, as Unix time in nanoseconds, and its size in bytes.
 Stamps = dict[Path, tuple[int, int]]
@@ -82,9 +84,9 @@ class FileWatcher:
         watched: The files, each group of which is reloaded by itself.
     """
 
-    def __init__(self, watched: Sequence[Watched]) -> None:
-        """Create the thread, which `start` starts."""
-        self.watched = watched
+    def __init__(self, watched: Sequence[Watched], on_error: Callable[[str], None]) -> None:
+        """Create the thread, which `start` starts; `on_error` gets why a file was not reloaded."""
+        self.watched, self._on_error = watched, on_error
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
@@ -101,9 +103,15 @@ class FileWatcher:
 
     def _run(self) -> None:
         before: dict[Watched, Stamps] = {}
+        failed: dict[Watched, Stamps] = {}  # What could not be reloaded is tried when saved anew.
         while not self._ends.wait(PERIOD):
             for files in self.watched:
                 now = files.current_stamps()
-                if now != files.loaded and now == before.get(files):
-                    files.reload()
+                is_due = now != files.loaded and now == before.get(files)
                 before[files] = now
+                if is_due and now != failed.get(files):
+                    try:
+                        files.reload()
+                    except Exception as error:  # As of a full disk: other files go on.
+                        failed[files] = now
+                        self._on_error(f"a saved file was not reloaded: {in_one_line(error)}")

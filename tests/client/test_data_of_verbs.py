@@ -45,6 +45,8 @@ async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(line: str) ->
         await person.until("max_speed is")
         assert clock.seconds() - began < 2.0
         assert f"{line.split()[0]}: not waited for any longer\n" in person.said
+        person.type("go 3\n")
+        await person.until("go to shelf 3: accepted")
         assert await person.end() == 0
 
 

@@ -201,6 +201,8 @@ class Graph:
     [
         ("stop", "", True),
         ("stop;", "4711", True),
+        ("-- stop", "", True),
+        ("! stop now", "", True),
         ("stop --to 4711", "", False),
         ("cancel", "", True),
         ("cancel", "4711", False),
@@ -216,4 +218,6 @@ def test_the_graph_is_attached_to_where_no_console_is_named(
     meant = {"engine": "ros2", "domain": 5}
     code = shell.run(words.split(), (), lambda: nullcontext(graph), meant, helps)
     assert bool(graph.asked) == reaches
+    if "stop" in words and reaches:
+        assert graph.asked[0]["words"] == ["stop"]
     assert code == (0 if reaches or "--help" in words else 3)

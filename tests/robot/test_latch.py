@@ -26,6 +26,7 @@ from tests.support.alarms import conditions
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.console import FAST
+from tests.support.peer import Peer
 from tests.support.plain import operated
 from tests.support.plain import plain as typed
 from tests.support.quiet import ended, until, while_passes
@@ -123,6 +124,23 @@ def latch(it: Robot) -> Latch:
 
 def said_by_others(it: Robot) -> list[str]:
     return [event.text for event in it.snapshot.events if event.level == "PEER"]
+
+
+async def test_the_stop_of_a_console_that_has_only_just_come_counts() -> None:
+    made: list[Node] = []
+
+    def host(**options: Any) -> Node:
+        made.append(Node("somebody", **options))
+        return made[0]
+
+    async with robot(host) as it:
+        await until(lambda: made[0].executor is not None)
+        peer = Peer(context=made[0].context)
+        await until(lambda: peer._records.get_subscription_count() == 1)
+        peer.tell("stop")
+        await until(lambda: said_by_others(it) == ["stop: done"])
+        assert it.stops.sent_elsewhere == 1
+        peer.destroy_node()
 
 
 async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_said_anew() -> None:

@@ -210,3 +210,62 @@ def test_a_copy_has_another_name_and_is_copied_again(here: Path) -> None:
         assert session.host.stop_node("/talker_2").ok
         assert session.host.start_node("/talker_2").ok
         wait_until(lambda: up(session) == ["/talker", "/talker_2", "/talker_3"])
+
+
+TWO_CLASSES = """
+import rclpy
+from rclpy.node import Node
+
+
+class First(Node):
+    def __init__(self):
+        super().__init__("first")
+        self.create_timer(0.1, self.work)
+
+    def work(self):
+        {first}
+
+
+class Second(Node):
+    def __init__(self):
+        super().__init__("second")
+        self.create_timer(0.1, self.work)
+
+    def work(self):
+        {second}
+"""
+
+
+@pytest.mark.parametrize("which", ["first", "second"])
+def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
+    other = {"first": "second", "second": "first"}[which]
+    text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')
+    file = here / "two.py"
+    file.write_text(text.replace(f"{{{other}}}", "pass"))
+    with running(file) as session:
+        wait_until(lambda: Life.CRASHED in {state.life for state in states(session).values()})
+        [state] = states(session).values()
+        line = {"first": 12, "second": 21}[which]
+        assert state.error.startswith(f"line {line}: ValueError: a wheel came off")
+        wait_until(lambda: up(session) == [])
+
+
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there Python prints the traceback")
+def test_an_error_of_main_is_told_at_once_though_its_threads_run_on(here: Path) -> None:
+    file = here / "threads.py"
+    file.write_text(
+        HEAD
+        + """
+import threading
+
+
+def main():
+    rclpy.init()
+    node = Talker("talker")
+    threading.Thread(target=rclpy.spin, args=(node,)).start()
+    raise ValueError("no serial port")
+"""
+    )
+    with running(file) as session:
+        told = "ValueError: no serial port"
+        wait_until(lambda: any(told in t and "run on" in t for t in texts(session)))

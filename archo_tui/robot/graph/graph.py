@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
@@ -93,15 +93,28 @@ class Graph:
             self._read_services()
             self.offered |= {service}
 
+    def knows_console(self, console: str) -> bool:
+        """Return True if another console of a name is here; look again if it was not by now.
+
+        One that only sends a STOP comes and goes between two polls.
+        """
+        if console not in self.consoles:
+            pairs = self._node.get_node_names_and_namespaces()
+            self._find_consoles(_full(*pair) for pair in pairs)
+        return console in self.consoles
+
+    def _find_consoles(self, found: Iterable[str]) -> None:
+        own = self._node.get_fully_qualified_name()
+        here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
+        self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
+
     def _poll(self) -> bool:
         pairs = self._node.get_node_names_and_namespaces()
         found = Counter(_full(*pair) for pair in pairs)
         names = sorted(name for name in found if self.is_ours(name))
         others = {name.rpartition("/")[0] or "/" for name in found if not is_hidden(name)}
         self.other_namespaces = tuple(sorted(others - {self.namespace}))
-        own = self._node.get_fully_qualified_name()
-        here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
-        self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
+        self._find_consoles(found)
         self.silent_consoles = frozenset(self.consoles)
         if self.consoles:
             self.silent_consoles -= self._record_publishers()

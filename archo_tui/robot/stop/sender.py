@@ -251,7 +251,7 @@ class StopSender:
         self._become(before.moved(motion, now, servers, self._unended_nodes()))
         is_closed = before.open is not None and self.stop.open is None
         if is_closed and before.open and before.open.answer is StopAnswer.NONE:
-            text = "STOP, sent again: the robot says that it is stopped"
+            text = "STOP: the robot says that it is stopped"
             self._reporter.report_stop_result(text, Code.DONE)
 
     # What is due.
