@@ -133,7 +133,8 @@ async def test_of_a_halted_node_it_is_lost_at_once_and_the_rest_is_held() -> Non
         assert "not driven: 7 (lost)" in person.said
 
 
-async def test_of_one_that_crashes_too(here: Path) -> None:
+async def test_of_one_that_crashes_too(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # It is another process there.
     motor = here / "motor.py"
     motor.write_text(
         "from archo_bringup.motor_controller import MotorController\n\n\n"

@@ -48,23 +48,6 @@ def test_it_is_said_in_one_line(words: str, said: str, tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, "")
 
 
-def test_a_second_type_of_a_topic_in_one_process_is_named(tmp_path: Path) -> None:
-    (tmp_path / "battery.py").write_text(
-        "import rclpy.node\nfrom std_msgs.msg import Float32\n\n\n"
-        "class Battery(rclpy.node.Node):\n"
-        "    def __init__(self):\n"
-        "        super().__init__('battery_monitor')\n"
-        "        self.create_publisher(Float32, 'battery_level', 10)\n"
-    )
-    done = refused("--plain", "--node=battery.py", cwd=tmp_path)
-    # what rcl itself prints comes first
-    assert done.stderr.splitlines()[-1] == (
-        "archo-tui: dashboard: Failed to create subscription: another node of this process has the "
-        "topic with another type, and Fast DDS allows one: --only leaves the robot's own nodes out"
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-
-
 @pytest.mark.parametrize("words", ["--plain", "--attach --plain", "status"])
 def test_a_middleware_that_is_not_installed_is_one_line_too(words: str) -> None:
     done = refused(*words.split(), env=os.environ | {"RMW_IMPLEMENTATION": "rmw_nosuch_cpp"})

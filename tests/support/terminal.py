@@ -45,7 +45,8 @@ class Terminal:
         environment = {
             "TERM": term,
             "ROS_DOMAIN_ID": str(chosen.next_domain()),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+            # A program is a process of its own there.
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST" if "--node" in words else "OFF",
         }
         start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
         program = f"import sys\n{code}\n{start}"
