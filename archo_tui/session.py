@@ -119,6 +119,11 @@ class Session:
             self._watched_files(interfaces), partial(self.robot.note, "ERROR", "console")
         )
 
+    def _stop_gate(self) -> Callable[[], bool]:
+        """Return what is true once a STOP was read, here or elsewhere, after this call."""
+        gate = self.robot.stops.gate()
+        return lambda: gate.is_shut
+
     def _make_server(self) -> Server | None:
         """Return the server of the socket, not started yet; None on Windows, which has none."""
         if sys.platform == "win32":
@@ -199,6 +204,7 @@ class Session:
             *(self.context, self._note_early, robot.end_goals_of_node),
             early_stop_request=robot.early_stop_request,
             on_early_stop=robot.on_early_stop,
+            gate=self._stop_gate,
             on_restored=robot.on_parameters_restored,
             make_program=self._make_program,
             on_spin=self._note_own_defaults,

@@ -20,6 +20,8 @@ from archo_tui.user_code.program import Callbacks, HostedProgram, Program, Progr
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
 
+_MAX_LINE = 10_000  # Characters that are read of a line at once.
+_LAST_OUTPUT = 2.0  # Seconds in which what an ended process has printed is read.
 _ANSWER_TIME = 2.0  # Seconds in which the child answers a question.
 
 
@@ -70,7 +72,7 @@ class ProgramChild(HostedProgram):
                     printer.name = self.name
         code = process.wait()
         for printer in printers:
-            printer.join()
+            printer.join(_LAST_OUTPUT)  # What left its group may hold the output open for ever.
         self._names.clear()
         if code < 0:
             end = {"error": f"{self.file}: ended by {signal.Signals(-code).name}"}
@@ -158,9 +160,12 @@ class ProgramChild(HostedProgram):
 
     def _write_lines(self, stream: IO[str]) -> None:
         """Copy a stream of the program to the output, in a thread that is named like its node."""
+        last = "\n"
         with stream:
-            for line in stream:
-                self._output.write(line)
+            while line := stream.readline(_MAX_LINE):
+                self._output.write(last := line)
+        if not last.endswith("\n"):
+            self._output.write("\n")
 
     def _signal(self, number: int) -> None:
         with self._lock, contextlib.suppress(ProcessLookupError):

@@ -150,14 +150,14 @@ class _Reporter:
 def _end_with_console(descriptor: int) -> None:
     """Wait until the console no longer reads the reports, because it was killed; then end.
 
-    The process gets SIGINT, and `_GRACE` seconds later SIGKILL.
+    The process gets SIGINT, and `_GRACE` seconds later it and what it has started get SIGKILL.
     """
     poller = select.poll()
     poller.register(descriptor, 0)  # Only POLLERR, which is always told.
     poller.poll()
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(_GRACE)
-    os.kill(os.getpid(), signal.SIGKILL)
+    os.killpg(os.getpgid(0), signal.SIGKILL)
 
 
 if __name__ == "__main__":

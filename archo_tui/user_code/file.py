@@ -94,7 +94,8 @@ class ProgramFile:
             self.source = Source(text)
         except OSError as error:
             raise NodeFileError(f"{self}: {error.strerror}") from None
-        except (SyntaxError, ValueError) as error:  # ValueError: null bytes.
+        # ValueError: null bytes; the others: a text that is nested too deep.
+        except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
             raise NodeFileError(*explain(error, self.code, self.source)) from None
 
     def run(self, use_as_main: Callable[[ModuleType], None], has_begun: Callable[[], bool]) -> None:

@@ -40,6 +40,7 @@ class Host:
         on_end: Callable[[Sequence[str]], None],  # Services and actions that nobody serves now.
         early_stop_request: Callable[[], tuple[str, Mapping[str, Any]]],  # "" for no STOP.
         on_early_stop: Callable[[str], None],  # A node has confirmed it before it spins.
+        gate: Callable[[], Callable[[], bool]],  # As `program.Callbacks` has it.
         on_restored: Callable[[str, Mapping[str, Any]], None],
         make_program: Callable[..., HostedProgram],
         on_spin: Callable[[HostedProgram, str, Sequence[str]], None],
@@ -57,6 +58,7 @@ class Host:
             self._report_gone,
             self._make_way_for_program_node,
             lambda: bool(early_stop_request()[0]),
+            gate,
             lambda name: self.operator_values(name),
             on_restored,
             on_spin,

@@ -117,6 +117,12 @@ class NodeOutput(_Output):
             self._note("INFO", f"{name.lstrip('/')} stdout", line)
         return len(text)
 
+    def end_line(self) -> None:
+        """End the line that the calling thread's program has begun, if any: it has ended."""
+        name = vars(threading.current_thread()).get(_OWNER, threading.current_thread()).name
+        if name in self._printed and self._printed[name].rest:
+            self.write("\n")
+
     def _lines(self, name: str, text: str) -> list[str]:
         """Add text of a thread, and return the complete lines to show, cut to _MAX_LENGTH.
 

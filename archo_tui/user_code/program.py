@@ -51,6 +51,7 @@ class Callbacks(NamedTuple):
     on_end: Callable[[HostedProgram], None]  # It has ended, and was not stopped.
     on_node: Callable[[HostedProgram, str], None]  # It has made a node of that full name.
     may_run: Callable[[], bool]  # False while a STOP is not released.
+    gate: Callable[[], Callable[[], bool]]  # Returns what is true once a STOP came after the call.
     operator_values: Callable[[str], Mapping[str, Any]]  # The parameters set on a node by hand.
     on_restored: Callable[[str, Mapping[str, Any], Mapping[str, str]], None]
     """The values that a node was given again, and why it refused others, by parameter."""
@@ -83,6 +84,7 @@ class HostedProgram(ABC):
         self._has_node = self.has_spun = False  # In this run; spun outside of a constructor.
         self.served: tuple[str, ...] = ()  # The services and actions that it was known to serve.
         self._stopping = threading.Event()
+        self._is_gate_shut: Callable[[], bool] = lambda: False  # Of this run.
         self._thread = self.thread_class(target=self._run, name=name, daemon=True)
 
     @property
@@ -127,6 +129,7 @@ class HostedProgram(ABC):
     def begin(self) -> None:
         """Start the thread that runs the compiled file; call this once only."""
         self.state = self.state._replace(saved=self.file.saved)
+        self._is_gate_shut = self.callbacks.gate()
         self._thread.start()
 
     def wait(self) -> None:
@@ -189,6 +192,7 @@ class HostedProgram(ABC):
                     return
                 if not self._may_run_after(max(delay, LEAST_RESPAWN_DELAY)):
                     return
+                self._is_gate_shut = self.callbacks.gate()
 
     def _may_run_after(self, delay: float) -> bool:
         """Wait `delay` seconds; return False if the program is to end, or to wait for a release."""
@@ -227,11 +231,11 @@ class HostedProgram(ABC):
     def accept_node(self, name: str) -> bool:
         """Record a node that the program has made, and decide whether the program may go on.
 
-        A STOP that was sent since the program was started has not reached its nodes. So the program
-        must end if a STOP holds when its first node is made; before that it moves nothing. The name
-        of its first node ever becomes that of the program and its thread.
+        A STOP that was sent since the program was started has not reached its nodes, also if it is
+        released by now. So the program must end when its first node is made; before that it moves
+        nothing. The name of its first node ever becomes that of the program and its thread.
         """
-        if not self._has_node and not self.callbacks.may_run():
+        if self._is_behind_stop():
             self.was_refused = True
             return False
         if not self.has_name:
@@ -240,11 +244,15 @@ class HostedProgram(ABC):
             self._thread.name = name  # By which its output is known.
         self.callbacks.on_node(self, name)
         # The robot's own node may have held it, and be gone.
-        if not self._has_node and not self.callbacks.may_run():
+        if self._is_behind_stop():
             self.was_refused = True
             return False
         self._has_node = True
         return True
+
+    def _is_behind_stop(self) -> bool:
+        """Return True if the first node may not be made: a STOP holds, or came and was released."""
+        return not self._has_node and (self._is_gate_shut() or not self.callbacks.may_run())
 
     def begin_to_stop(self) -> None:
         """Interrupt the program, as Ctrl-C does, without waiting for its end; it is not respawned.

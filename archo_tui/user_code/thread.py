@@ -19,7 +19,7 @@ from rclpy.executors import Executor, MultiThreadedExecutor
 from rclpy.node import Node
 
 from archo_tui.user_code.interrupt import Interrupted, raise_in
-from archo_tui.user_code.output import share_output
+from archo_tui.user_code.output import NodeOutput, share_output
 from archo_tui.user_code.probe import (
     Probe,
     SpinWatch,
@@ -178,6 +178,8 @@ class ProgramThread(HostedProgram):
         finally:
             self._leave_graph()
             self._end_other_threads()
+            if isinstance(sys.stdout, NodeOutput):
+                sys.stdout.end_line()
 
     def _run_main(self) -> ProgramEnd:
         try:

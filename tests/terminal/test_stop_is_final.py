@@ -11,6 +11,7 @@ import pytest
 
 from archo_tui.paths import journal_file
 from archo_tui.robot.stop.gate import NOT_SENT
+from tests.support import chosen
 from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until
@@ -126,6 +127,7 @@ def test_a_number_typed_in_the_palette_before_a_stop_does_not_drive(
     assert not [text for text in said() if "accepted" in text]
 
 
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there its service may not be found yet")
 def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)

@@ -357,6 +357,29 @@ def test_a_stop_between_the_start_and_the_first_node_ends_a_program(
         wait_until(lambda: said() == ["made"])
 
 
+def test_a_stop_that_is_released_before_the_first_node_ends_a_program_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "START_TIME", 0.2)
+    late = written("late.py", WAITS + TALKER.replace("{word}", "made"))
+    with running(late, only=False) as session:
+        wait_until(lambda: "release_emergency_stop" in session.robot.snapshot.offered)
+        session.robot.stops.register()  # As reading it does.
+        assert asyncio.run(session.robot.emergency_stop()).ok
+        assert asyncio.run(session.robot.release_emergency_stop()).ok
+        written("go", "")
+        wait_until(lambda: life(session, "/late") is Life.WAITING)
+        assert said() == []
+        assert session.host.start_node("/late").ok
+        wait_until(lambda: said() == ["made"])
+
+
+def test_the_last_line_of_a_program_is_an_event_without_its_end_too() -> None:
+    file = written("ends.py", "print('first')\nprint('last one', end='')\n")
+    with running(file) as session:
+        wait_until(lambda: "last one" in texts(session))
+
+
 def test_a_stop_while_a_saved_text_begins_leaves_the_one_before_running(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
