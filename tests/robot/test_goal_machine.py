@@ -454,8 +454,8 @@ def events(world: World) -> Iterator[tuple[str, TrackedGoal]]:
         yield "cancel", goal.cancelling(NOW)
     if goal.awaited:
         yield "cancel accepted", goal.cancel_accepted()
-    yield "cancel failed", goal.cancel_failed(NOW, is_rejected=False)
-    yield "cancel rejected", goal.cancel_failed(NOW, is_rejected=True)
+        yield "cancel failed", goal.cancel_failed(NOW, is_rejected=False)
+        yield "cancel rejected", goal.cancel_failed(NOW, is_rejected=True)
     yield "robot heard", goal.robot_heard(NOW)
     yield "node left", goal.node_left(NOW)
     yield "forgotten", goal.forgotten(NOW)
@@ -583,7 +583,8 @@ def _key(world: World) -> tuple[object, ...]:
 
 def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited() -> None:
     states, cells = explore()
-    assert cells == {(event, phase) for event in PHASES for phase in RUNNING}
+    every = {(event, phase) for event in PHASES for phase in RUNNING}
+    assert every - cells == {(Event.CANCEL_FAILED, Phase.SENT)}  # No cancel leaves before it.
     assert states > 1000, states
 
 

@@ -192,13 +192,13 @@ class TrackedGoal(NamedTuple):
         """Take the yes to its cancel: one that fails later changes nothing."""
         if not self.is_running:
             return self
-        return self._replace(awaited=max(self.awaited - 1, 0), before=Phase.CANCELLING)
+        return self._replace(awaited=self.awaited - 1, before=Phase.CANCELLING)
 
     def cancel_failed(self, now: float, *, is_rejected: bool) -> TrackedGoal:
         """Return to the phase before; ask about a rejection: its server may not know the goal."""
         if not self.is_running:
             return self
-        after = self._replace(awaited=max(self.awaited - 1, 0))
+        after = self._replace(awaited=self.awaited - 1)
         if not after.awaited:
             after = after.fire(Event.CANCEL_FAILED, now)
         if after.goal.phase is not self.goal.phase:
@@ -427,7 +427,7 @@ def end_text(before: Goal, goal: Goal) -> str:
     if goal.phase is Phase.REFUSED and before.phase is Phase.SENT:
         return ""
     word, message = goal.word.lower(), goal.message.lower()
-    if message and word in message and goal.name.lower() in message:
+    if word in message and goal.name.lower() in message:
         return goal.message
     return f"{goal.name} {word}: {goal.message}".rstrip(": ")
 
