@@ -1,4 +1,4 @@
-"""What a CMakeLists.txt installs, read as text: only what is plainly written is found."""
+"""The install() calls of a CMakeLists.txt, read as text: only those plainly written are found."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _INSTALL = re.compile(
 
 
 class Install(NamedTuple):
-    """One `install()`."""
+    """A call of `install()`."""
 
     kind: str  # DIRECTORY, FILES or PROGRAMS.
     names: tuple[str, ...]  # In the package's folder.

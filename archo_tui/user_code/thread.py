@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from rclpy import _process
+from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.context import Context
 from rclpy.executors import Executor, MultiThreadedExecutor
 from rclpy.node import Node
@@ -230,7 +231,11 @@ class ProgramThread(HostedProgram):
                 context.try_shutdown()
 
     def node_names(self) -> tuple[str, ...]:
-        return tuple(node.get_fully_qualified_name() for node in self._process.living_nodes())
+        names: list[str] = []
+        for node in self._process.living_nodes():
+            with contextlib.suppress(InvalidHandle):  # It is destroyed just now.
+                names.append(node.get_fully_qualified_name())
+        return tuple(names)
 
     def serves_now(self) -> tuple[str, ...]:
         now = time.monotonic()
