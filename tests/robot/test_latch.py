@@ -159,6 +159,7 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
         assert latch(it) is Latch.HELD
         await elsewhere.restart()
         await until(lambda: latch(it) is Latch.UNCERTAIN)
+        await until(lambda: "release_emergency_stop" in it.snapshot.offered)
         assert (await ended(it.release_emergency_stop())).ok
         assert latch(it) is Latch.NONE
         assert not it.snapshot.is_stopped
