@@ -114,7 +114,7 @@ def stub_station(
     recorder: Any = SimpleNamespace(
         trouble="",
         on_view=lambda *_: None,
-        keep=lambda on_disk: on_disk(kept) or kept,
+        keep=lambda on_disk=lambda _: None: on_disk(kept) or kept,
         kept="",
     )
     journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")
