@@ -8,6 +8,7 @@ that the operator has set, and what `Probe` answers.
 
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import queue
@@ -150,14 +151,15 @@ class _Reporter:
 def _end_with_console(descriptor: int) -> None:
     """Wait until the console no longer reads the reports, because it was killed; then end.
 
-    The process gets SIGINT, and `_GRACE` seconds later it and what it has started get SIGKILL.
+    The process gets SIGINT, and `_GRACE` seconds later SIGKILL, with what it has started.
     """
     poller = select.poll()
     poller.register(descriptor, 0)  # Only POLLERR, which is always told.
     poller.poll()
+    atexit.register(os.killpg, 0, signal.SIGKILL)  # Also if it ends by the SIGINT.
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(_GRACE)
-    os.killpg(os.getpgid(0), signal.SIGKILL)
+    os.killpg(0, signal.SIGKILL)
 
 
 if __name__ == "__main__":

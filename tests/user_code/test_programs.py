@@ -771,13 +771,22 @@ def test_what_a_program_has_started_ends_with_it() -> None:
         wait_until(lambda: life(session, "/parent") is Life.ENDED)
 
 
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
+def test_a_program_has_ended_though_what_left_its_group_holds_its_output() -> None:
+    text = LEAVES.replace('"1000"]', '"20"], start_new_session=True') + "raise SystemExit(5)\n"
+    with running(written("parent.py", text)) as session:
+        wait_until(lambda: life(session, "/parent") is Life.CRASHED, deadline=10.0)
+
+
 def _nodes(session: Session) -> list[Any]:
     return list(session.context._graph.nodes)
 
 
 @pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there its programs are threads")
 def test_a_program_ends_with_a_console_that_is_killed() -> None:
-    talker()
+    file = talker()
+    starts = 'import subprocess\nchild = subprocess.Popen(["sleep", "1000"])\n'
+    file.write_text(f"{starts}open('child.txt', 'w').write(str(child.pid))\n{file.read_text()}")
     words = ["--engine", "ros2", "--only", "--run", "talker.py", "--plain", "--no-remote"]
     domain = {"ROS_DOMAIN_ID": str(chosen.next_domain())}
     console = subprocess.Popen(
@@ -790,3 +799,5 @@ def test_a_program_ends_with_a_console_that_is_killed() -> None:
         wait_until(lambda: said() == ["made"])
         console.send_signal(signal.SIGKILL)
     wait_until(lambda: said() == ["made", "interrupted", "left"])
+    child = Path("/proc", Path("child.txt").read_text(), "stat")
+    wait_until(lambda: not child.exists() or ") Z " in child.read_text())
