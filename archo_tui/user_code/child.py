@@ -16,11 +16,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any, TextIO
 
+from archo_tui.user_code.output import MAX_LENGTH
 from archo_tui.user_code.program import Callbacks, HostedProgram, Program, ProgramEnd
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
 
-_MAX_LINE = 10_000  # Characters that are read of a line at once.
 _LAST_OUTPUT = 2.0  # Seconds in which what an ended process has printed is read.
 _ANSWER_TIME = 2.0  # Seconds in which the child answers a question.
 
@@ -162,7 +162,7 @@ class ProgramChild(HostedProgram):
         """Copy a stream of the program to the output, in a thread that is named like its node."""
         last = "\n"
         with stream:
-            while line := stream.readline(_MAX_LINE):
+            while line := stream.readline(MAX_LENGTH):
                 self._output.write(last := line)
         if not last.endswith("\n"):
             self._output.write("\n")

@@ -21,6 +21,7 @@ from archo_tui.user_code.probe import restore
 from archo_tui.user_code.program import HostedProgram
 from archo_tui.user_code.programs import Programs
 
+_STUCK = "is stuck: its callback still runs"
 END_TIMEOUT = 1.5  # Seconds for all nodes when the console ends.
 _LOCK_POLL = 0.05  # Seconds between two looks whether a program that waits for the lock is to end.
 
@@ -48,7 +49,6 @@ class Host:
         self._context = context
         self._on_event, self._on_end = on_event, on_end
         self._early_stop_request, self._on_early_stop = early_stop_request, on_early_stop
-        self._on_restored = on_restored
         self.operator_values: Callable[[str], Mapping[str, Any]] = lambda _: {}
         self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
@@ -111,11 +111,8 @@ class Host:
                 return Outcome(Code.REFUSED, f"{name} is running")
             text = f"{name} started"
             if not old.stop():  # It is stuck. A crashed node ends here and releases what it holds.
-                is_over = old.abandon()
-                how = "did not return and was interrupted"
-                text += (
-                    f", the one before {how if is_over else 'is stuck: its callback still runs'}"
-                )
+                how = "did not return and was interrupted" if old.abandon() else _STUCK
+                text += f", the one before {how}"
                 self._report_ended(old)
             return self._make_and_spin(old.make_again, text, instead_of=old)
 
@@ -184,8 +181,7 @@ class Host:
         try:
             for own in [h for h in self.nodes if h.name == name and not is_stopping()]:
                 if not own.stop() and not own.abandon():
-                    text = "is replaced, and is stuck: its callback still runs"
-                    self._on_event("ERROR", name.lstrip("/"), text)
+                    self._on_event("ERROR", name.lstrip("/"), f"is replaced, and {_STUCK}")
                 self.nodes.remove(own)
                 self._report_ended(own)
         finally:
@@ -196,12 +192,7 @@ class Host:
         values = self.operator_values(hosted.name)
         if not values:
             return
-        restored, refused = restore(hosted.node, values)
-        for name, reason in refused.items():
-            text = f"{name} was not set again: {reason}"  # The value may be a secret.
-            self._on_event("WARN", hosted.name.lstrip("/"), text)
-        if restored:
-            self._on_restored(hosted.name, restored)
+        self.programs.report_restored(hosted.name, *restore(hosted.node, values))
 
     def _make_and_spin(
         self, make: Callable[[], HostedNode], text: str, instead_of: HostedNode | None = None

@@ -16,7 +16,7 @@ from archo_tui.safe_text import safe
 
 _PERIOD = 1.0  # Seconds in which each node may print _MAX_LINES lines.
 _MAX_LINES = 50
-_MAX_LENGTH = 10_000  # Characters of a line.
+MAX_LENGTH = 10_000  # Characters of a line.
 _OWNER = "owner of output"  # Of a thread's attributes.
 
 
@@ -26,6 +26,13 @@ def share_output(thread: threading.Thread, owner: threading.Thread) -> None:
     They get the owner's name, and count in its limit per period.
     """
     vars(thread)[_OWNER] = owner
+
+
+def _owner_name() -> str:
+    """Return the name of the present thread's owner, or its own."""
+    thread = threading.current_thread()
+    name: str = vars(thread).get(_OWNER, thread).name
+    return name
 
 
 @dataclass
@@ -107,10 +114,9 @@ class NodeOutput(_Output):
         Returns:
             The number of characters of `text`.
         """
-        thread = threading.current_thread()
-        if thread is threading.main_thread():
+        if threading.current_thread() is threading.main_thread():
             return self._stream.write(text)
-        name = vars(thread).get(_OWNER, thread).name
+        name = _owner_name()
         with self._lock:
             lines = self._lines(name, text)
         for line in lines:
@@ -119,19 +125,19 @@ class NodeOutput(_Output):
 
     def end_line(self) -> None:
         """End the line that the calling thread's program has begun, if any: it has ended."""
-        name = vars(threading.current_thread()).get(_OWNER, threading.current_thread()).name
+        name = _owner_name()
         if name in self._printed and self._printed[name].rest:
             self.write("\n")
 
     def _lines(self, name: str, text: str) -> list[str]:
-        """Add text of a thread, and return the complete lines to show, cut to _MAX_LENGTH.
+        """Add text of a thread, and return the complete lines to show, cut to MAX_LENGTH.
 
         Of a flood, _MAX_LINES in a period are shown; the first output after the period tells how
-        many were left out. Text without a line end is a line once it is longer than _MAX_LENGTH.
+        many were left out. Text without a line end is a line once it is longer than MAX_LENGTH.
         """
         printed = self._printed.setdefault(name, _Printed())
         *lines, printed.rest = (printed.rest + text).split("\n")
-        if len(printed.rest) > _MAX_LENGTH:
+        if len(printed.rest) > MAX_LENGTH:
             lines, printed.rest = [*lines, printed.rest], ""
         shown: list[str] = []
         now = time.monotonic()
@@ -142,4 +148,4 @@ class NodeOutput(_Output):
         room = max(_MAX_LINES - printed.lines, 0)
         printed.lines += len(lines[:room])
         printed.left_out += len(lines[room:])
-        return [*shown, *(line[:_MAX_LENGTH] for line in lines[:room])]
+        return [*shown, *(line[:MAX_LENGTH] for line in lines[:room])]

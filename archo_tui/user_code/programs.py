@@ -17,6 +17,7 @@ from archo_tui.user_code.file import ProgramFile
 from archo_tui.user_code.program import KILL_TIMEOUT, Callbacks, HostedProgram, Program
 
 _BEHIND_STOP = "is not started behind a STOP that is not released: release it first"
+_MET_STOP = "is not started: a STOP came, and was released, before it had made a node"
 _THEN_S = ", then s in Nodes starts it"
 _THEN_S_TWICE = ", then s in Nodes, twice, starts the saved text"
 _FORCED = "did not end by ctrl+c, and was ended by force"
@@ -50,7 +51,7 @@ class Programs:
             may_run=lambda: not has_stop(),
             gate=gate,
             operator_values=operator_values,
-            on_restored=self._restored,
+            on_restored=self.report_restored,
             on_event=on_event,
             on_spin=on_spin,
         )
@@ -117,9 +118,13 @@ class Programs:
         saved = "was saved, and " if was_saved else ""
         source = file if was_saved else hosted.state.name.lstrip("/")
         then = _THEN_S if hosted.state.life is Life.WAITING else _THEN_S_TWICE
-        self._on_event("WARN", source, f"{file} {saved}{_BEHIND_STOP}{then}")
+        why = _BEHIND_STOP if self._has_stop() else _MET_STOP
+        self._on_event("WARN", source, f"{file} {saved}{why}{then}")
 
-    def _restored(self, name: str, values: Mapping[str, Any], refused: Mapping[str, str]) -> None:
+    def report_restored(
+        self, name: str, values: Mapping[str, Any], refused: Mapping[str, str]
+    ) -> None:
+        """Report the parameters that a node was given again, and why it refused others."""
         for parameter, reason in refused.items():
             text = f"{parameter} was not set again: {reason}"  # The value may be a secret.
             self._on_event("WARN", name.lstrip("/"), text)
@@ -222,12 +227,12 @@ class Programs:
                 return
             if not olds:
                 lives = {h.state.life for h in self._hosted if h.file is file}
-                waits = Life.WAITING in lives
-                does = "waits for a release" if waits else "has ended"
-                if Life.STUCK in lives:
-                    does = "is stuck: its code still runs"
-                text = f"{name} was saved, and {does}: s in Nodes runs it{' again' * (not waits)}"
-                self._on_event("INFO", name, text)
+                then = "and has ended: s in Nodes runs it again"
+                if Life.WAITING in lives:
+                    then = "and waits for a release: s in Nodes runs it"
+                elif Life.STUCK in lives:
+                    then = f"and {_STUCK}; s in Nodes runs it again"
+                self._on_event("INFO", name, f"{name} was saved, {then}")
             begun = [(old.name, new) for old in olds if (new := self._replace(old)) is not None]
         for _, new in begun:
             new.wait()
