@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from archo_tui.client import connection
-from archo_tui.client.protocol import is_valid_timeout
+from archo_tui.client.protocol import GOOD, is_valid_timeout
 from archo_tui.errors import ArchoError
 
 
@@ -69,13 +69,12 @@ ERRORS: dict[str, type[NotDone]] = {
     "lost": Unreached,
     "unreached": Unreached,
 }
-_GOOD = ("done", "accepted", "arrived")
 
 
 def data_or_raise(result: Mapping[str, Any]) -> Any:
     """Return the `data` of a successful result, None without one; raise any other's error."""
     code = result["code"]
-    if code not in _GOOD:
+    if code not in GOOD:
         raise ERRORS.get(code, Refused)(code, result["text"])
     return result.get("data")
 

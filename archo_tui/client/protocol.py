@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from typing import Any
 
 PROTOCOL = 1
-LONGEST = 64 * 1024  # Bytes of a line.
 LONGEST_WAIT = 1e9  # Seconds.
 DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 # In place of an outcome's code:

@@ -208,8 +208,9 @@ class Session:
         self._is_waiting = request.get("wait") is True
         self._keeps_goals = request.get("leave") is True
         self.requester.waits = self._is_assistant or (self._is_waiting and not self._keeps_goals)
-        reading = (["wait"], ["keep"], ["echo"], ["hz"], ["look"])
-        waits = isinstance(words, list) and words[:1] in reading
+        word = words[0] if isinstance(words, list) and words else None
+        verb = self._handler.verbs.get(word) if isinstance(word, str) else None
+        waits = word in ("wait", "echo") or (verb is not None and bool(verb.started_text))
         self._calls_service = False
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
@@ -224,10 +225,7 @@ class Session:
         """Call the request off, and return True if there is one."""
         if self._task is None:
             return False
-        acts_for_itself = self.requester is not YOU  # Whose next line is as good as any.
-        if acts_for_itself and not (
-            self._is_read_only or self.requester.ends or self._is_assistant
-        ):
+        if not (self._is_read_only or self.requester.ends or self._is_assistant):
             self.requester.has_left = True  # Nothing was sent; nothing will be.
         await self.call_off()
         # Nothing takes back a request that a service has: only the waiting ends.

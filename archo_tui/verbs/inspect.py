@@ -40,10 +40,6 @@ class FollowedMessage(NamedTuple):
     data: Any  # As JSON has it; None for a person.
     left_out: int  # Messages before it that were not shown.
 
-    @property
-    def left_out_text(self) -> str:
-        return f"{self.left_out} left out" if self.left_out else ""
-
 
 class _TopicVerb(Verb):
     """The base of the verbs `echo` and `hz`, which subscribe to a topic while they run."""
