@@ -9,10 +9,11 @@ from typing import Any
 from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.launch import child_process
 from archo_tui.launch.plan import LaunchArgument, LaunchedProgram, LaunchNote, LaunchPlan
+from archo_tui.launch.stand_ins.markup import ENDINGS
 from archo_tui.launch.workspace import Workspace
 
 EVALUATION_TIME = 10.0  # Seconds that a launch file may take.
-LAUNCH_FILES = (".py", ".xml", ".launch", ".yaml", ".yml")  # The ends of their names.
+_LAUNCH_FILES = (".py", *ENDINGS)  # The ends of their names.
 _CHILD = "archo_tui.launch.evaluation"
 
 
@@ -78,7 +79,7 @@ def _evaluate_in_process(
     path = Path(given).resolve()
     if not path.is_file():
         raise LaunchFileError(f"{given}: there is no such launch file")
-    if path.suffix not in LAUNCH_FILES:
+    if path.suffix not in _LAUNCH_FILES:
         raise LaunchFileError(
             f"{given}: not the name of a launch file: NAME.launch.py, .xml, .yaml"
         )

@@ -176,6 +176,7 @@ WRONG_TEXTS = {
     "$(env NOPE a(b))": r"( is not expected: quote it, or write \(",
     "$(env NOPE 'a'b)": r"b is not expected: quote it, or write \b",
     "$(env NOPE 'ab)": "its ' is not closed",
+    "$(eval 1 $(var x))": "its modules are named by a text",
 }
 
 
@@ -251,6 +252,13 @@ def test_the_value_of_a_parameter_has_the_type_that_it_has_in_launch(launcher: L
 def test_a_mistake_is_one_line_with_its_place(launcher: Launcher) -> None:
     for text, said in WRONG.items():
         assert error_of(launcher, text) == said
+
+
+def test_a_file_that_is_too_large_says_so(launcher: Launcher) -> None:
+    for name in ("test.launch.yaml", "test.launch.xml"):
+        path = launcher.write(f"<!--{'x' * 1_100_000}--><launch/>", name)
+        with pytest.raises(LaunchFileError, match="larger than"):
+            launcher.plan(path)
 
 
 def test_the_words_of_a_command_line_are_split_as_a_shell_does(launcher: Launcher) -> None:

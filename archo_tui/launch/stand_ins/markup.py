@@ -15,6 +15,7 @@ from archo_tui.launch.stand_ins.core import InvalidLaunchFileError, Place
 from archo_tui.launch.stand_ins.values import SCALARS, parts_of
 from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.core_schema import YamlFault
 
 _YAML = yaml.constructor.SafeConstructor()  # Of YAML 1.1, by which launch reads values.
 ENDINGS = {".xml": "xml", ".launch": "xml", ".yaml": "yaml", ".yml": "yaml"}
@@ -82,15 +83,20 @@ class Element:
                 raise InvalidLaunchFileError(f"{self.tag} takes no {name}{near}", self.place)
 
     def _checked(self, name: str, value: Any, kind: Any) -> Any:
-        scalar, is_list = parts_of(kind) if kind is not None else (SCALARS, isinstance(value, list))
-        values = value if is_list and isinstance(value, list) else [value]
-        is_of_shape = isinstance(value, (list, str)) if is_list else not isinstance(value, list)
-        wanted = (*SCALARS,) if kind is None else (scalar, str)
-        if not is_of_shape or not all(isinstance(part, wanted) for part in values):
-            how = f'"{str(value).lower()}"' if kind is str else getattr(scalar, "__name__", scalar)
-            what = f"a text is wanted: {how}" if kind is str else f"{how} is wanted, not {value!r}"
-            raise InvalidLaunchFileError(f"{name} of {self.tag}: {what}", self.place)
-        return value
+        scalar, takes_list = parts_of(kind)
+        is_list = isinstance(value, list)
+        parts = value if is_list else [value]
+        wanted = SCALARS if kind is None else (scalar, str)
+        # A text may stand for a list, too.
+        is_of_shape = kind is None or is_list == takes_list or isinstance(value, str)
+        if is_of_shape and all(
+            isinstance(part, wanted) for part in (value if is_list else [value])
+        ):
+            return value
+        what = f'a text is wanted: "{str(value).lower()}"'
+        if kind is not str:
+            what = f"{'a value' if kind is None else scalar.__name__} is wanted, not {value!r}"
+        raise InvalidLaunchFileError(f"{name} of {self.tag}: {what}", self.place)
 
     def _coerced(self, name: str, text: str, kind: Any) -> Any:
         """Return a text as a value of a type, or as it is: it may have substitutions."""
@@ -155,11 +161,12 @@ class _XmlReader:
 def _read_yaml(path: str) -> Element:
     try:
         text = bounded_yaml.read(Path(path))
-        bounded_yaml.compose(text, Path(path))  # Raises for what never ends, or is no YAML.
-    except bounded_yaml.YamlError as error:
-        where, _, why = str(error).removeprefix(f"{path}:").partition(": ")
-        place = Place(path, int(where)) if where.isdigit() else Place(path, 0)
-        raise InvalidLaunchFileError(why, place) from None
+        bounded_yaml.node_of(text)  # Raises for what never ends, or is no YAML.
+    except YamlFault as fault:
+        raise InvalidLaunchFileError(fault.reason, Place(path, fault.line)) from None
+    except bounded_yaml.YamlError as error:  # It cannot be read; its text begins with the file.
+        why = str(error).removeprefix(f"{path}:").strip()
+        raise InvalidLaunchFileError(why, Place(path, 0)) from None
     node = yaml.compose(text, Loader=yaml.SafeLoader)
     if not isinstance(node, yaml.MappingNode) or len(node.value) != 1:
         raise InvalidLaunchFileError("it does not begin with launch: alone", Place(path, 1))

@@ -6,7 +6,8 @@ import re
 import shlex
 from typing import Any
 
-from archo_tui.launch.stand_ins import absent, substitutions
+from archo_tui.launch.stand_ins import substitutions
+from archo_tui.launch.stand_ins.absent import absent_class
 from archo_tui.launch.stand_ins.core import (
     Substitution,
     SubstitutionFailure,
@@ -26,28 +27,27 @@ _WORDS = {
 }
 
 
-def _absent(module: str, name: str) -> Any:
-    return absent.absent_class(module, name)
-
-
 # Each substitution by its name, with the names of its arguments; those after `|` are optional.
 _SUBSTITUTIONS: dict[str, tuple[Any, str]] = {
     "anon": (substitutions.AnonName, "name"),
     "and": (substitutions.AndSubstitution, "left right"),
-    "command": (_absent("launch.substitutions", "Command"), "command | on_stderr"),
+    "command": (absent_class("launch.substitutions", "Command"), "command | on_stderr"),
     "dirname": (substitutions.ThisLaunchFileDir, ""),
     "env": (substitutions.EnvironmentVariable, "name | default_value"),
     "equals": (substitutions.EqualsSubstitution, "left right"),
     "eval": (substitutions.PythonExpression, "expression | python_modules"),
-    "exec-in-pkg": (_absent("launch_ros.substitutions", "ExecutableInPackage"), "name package"),
+    "exec-in-pkg": (
+        absent_class("launch_ros.substitutions", "ExecutableInPackage"),
+        "name package",
+    ),
     "file-content": (substitutions.FileContent, "path"),
     "filename": (substitutions.ThisLaunchFile, ""),
-    "find-exec": (_absent("launch.substitutions", "FindExecutable"), "name"),
+    "find-exec": (absent_class("launch.substitutions", "FindExecutable"), "name"),
     "find-pkg-prefix": (substitutions.FindPackagePrefix, "package"),
     "find-pkg-share": (substitutions.FindPackageShare, "package"),
     "if": (substitutions.IfElseSubstitution, "condition if_value | else_value"),
-    "launch_log_dir": (_absent("launch.substitutions", "LaunchLogDir"), ""),
-    "log_dir": (_absent("launch.substitutions", "LaunchLogDir"), ""),
+    "launch_log_dir": (absent_class("launch.substitutions", "LaunchLogDir"), ""),
+    "log_dir": (absent_class("launch.substitutions", "LaunchLogDir"), ""),
     "not": (substitutions.NotSubstitution, "value"),
     "not-equals": (substitutions.NotEqualsSubstitution, "left right"),
     "or": (substitutions.OrSubstitution, "left right"),
@@ -146,8 +146,11 @@ class _Reader:
             raise self._failure(begin, f"it is written {wanted}")
         values: dict[str, Any] = dict(zip(names, arguments, strict=False))
         if "python_modules" in values:  # `math, os`.
-            [modules] = values["python_modules"]
-            values["python_modules"] = [part.strip() for part in modules.text.split(",")]
+            modules = values["python_modules"]
+            if not all(isinstance(part, TextSubstitution) for part in modules):
+                raise self._failure(begin, "its modules are named by a text")
+            names = "".join(part.text for part in modules).split(",") if modules else []
+            values["python_modules"] = [name.strip() for name in names]
         made: Substitution = make(**values)
         return made
 
