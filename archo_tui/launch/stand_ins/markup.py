@@ -89,9 +89,7 @@ class Element:
         wanted = SCALARS if kind is None else (scalar, str)
         # A text may stand for a list, too.
         is_of_shape = kind is None or is_list == takes_list or isinstance(value, str)
-        if is_of_shape and all(
-            isinstance(part, wanted) for part in (value if is_list else [value])
-        ):
+        if is_of_shape and all(isinstance(part, wanted) for part in parts):
             return value
         what = f'a text is wanted: "{str(value).lower()}"'
         if kind is not str:
