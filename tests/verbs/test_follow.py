@@ -12,7 +12,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, Header
 
 import archo_tui
-from archo_tui.verbs.inspect import Echo, FollowedMessage
+from archo_tui.verbs.topics import Echo, FollowedMessage
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
 from tests.support.shells import heard, raw, served, typed
