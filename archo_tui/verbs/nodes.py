@@ -209,12 +209,14 @@ class Lifecycle(Verb):
 
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot = station.robot.snapshot
-        name, managed = (
-            full_name(snapshot, values["node"], list(node_names(station, ()))),
-            _managed(snapshot),
-        )
+        managed, nodes = _managed(snapshot), [node.name for node in snapshot.nodes]
+        name = full_name(snapshot, values["node"], nodes)
         if name not in managed:
-            why = f"{name} is not a managed node" if name in nodes else f"no node {name} is on the graph"
+            why = (
+                f"{name} is not a managed node"
+                if name in nodes
+                else f"no node {name} is on the graph"
+            )
             raise ArchoError(f"{why}{nearest_node_hint(name, managed)}")
         given = {"node": name}
         if "transition" in values:

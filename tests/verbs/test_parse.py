@@ -193,7 +193,7 @@ async def test_what_is_refused_is_tried_again_until_the_robot_is_found() -> None
     clock.at(1.0, lambda: setattr(robot, "snapshot", NORMAL))
     prepared = await prepare_when_found(station, get, speed)
     assert not isinstance(prepared, Outcome)
-    assert prepared["parameter"].value == 0.8
+    assert prepared["parameter"].value == 0.5
     assert clock.passed == pytest.approx(1.0, abs=0.1)
     with pytest.raises(ArchoError, match="no parameter nosuch"):
         await prepare_when_found(station, get, {**speed, "name": "nosuch"})
