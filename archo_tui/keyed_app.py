@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import Binding
@@ -23,17 +23,9 @@ from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
-from archo_tui.terminal.stop_marks import (
-    InputTime,
-    input_of,
-    mark_input,
-    mark_stops,
-    marks_of,
-    stops_before,
-)
+from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.widgets.rows import Rows
@@ -52,8 +44,6 @@ class KeyedApp(TerminalApp):
 
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
-        Binding("tab", "beside(1)", "To the board, and on", show=False, priority=True),
-        Binding("shift+tab", "beside(-1)", "Back from the board", show=False, priority=True),
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
@@ -68,7 +58,7 @@ class KeyedApp(TerminalApp):
         self.shown_keys = readable_keys(self.keys)  # As people read them.
         self.stop_key = self.keys["stop"]
         self._bind_commands(self.registry, self.keys)
-        self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
+        self._early: list[tuple[Any, bool]] = []  # Typed before their target was there.
         self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
         self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
@@ -128,13 +118,14 @@ class KeyedApp(TerminalApp):
         raise NotImplementedError
 
     async def on_event(self, event: events.Event) -> None:
+        given: Any = event  # Textual's own class lacks the marks of stop_marks.py.
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
             return  # Only the left button acts.
         if isinstance(event, events.Key) and event.is_forwarded:
             return  # No widget took it; bindings were looked up in its turn.
         if isinstance(event, events.Key) and self.is_stop(event):
             # It comes from another driver than the terminal's.
-            mark_stops(event, self.stops.register())
+            given.stops = self.stops.register()
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
@@ -147,10 +138,10 @@ class KeyedApp(TerminalApp):
         if event.is_forwarded or not isinstance(event, kinds):
             await super().on_event(event)
             return
-        if stops_before(event) is None:  # It comes from another driver than the terminal's.
-            mark_stops(event, self.stops.count)
+        if not hasattr(event, "stops"):  # It comes from another driver than the terminal's.
+            given.stops = self.stops.count
         if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
-            mark_input(event, self._read)
+            given.read = self._read
         repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
         if self._early and self._overtakes_waiting(event):
             self._early.clear()
@@ -162,13 +153,12 @@ class KeyedApp(TerminalApp):
         else:
             await self._hand_on(event, repeated)
 
-    async def _hand_on(self, event: events.Event, repeated: bool) -> None:
+    async def _hand_on(self, event: Any, repeated: bool) -> None:
         """Handle a key or a click, unless it was meant for a dialog or a notice that has gone."""
-        stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
-        if typed and not self._works_everywhere(event):
-            is_void = stops is not None and stops < self._answers_void
-            if is_void or self._was_for_a_dialog(event):
-                return
+        typed = isinstance(event, (events.Key, events.Paste))
+        bound = typed and not self._works_everywhere(event)  # It acts only where it was typed.
+        if bound and (event.stops < self._answers_void or self._was_for_a_dialog(event)):
+            return
         if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
             return
         is_key = isinstance(event, events.Key) and not repeated
@@ -199,7 +189,7 @@ class KeyedApp(TerminalApp):
         self._shut_since = None
         self.push_screen(dialog)
 
-    def _was_for_a_dialog(self, event: events.Event) -> bool:
+    def _was_for_a_dialog(self, event: Any) -> bool:
         """Return True, with a message the first time, if a key was for a dialog just closed."""
         if self._shut_since is None:
             return False
@@ -216,10 +206,10 @@ class KeyedApp(TerminalApp):
             self.notify(said, severity="warning", markup=False)
         return True
 
-    def stop_now(self, event: events.Key) -> None:
+    def stop_now(self, event: Any) -> None:
         """Run STOP, whose key is counted already, while another key may be being handled."""
         before, self.repeated = self.repeated, self._record_input(event)
-        with self.stops.typed_at(stops_before(event)):
+        with self.stops.typed_at(event.stops):
             self.action_command("stop", counted=True)
         self.repeated = before  # Of the key that is being handled.
 
@@ -265,7 +255,7 @@ class KeyedApp(TerminalApp):
         self._pressed_gone = is_there and event.time - since < HELD
         return self._pressed_gone
 
-    def _record_input(self, event: events.Event) -> bool:
+    def _record_input(self, event: Any) -> bool:
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
         True for a key that is held down: the same as the last one, within HELD, without a STOP
@@ -275,28 +265,29 @@ class KeyedApp(TerminalApp):
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
         self._read = InputTime(event.time, event.time - self._read.at)
-        mark_input(event, self._read)
+        event.read = self._read
         # Equal unless a STOP came between them.
-        apart, self._last_stops = self._last_stops, stops_before(event)
+        apart, self._last_stops = self._last_stops, event.stops
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
         self._swallows = self._swallows and repeated
         return repeated
 
-    async def _handle(self, event: events.Event, repeated: bool) -> None:
+    async def _handle(self, event: Any, repeated: bool) -> None:
         """Pass a key or a click on to Textual; do nothing for a held key that may not repeat."""
-        self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
+        self.repeated, self.input, self._is_drawn = repeated, event.read, False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
                 return
             self._acted = self._place
         self._acting = self._widget_acting_later(event)
-        with self.stops.typed_at(stops_before(event)), marks_of(event, self):
+        self.turn = event.stops
+        with self.stops.typed_at(event.stops):
             await super().on_event(event)
         is_queued = self._acting is not None and self._acting.call_later(self._on_acted)
         self._acting = self._acting if is_queued else None
 
-    def _widget_acting_later(self, event: events.Event) -> Widget | None:
+    def _widget_acting_later(self, event: Any) -> Widget | None:
         """Return the widget that will handle an event from its own queue, after this call.
 
         None if nothing does: a field handles pastes and text at once. Whether a key is text is
@@ -360,7 +351,7 @@ class KeyedApp(TerminalApp):
             return True
         return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
 
-    def _takes(self, event: events.Event) -> bool:
+    def _takes(self, event: Any) -> bool:
         """Return True if an event can be handled now: what came before is done, its target there.
 
         While a dialog waits for an answer, or is being opened, only keys that work everywhere are
@@ -374,7 +365,7 @@ class KeyedApp(TerminalApp):
             return self._works_everywhere(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._works_everywhere(event)
 
-    def _overtakes_waiting(self, event: events.Event) -> bool:
+    def _overtakes_waiting(self, event: Any) -> bool:
         """Return True if a key acts now, before other keys that wait for an answer.
 
         Only escape and the keys that work everywhere do so, if the first of those that wait has
@@ -410,12 +401,8 @@ class KeyedApp(TerminalApp):
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
-            is_inside = field is not None or isinstance(self.focused, Board)
-            leads_out = is_inside or main.search is not None or main.is_full
+            leads_out = field is not None or main.search is not None or main.is_full
             return self.screen is main and leads_out
-        if action == "beside":
-            step = cast("int", parameters[0])
-            return self.screen is main and main.goal.next_focus(self.focused, step) is not None
         if action != "command":
             return super().check_action(action, parameters)
         command = self._find_command(str(parameters[0]))
@@ -437,23 +424,12 @@ class KeyedApp(TerminalApp):
         registry = self.registry if name == "stop" else self.front.registry
         return next((command for command in registry if command.id == name), None)
 
-    def action_beside(self, step: int) -> None:
-        """Move the focus from the goal's field to the board and on (1), or back (-1), if it can."""
-        main = self.front.main
-        beside = main.goal.next_focus(self.focused, step)
-        if isinstance(beside, Field):
-            main.goal.focus_field()
-        elif beside is not None:
-            main.set_focus(beside, scroll_visible=False)
-
     def action_leave_field(self) -> None:
-        """Leave the field, the board, the search or the full screen: the first that applies."""
+        """Leave the field, the search or the full screen: the first that applies."""
         main = self.front.main
         search = main.search
         if isinstance(self.focused, Input):
             main.focus_back()
-        elif isinstance(self.focused, Board):
-            main.goal.focus_field()
         elif search is not None:
             search.close()
         else:
