@@ -282,7 +282,7 @@ class MainScreen(Base[None]):
             height = self.size.height - _AROUND
             nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
             goal = self.goal.styles.height
-            upper = int(goal.value if goal else 0) + self.parameters.lines + _BORDER
+            upper = int(goal.value if goal else 0) + max(self.parameters.lines, 3) + _BORDER
             if self._is_large:
                 upper = min(upper, height - _MIN_HISTORY - _MIN_EVENTS)
                 events = max(min(height // 3, height - upper - _MIN_HISTORY), _MIN_EVENTS)

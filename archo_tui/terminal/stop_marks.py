@@ -1,4 +1,4 @@
-"""The marks of an input: when it was read, and how many STOPs before it.
+"""The marks of an input: the time at which it was read, and the count of STOPs before it.
 
 They are attributes of the message of a key, paste or click. Whatever follows from an input happens
 in its turn, and so the app knows its marks by then.
@@ -26,7 +26,7 @@ class StopKeyOwner(Protocol):
 
 
 class InputTime(NamedTuple):
-    """When an input was read."""
+    """The time at which an input was read."""
 
     at: float  # s, on the clock of `Message.time`
     pause: float  # s since the input before

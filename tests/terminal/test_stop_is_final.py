@@ -85,7 +85,7 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
 
 
 @pytest.mark.parametrize("typed", ["g12\r\t\x18", "g12\t\r\x18"])  # By enter, and by Go.
-def test_a_goal_that_was_sent_by_field_or_button_before_a_stop_does_not_drive(
+def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
     typed: str, terminals: list[Terminal]
 ) -> None:
     terminal = Terminal(*SLOW)
