@@ -491,6 +491,16 @@ def test_an_executor_of_ones_own_asks_for_what_is_ready(ros: Ros) -> None:
     executor.shutdown()
 
 
+def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
+    executor = SingleThreadedExecutor(context=ros.context)
+    node = ros.node()
+    executor.add_node(node)
+    node.create_timer(0.01, None)  # type: ignore[arg-type]
+    with pytest.raises((UnboundLocalError, TypeError)):  # By the release.
+        executor.spin_once(5.0)
+    executor.shutdown()
+
+
 def test_a_group_knows_its_own(ros: Ros) -> None:
     node = ros.node()
     group = MutuallyExclusiveCallbackGroup()

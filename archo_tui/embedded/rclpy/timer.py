@@ -46,7 +46,7 @@ class Timer(TimedEntity):
         super().__init__(node, callback_group)
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
-        self.callback: Callable[..., Any] = callback
+        self.callback: Callable[..., Any] | None = callback
         self._asked_of: object = None  # The callback that was last inspected for such an argument.
         self._wanted = ""
         self._clock = clock
@@ -170,6 +170,8 @@ class Timer(TimedEntity):
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
         """Return the callback, with a TimerInfo if one of its arguments is annotated so."""
+        if self.callback is None:  # As `self.tick()` gives; rclpy fails by its own variable's name.
+            raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
             self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
         if not self._wanted:
