@@ -170,8 +170,12 @@ class Robot(Parts):
 
     def start(self) -> None:
         """Start the ROS thread: poll the graph at once, and receive messages from now on."""
-        self.thread.submit(self._poller.poll)
+        self.look_at_graph()
         self.thread.start()
+
+    def look_at_graph(self) -> None:
+        """Poll the graph at once, since nodes have just been made here. Any thread."""
+        self.thread.submit(self._poller.poll)
 
     def subscribe(self, receiver: Receiver) -> None:
         """Call a function with the newest snapshot now, and with each later one on this loop.
