@@ -115,7 +115,6 @@ LEFT_OUT = {
     ),
     "rclpy.experimental": "EventsExecutor",
     "rclpy.guard_condition": "GuardCondition",
-    "rclpy.parameter": "get_parameter_value parameter_dict_from_yaml_file",
     "rclpy.parameter_event_handler": "ParameterEventHandler",
     "rclpy.qos": "QoSCompatibility qos_check_compatible",
     "rclpy.qos_overriding_options": "QoSOverridingOptions QoSPolicyKind QosCallbackResult",

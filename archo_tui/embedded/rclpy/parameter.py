@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Sequence
 from enum import IntEnum
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import yaml
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
+
+from archo_tui.embedded.parameter_files import read
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -115,6 +121,58 @@ class Parameter(Generic[AllowableParameterValueT]):
         kind = Parameter.Type(message.value.type)
         unset = kind == Parameter.Type.NOT_SET
         return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
+
+
+def get_parameter_value(string_value: str) -> ParameterValue:
+    """Return the value that a text means on a command line: read as YAML, else a string.
+
+    A null, a list of mixed types and a text that is not YAML are taken as strings.
+    """
+    try:
+        value = yaml.safe_load(string_value)
+    except yaml.parser.ParserError:
+        value = string_value
+    kind = Parameter.Type.BOOL_ARRAY
+    if value != []:
+        try:
+            kind = Parameter.Type.from_parameter_value(value)
+        except TypeError:
+            value = string_value if isinstance(value, list) else value
+            kind = Parameter.Type.STRING
+    if kind in (Parameter.Type.NOT_SET, Parameter.Type.STRING):
+        text = string_value if value is None else value
+        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=text)
+    return Parameter("value", kind, value).get_parameter_value()
+
+
+def parameter_dict_from_yaml_file(
+    parameter_file: str,
+    use_wildcard: bool = False,
+    target_nodes: Sequence[str] | None = None,
+    namespace: str = "",
+) -> dict[str, ParameterMsg]:
+    """Return the parameters that a file sets, as messages by name.
+
+    If one parameter is set several times, values for single nodes win against those for all nodes,
+    and values for a later node of `target_nodes` against those for an earlier one.
+    """
+    patterns = ["/**"] if use_wildcard else []
+    for node in filter(None, target_nodes or ()):
+        full = node if node.startswith("/") else f"/{node}"
+        patterns += [full] if "/" in full[1:] else [full, full[1:]]
+    try:
+        overrides = read(Path(parameter_file))
+    except YamlError as error:
+        raise RuntimeError(f"Param file does not contain any valid parameters: {error}") from None
+    found: dict[str, ParameterMsg] = {}
+    for pattern in patterns:
+        for override in overrides:
+            if override.pattern == pattern:
+                name = namespace + override.name
+                found[name] = Parameter(name, value=override.value).to_parameter_msg()
+    if not found:
+        raise RuntimeError("Param file does not contain any valid parameters")
+    return found
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
