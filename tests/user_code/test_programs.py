@@ -508,11 +508,9 @@ def test_a_stop_reaches_the_first_program_while_a_slow_one_is_still_waited_for(
     stopped = MOTOR.replace(
         "response.success", 'open("stopped", "w").close()\n        response.success'
     )
-    stopped = stopped.replace(
-        "rclpy.spin(Motor())", 'node = Motor()\nopen("up", "w").close()\nrclpy.spin(node)'
-    )
     motor = written("motor.py", stopped)
-    slow = written("slow.py", WAITS + TALKER.replace("{word}", "made"))
+    waits = 'open("waiting", "w").close()\n' + WAITS
+    slow = written("slow.py", waits + TALKER.replace("{word}", "made"))
     begun: list[Session] = []
 
     def operate() -> None:
@@ -522,7 +520,7 @@ def test_a_stop_reaches_the_first_program_while_a_slow_one_is_still_waited_for(
     starting = threading.Thread(target=operate)
     starting.start()
     try:
-        wait_until(Path("up").exists)
+        wait_until(Path("waiting").exists)
         with reached(sockets.socket_paths()[0]) as console:
             console.send(b'{"id": 1, "words": ["stop"]}\n')
         wait_until(Path("stopped").exists)
