@@ -86,7 +86,8 @@ async def test_what_its_file_does_not_allow_is_not_sent() -> None:
         assert op.app.view.snapshot.goal is None
 
 
-async def test_stop_halts_it_and_its_release_asks() -> None:
+async def test_stop_halts_it_and_its_release_asks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tests.robots.tug.STEP", 0.1)  # It is still on its way when STOP comes.
     async with tug() as (op, made):
         await op.press("g", "3", "enter")
         await op.until("m left of")
