@@ -68,7 +68,6 @@ class Session:
     unrecorded = ""  # After `close`: why the last recording was not written, or "".
     restart = Handover()  # What the frontend leaves to the next process.
     _server: Server | None = None
-    _is_open = False
     _stdout: TextIO | None = None  # The standard output before `_output` took its place.
     _output: NodeOutput | None = None
     _listening: tuple[int, str] | None = None  # The socket that was kept for the next process.
@@ -114,7 +113,8 @@ class Session:
             self._shares = self._package_shares()
             if self._programs:  # One may drive before the next has begun.
                 self._open()
-                threading.Thread(target=self._send_early_stops, daemon=True).start()
+                name = "early STOPs"
+                threading.Thread(target=self._send_early_stops, name=name, daemon=True).start()
             self._host_nodes()
         except BaseException as error:
             self._undo_init()
@@ -128,7 +128,6 @@ class Session:
 
     def _open(self) -> None:
         """Start the client and the socket."""
-        self._is_open = True
         self.robot.start()
         if self._server is not None:
             self._server.start()
@@ -539,7 +538,7 @@ class Session:
             hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
         }
         self._early_events = None
-        if self._is_open:
+        if self._programs:  # It was opened before they began.
             self.robot.look_at_graph()
         else:
             self._open()

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -22,7 +23,12 @@ from rclpy.exceptions import (
     ParameterUninitializedException,
 )
 from rclpy.node import Node
-from rclpy.parameter import Parameter
+from rclpy.parameter import (
+    Parameter,
+    get_parameter_value,
+    parameter_dict_from_yaml_file,
+    parameter_value_to_python,
+)
 from rclpy.parameter_client import AsyncParameterClient
 
 from tests.support.ros import Ros
@@ -280,6 +286,79 @@ def test_an_error_of_a_value_ends_by_the_parameters_name(ros: Ros) -> None:
         node.declare_parameter("word", "x")
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("true", True),
+        ("yes", True),
+        ("1", 1),
+        ("0x10", 16),
+        ("1_000", 1000),
+        ("1.5", 1.5),
+        (".inf", float("inf")),
+        ("1e3", "1e3"),  # as PyYAML has it, other than rcl
+        ("abc", "abc"),
+        ("", ""),
+        ("null", "null"),
+        ("[1, 2]", [1, 2]),
+        ("[1.0, 2]", "[1.0, 2]"),
+        ("[a, b]", ["a", "b"]),
+        ("[]", []),
+        ('"5"', "5"),
+        ("!!str 5", "5"),
+    ],
+)
+def test_a_text_is_a_value_as_on_a_command_line(text: str, value: Any) -> None:
+    assert parameter_value_to_python(get_parameter_value(text)) == value
+
+
+FILE = """\
+/one:
+  ros__parameters:
+    gain: 1
+    sub: {x: 2}
+/**:
+  ros__parameters:
+    gain: 5
+    all: 6
+/space:
+  two:
+    ros__parameters:
+      gain: 7
+"""
+
+
+@pytest.mark.parametrize(
+    ("nodes", "wild", "values"),
+    [
+        (["one"], True, {"gain": 1, "sub.x": 2, "all": 6}),
+        (["no"], True, {"gain": 5, "all": 6}),
+        (["/space/two"], False, {"gain": 7}),
+        (["/one", "no"], False, {"gain": 1, "sub.x": 2}),
+        (None, True, {"gain": 5, "all": 6}),
+    ],
+)
+def test_a_file_holds_parameters_for_nodes_and_for_all(
+    nodes: list[str] | None, wild: bool, values: dict[str, Any], tmp_path: Path
+) -> None:
+    assert _read(tmp_path, wild, nodes) == values
+
+
+def test_a_file_holds_parameters_for_a_node_by_its_whole_name(tmp_path: Path) -> None:
+    assert _read(tmp_path, False, ["/one"]) == {"gain": 1, "sub.x": 2}
+    for nodes in (None, ["no"]):
+        with pytest.raises(RuntimeError):
+            _read(tmp_path, False, nodes)
+
+
+def _read(folder: Path, wild: bool, nodes: list[str] | None) -> dict[str, Any]:
+    """The values that FILE has for nodes, with or without those for all."""
+    file = folder / "params.yaml"
+    file.write_text(FILE)
+    found = parameter_dict_from_yaml_file(str(file), wild, nodes)
+    return {name: parameter_value_to_python(p.value) for name, p in found.items()}
+
+
 def test_a_call_for_parameters_tells_its_callback(ros: Ros) -> None:
     ros.spun("holder").declare_parameter("gain", 3)
     client = AsyncParameterClient(ros.spun("asker"), "holder")
@@ -310,6 +389,16 @@ def test_what_every_callback_before_a_change_returns_is_set(ros: Ros) -> None:
     assert "cannot be empty" in other.set_parameters([Parameter("a", value=2)])[0].reason
 
 
+def test_a_callback_that_cannot_be_called_is_refused(ros: Ros) -> None:
+    node = ros.node()
+    for add in (
+        node.add_on_set_parameters_callback,
+        node.add_post_set_parameters_callback,
+    ):
+        with pytest.raises(TypeError, match="callable"):
+            add(None)  # type: ignore[arg-type]
+
+
 def test_parameters_are_listed_by_prefix_and_depth(ros: Ros) -> None:
     node = ros.node(start_parameter_services=False)
     for name in ("x", "a.b", "a.b.c", "a.b.c.d"):
@@ -327,6 +416,14 @@ def test_names_are_given_as_a_list_to_another_nodes_client(ros: Ros) -> None:
     for ask in asks:
         with pytest.raises(AssertionError, match="each value of type 'str'"):
             ask("ab")
+
+
+@pytest.mark.parametrize(
+    ("text", "error"), [("a: b: c", yaml.YAMLError), ("{a: 1}", AssertionError)]
+)
+def test_a_text_that_is_no_value_is_refused(text: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        get_parameter_value(text)
 
 
 def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> None:

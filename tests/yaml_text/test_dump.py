@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 import yaml
+from rclpy.parameter import get_parameter_value
 
+from archo_tui.robot.graph.parameter_values import as_python
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.text import flat_fields
 from archo_tui.robot.messages.typed import default_text, parse_field
@@ -106,7 +108,7 @@ def test_the_copied_command_sets_the_parameter_to_the_same_value(kind: str) -> N
         words = shlex.split(command)
         assert words[:5] == ["ros2", "param", "set", "/node", "name"]
         assert words[5][0] != "-"  # which would be an option
-        got = yaml.safe_load(words[5])  # As `ros2 param set` does.
+        got = as_python(get_parameter_value(words[5]))
         assert type(got) is type(value)
         assert told(got) == told(value)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.msg import (
     ListParametersResult,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rclpy.clock import Clock
     from rclpy.publisher import Publisher
 
+CallbackT = TypeVar("CallbackT")
 Parameters = list[Parameter[Any]]
 _NOT_SET = Parameter.Type.NOT_SET
 
@@ -214,11 +215,11 @@ class NodeParameters:
         self, callback: Callable[[Parameters], SetParametersResult]
     ) -> None:
         """Add a callback that may refuse parameters, also when they are declared."""
-        self._on_set.insert(0, callback)
+        self._on_set.insert(0, _checked_callback(callback))
 
     def add_post_set_parameters_callback(self, callback: Callable[[Parameters], None]) -> None:
         """Add a callback that gets the list of parameters after they are set or declared."""
-        self._post_set.insert(0, callback)
+        self._post_set.insert(0, _checked_callback(callback))
 
     def remove_pre_set_parameters_callback(self, callback: Any) -> None:
         """Remove a callback of `add_pre_set_...`; raise ValueError if it is not there."""
@@ -289,6 +290,12 @@ class NodeParameters:
                     **{f"{kind}_parameters": messages for kind, messages in event.items()},
                 )
             )
+
+
+def _checked_callback(callback: CallbackT) -> CallbackT:
+    if not callable(callback):  # As for `add_...(self.check())`, where `self.check` is meant.
+        raise TypeError(f"Callback must be callable, got {type(callback)}")
+    return callback
 
 
 def _check_are_parameters(parameters: Sequence[Any]) -> None:
