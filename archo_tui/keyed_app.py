@@ -23,7 +23,14 @@ from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
-from archo_tui.terminal.stop_marks import InputTime
+from archo_tui.terminal.stop_marks import (
+    InputTime,
+    input_of,
+    mark_input,
+    mark_stops,
+    marks_of,
+    stops_before,
+)
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
 from archo_tui.widgets.field import Field
@@ -58,7 +65,7 @@ class KeyedApp(TerminalApp):
         self.shown_keys = readable_keys(self.keys)  # As people read them.
         self.stop_key = self.keys["stop"]
         self._bind_commands(self.registry, self.keys)
-        self._early: list[tuple[Any, bool]] = []  # Typed before their target was there.
+        self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
         self._opening = 0  # The number of dialogs that are being opened.
         self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
         self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
@@ -118,14 +125,13 @@ class KeyedApp(TerminalApp):
         raise NotImplementedError
 
     async def on_event(self, event: events.Event) -> None:
-        given: Any = event  # Textual's own class lacks the marks of stop_marks.py.
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
             return  # Only the left button acts.
         if isinstance(event, events.Key) and event.is_forwarded:
             return  # No widget took it; bindings were looked up in its turn.
         if isinstance(event, events.Key) and self.is_stop(event):
             # It comes from another driver than the terminal's.
-            given.stops = self.stops.register()
+            mark_stops(event, self.stops.register())
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
@@ -138,10 +144,10 @@ class KeyedApp(TerminalApp):
         if event.is_forwarded or not isinstance(event, kinds):
             await super().on_event(event)
             return
-        if not hasattr(event, "stops"):  # It comes from another driver than the terminal's.
-            given.stops = self.stops.count
+        if stops_before(event) is None:  # It comes from another driver than the terminal's.
+            mark_stops(event, self.stops.count)
         if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
-            given.read = self._read
+            mark_input(event, self._read)
         repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
         if self._early and self._overtakes_waiting(event):
             self._early.clear()
@@ -153,12 +159,13 @@ class KeyedApp(TerminalApp):
         else:
             await self._hand_on(event, repeated)
 
-    async def _hand_on(self, event: Any, repeated: bool) -> None:
+    async def _hand_on(self, event: events.Event, repeated: bool) -> None:
         """Handle a key or a click, unless it was meant for a dialog or a notice that has gone."""
-        typed = isinstance(event, (events.Key, events.Paste))
-        bound = typed and not self._works_everywhere(event)  # It acts only where it was typed.
-        if bound and (event.stops < self._answers_void or self._was_for_a_dialog(event)):
-            return
+        stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
+        if typed and not self._works_everywhere(event):
+            is_void = stops is not None and stops < self._answers_void
+            if is_void or self._was_for_a_dialog(event):
+                return
         if isinstance(event, events.MouseEvent) and self._is_for_gone_notice(event):
             return
         is_key = isinstance(event, events.Key) and not repeated
@@ -189,7 +196,7 @@ class KeyedApp(TerminalApp):
         self._shut_since = None
         self.push_screen(dialog)
 
-    def _was_for_a_dialog(self, event: Any) -> bool:
+    def _was_for_a_dialog(self, event: events.Event) -> bool:
         """Return True, with a message the first time, if a key was for a dialog just closed."""
         if self._shut_since is None:
             return False
@@ -206,10 +213,10 @@ class KeyedApp(TerminalApp):
             self.notify(said, severity="warning", markup=False)
         return True
 
-    def stop_now(self, event: Any) -> None:
+    def stop_now(self, event: events.Key) -> None:
         """Run STOP, whose key is counted already, while another key may be being handled."""
         before, self.repeated = self.repeated, self._record_input(event)
-        with self.stops.typed_at(event.stops):
+        with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # Of the key that is being handled.
 
@@ -255,7 +262,7 @@ class KeyedApp(TerminalApp):
         self._pressed_gone = is_there and event.time - since < HELD
         return self._pressed_gone
 
-    def _record_input(self, event: Any) -> bool:
+    def _record_input(self, event: events.Event) -> bool:
         """Note when a key, paste or press was read, and which STOPs came before it; mark the event.
 
         True for a key that is held down: the same as the last one, within HELD, without a STOP
@@ -265,29 +272,28 @@ class KeyedApp(TerminalApp):
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
         self._read = InputTime(event.time, event.time - self._read.at)
-        event.read = self._read
+        mark_input(event, self._read)
         # Equal unless a STOP came between them.
-        apart, self._last_stops = self._last_stops, event.stops
+        apart, self._last_stops = self._last_stops, stops_before(event)
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
         self._swallows = self._swallows and repeated
         return repeated
 
-    async def _handle(self, event: Any, repeated: bool) -> None:
+    async def _handle(self, event: events.Event, repeated: bool) -> None:
         """Pass a key or a click on to Textual; do nothing for a held key that may not repeat."""
-        self.repeated, self.input, self._is_drawn = repeated, event.read, False
+        self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
                 return
             self._acted = self._place
         self._acting = self._widget_acting_later(event)
-        self.turn = event.stops
-        with self.stops.typed_at(event.stops):
+        with self.stops.typed_at(stops_before(event)), marks_of(event, self):
             await super().on_event(event)
         is_queued = self._acting is not None and self._acting.call_later(self._on_acted)
         self._acting = self._acting if is_queued else None
 
-    def _widget_acting_later(self, event: Any) -> Widget | None:
+    def _widget_acting_later(self, event: events.Event) -> Widget | None:
         """Return the widget that will handle an event from its own queue, after this call.
 
         None if nothing does: a field handles pastes and text at once. Whether a key is text is
@@ -351,7 +357,7 @@ class KeyedApp(TerminalApp):
             return True
         return isinstance(self.screen, Dismissable) and self.screen.is_dismissed
 
-    def _takes(self, event: Any) -> bool:
+    def _takes(self, event: events.Event) -> bool:
         """Return True if an event can be handled now: what came before is done, its target there.
 
         While a dialog waits for an answer, or is being opened, only keys that work everywhere are
@@ -365,7 +371,7 @@ class KeyedApp(TerminalApp):
             return self._works_everywhere(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._works_everywhere(event)
 
-    def _overtakes_waiting(self, event: Any) -> bool:
+    def _overtakes_waiting(self, event: events.Event) -> bool:
         """Return True if a key acts now, before other keys that wait for an answer.
 
         Only escape and the keys that work everywhere do so, if the first of those that wait has

@@ -33,6 +33,7 @@ from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notification import desktop_notification
+from archo_tui.terminal.stop_marks import stops_before
 from archo_tui.terminal.styles_cache import share_colour_cache
 from archo_tui.terminal.themes import (
     HIGH_CONTRAST,
@@ -92,7 +93,6 @@ class TerminalApp(App[None]):
         self.failure = ""  # The traceback that ended this screen.
         self.stop_key = ""  # Textual's name of the key.
         self.settings_before: Sequence[Any] | None = None  # For the end; None: those of the start.
-        self.turn: int | None = None  # STOPs read before the input that is being handled.
         self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
@@ -146,8 +146,8 @@ class TerminalApp(App[None]):
         self._stop_context = contextvars.copy_context()
 
     def _carry_stops(self, message: Message) -> None:
-        """Set, for a message's handlers, how many STOPs had been read before the present input."""
-        self.stops.set_typed_at(self.turn)
+        """Set, for a message's handlers, how many STOPs had been read when its cause was typed."""
+        self.stops.set_typed_at(stops_before(message))
 
     @property
     def stops(self) -> Stops:

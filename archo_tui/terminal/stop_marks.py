@@ -1,15 +1,18 @@
-"""The marks of an input: the time at which it was read, and the count of STOPs before it.
+"""Marks on messages that carry the count of STOPs (robot/stop/gate.py) through Textual.
 
-They are attributes of the message of a key, paste or click. Whatever follows from an input happens
-in its turn, and so the app knows its marks by then.
+A key becomes a message of its field, that a message of the panel, and that a call of the app, each
+in a queue and a task of its own. Textual passes on the types that `prevent` names from a message to
+all that follow from it; the marks are put among them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, Protocol
+from contextlib import AbstractContextManager
+from typing import NamedTuple, Protocol, cast
 
 from textual.message import Message
+from textual.message_pump import MessagePump
 
 from archo_tui.robot.stop.gate import Stops
 
@@ -25,8 +28,27 @@ class StopKeyOwner(Protocol):
         """The counter of STOPs that were read."""
 
 
+class StopMark(NamedTuple):
+    """A mark on a message: how many STOPs had been read before its input, its own included."""
+
+    stops: int
+
+
+def mark_stops(message: Message, stops: int) -> None:
+    """Mark a message, and all messages that follow from it, as read after so many STOPs."""
+    message._prevent.add(cast("type[Message]", StopMark(stops)))
+
+
+def stops_before(message: Message) -> int | None:
+    """Return the lowest count of STOPs in a message's marks; None if nobody typed its cause."""
+    if not message._prevent:  # True of most messages.
+        return None
+    found: set[object] = {*message._prevent}
+    return min((mark.stops for mark in found if isinstance(mark, StopMark)), default=None)
+
+
 class InputTime(NamedTuple):
-    """The time at which an input was read."""
+    """A mark on a message: when the input was read that the message results from."""
 
     at: float  # s, on the clock of `Message.time`
     pause: float  # s since the input before
@@ -37,8 +59,24 @@ def now() -> float:
     return Message().time
 
 
+def mark_input(message: Message, read: InputTime) -> None:
+    """Mark a message, and all messages that follow from it, as the result of an input."""
+    message._prevent.add(cast("type[Message]", read))
+
+
+def marks_of(message: Message, pump: MessagePump) -> AbstractContextManager[None]:
+    """Return a context in which messages that `pump` posts get the marks of another message."""
+    return pump.prevent(*message._prevent)
+
+
+def input_of(message: Message) -> InputTime | None:
+    """Return the input that a message results from, or None if it has no such mark."""
+    found: set[object] = {*message._prevent}
+    return next((mark for mark in found if isinstance(mark, InputTime)), None)
+
+
 def dispatch(
-    messages: Iterable[Any],  # Textual's messages have no attribute `stops`.
+    messages: Iterable[Message],
     app: StopKeyOwner,
     stop: Callable[[Message], object],
     other: Callable[[Message], object],
@@ -46,11 +84,11 @@ def dispatch(
     """Mark messages that were read together with the count of STOPs, and pass STOPs on first."""
     others = []
     for message in messages:
-        is_stop = app.is_stop(message)
-        message.stops = app.stops.register() if is_stop else app.stops.count
-        if is_stop:
+        if app.is_stop(message):
+            mark_stops(message, app.stops.register())
             stop(message)
         else:
+            mark_stops(message, app.stops.count)
             others.append(message)
     for message in others:
         other(message)

@@ -13,7 +13,7 @@ from textual.widgets import Button
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.stop_marks import dispatch
+from archo_tui.terminal.stop_marks import dispatch, mark_stops
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console, key_event
@@ -244,7 +244,7 @@ async def test_a_key_from_before_a_stop_is_dropped_however_late_it_comes() -> No
         clock.later = 60.0  # So slow a machine: what was typed for the dialog comes now.
         for stops in (0, 1):
             key = key_event("question_mark")  # It is no command to the robot, which the gate holds.
-            key.stops = stops  # type: ignore[attr-defined]
+            mark_stops(key, stops)
             screen.app.post_message(key)
             await Quiet(screen.app).settle()
             assert (screen.app.screen is screen.app.main) == (stops == 0)

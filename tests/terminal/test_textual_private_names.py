@@ -46,6 +46,7 @@ KNOWN = {
     "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",
     "terminal/styles_cache.py": "_styles_cache",
+    "terminal/stop_marks.py": "_prevent",
     "widgets/button.py": "_start_active_affect",
     "widgets/field.py": "_forward_event _watch_value",
     "widgets/rows.py": "_refresh_scrollbars",
