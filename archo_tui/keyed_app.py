@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from textual import events
 from textual.binding import Binding
@@ -33,7 +33,6 @@ from archo_tui.terminal.stop_marks import (
 )
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Verb
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.widgets.rows import Rows
@@ -52,8 +51,6 @@ class KeyedApp(TerminalApp):
 
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
-        Binding("tab", "beside(1)", "To the board, and on", show=False, priority=True),
-        Binding("shift+tab", "beside(-1)", "Back from the board", show=False, priority=True),
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
@@ -410,12 +407,8 @@ class KeyedApp(TerminalApp):
         main = self.front.main
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
-            is_inside = field is not None or isinstance(self.focused, Board)
-            leads_out = is_inside or main.search is not None or main.is_full
+            leads_out = field is not None or main.search is not None or main.is_full
             return self.screen is main and leads_out
-        if action == "beside":
-            step = cast("int", parameters[0])
-            return self.screen is main and main.goal.next_focus(self.focused, step) is not None
         if action != "command":
             return super().check_action(action, parameters)
         command = self._find_command(str(parameters[0]))
@@ -437,23 +430,12 @@ class KeyedApp(TerminalApp):
         registry = self.registry if name == "stop" else self.front.registry
         return next((command for command in registry if command.id == name), None)
 
-    def action_beside(self, step: int) -> None:
-        """Move the focus from the goal's field to the board and on (1), or back (-1), if it can."""
-        main = self.front.main
-        beside = main.goal.next_focus(self.focused, step)
-        if isinstance(beside, Field):
-            main.goal.focus_field()
-        elif beside is not None:
-            main.set_focus(beside, scroll_visible=False)
-
     def action_leave_field(self) -> None:
-        """Leave the field, the board, the search or the full screen: the first that applies."""
+        """Leave the field, the search or the full screen: the first that applies."""
         main = self.front.main
         search = main.search
         if isinstance(self.focused, Input):
             main.focus_back()
-        elif isinstance(self.focused, Board):
-            main.goal.focus_field()
         elif search is not None:
             search.close()
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 import io
 import os
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 _EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
 END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
 _LEAST = 0.2  # Seconds of these that a recording gets in any case.
+_POLL = 0.02  # Seconds between two looks for a STOP before the frontend comes.
 
 
 class Session:
@@ -71,12 +73,13 @@ class Session:
     _listening: tuple[int, str] | None = None  # The socket that was kept for the next process.
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
-        """Activate the engine, read the user's files, and construct the nodes; `start` starts them.
+        """Activate the engine, run the user's programs, and make ARCHO's own nodes.
 
         ArchoError if something that the user can mend is wrong; nothing runs then.
         """
         check_options(options)
         self._early_events: list[LaunchNote] | None = []  # Until `start`.
+        self._has_started = threading.Event()
         self._noted: set[str] = set()  # Nodes of the user whose defaults were told.
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default_path())
@@ -108,6 +111,10 @@ class Session:
                 self._resume(options.handover)
             self._programs = self._user_programs()
             self._shares = self._package_shares()
+            if self._programs:  # One may drive before the next has begun.
+                self._open()
+                name = "early STOPs"
+                threading.Thread(target=self._send_early_stops, name=name, daemon=True).start()
             self._host_nodes()
         except BaseException as error:
             self._undo_init()
@@ -118,6 +125,20 @@ class Session:
         self._watch = FileWatcher(
             self._watched_files(interfaces), partial(self.robot.note, "ERROR", "console")
         )
+
+    def _open(self) -> None:
+        """Start the client and the socket."""
+        self.robot.start()
+        if self._server is not None:
+            self._server.start()
+
+    def _send_early_stops(self) -> None:
+        """Send each STOP that is read before `start`; the frontend sends it again, and replies."""
+        sent = self.robot.stops.answered
+        while not self._has_started.wait(_POLL):
+            if self.robot.stops.count > sent:
+                sent = self.robot.stops.count
+                asyncio.run(self.robot.emergency_stop())
 
     def _stop_gate(self) -> Callable[[], bool]:
         """Return what is true once a STOP was read, here or elsewhere, after this call."""
@@ -331,6 +352,7 @@ class Session:
 
     def _undo_init(self) -> None:
         """End what the constructor has begun so far, before it raises."""
+        self._has_started.set()
         if self._server is not None:
             self._server.close()
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
@@ -511,17 +533,19 @@ class Session:
         return message
 
     def start(self) -> None:
-        """Start the client, the hosted nodes, the watch of the user's files, and the socket."""
+        """Start the client, ARCHO's own nodes, the watch of the user's files, and the socket."""
         declared = {
             hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
         }
         self._early_events = None
-        self.robot.start()
+        if self._programs:  # It was opened before they began.
+            self.robot.look_at_graph()
+        else:
+            self._open()
         self._look_for_earlier_stop()
         self.host.start()
         self._watch.start()
-        if self._server is not None:
-            self._server.start()
+        self._has_started.set()
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
         for note in self._launch_file.notes if self._launch_file is not None else ():

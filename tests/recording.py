@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from archo_tui import engine
 from tests.support import chosen
 
 if TYPE_CHECKING:
@@ -137,6 +138,7 @@ def _inside(picture: str, colours: dict[str, str]) -> str:
 def at_home(home: str) -> None:
     """A user who has just installed it, in a terminal of any colour."""
     chosen.ENGINE = "embedded"
+    engine.activate("embedded", hosting=True)
     os.environ |= {"HOME": home, "XDG_STATE_HOME": home, "XDG_CONFIG_HOME": home}
     os.environ |= {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
 

@@ -86,6 +86,7 @@ class Robot(Parts):
         )
         steady = self.timer_clock = RosClock(clock_type=ClockType.STEADY_TIME)
         send_soon = lambda: self.snapshots.send_soon()  # noqa: E731
+        submit = lambda work: self.thread.submit(work)  # noqa: E731
         self.snapshots = SnapshotSender(node, steady, self._build_snapshot)
         self.services = Services(node, clock)
         self.services.on_answered = partial(updates.on_answered, self)
@@ -100,7 +101,7 @@ class Robot(Parts):
             *(self.reporter.warn, partial(updates.on_stamp, self), file.record),
         )
         self.parameters = Parameters(
-            *(node, clock, self.services, send_soon),
+            *(node, clock, self.services, submit, send_soon),
             *(partial(updates.on_new_value, self), partial(updates.on_parameter_event, self)),
         )
         self.goals = Goals(
@@ -121,7 +122,6 @@ class Robot(Parts):
             lambda: self.thread,
             lambda: self.unended_nodes(),
         )
-        submit = lambda work: self.thread.submit(work)  # noqa: E731
         self.lifecycles = Lifecycles(node, clock, self.services, submit, send_soon)
         self._poller = Poller(self)
         node.listen_quietly(Log, "/rosout", partial(updates.on_log, self), 1000)
@@ -170,8 +170,12 @@ class Robot(Parts):
 
     def start(self) -> None:
         """Start the ROS thread: poll the graph at once, and receive messages from now on."""
-        self.thread.submit(self._poller.poll)
+        self.look_at_graph()
         self.thread.start()
+
+    def look_at_graph(self) -> None:
+        """Poll the graph at once, since nodes have just been made here. Any thread."""
+        self.thread.submit(self._poller.poll)
 
     def subscribe(self, receiver: Receiver) -> None:
         """Call a function with the newest snapshot now, and with each later one on this loop.

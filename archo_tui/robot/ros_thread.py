@@ -50,7 +50,8 @@ class RosThread:
         self._thread.start()
 
     def _spin(self) -> None:
-        while not self._stopping and self._context.ok():
+        # What was submitted before the end still begins.
+        while (self._waiting or not self._stopping) and self._context.ok():
             try:
                 self.executor.spin_once()
             except ExternalShutdownException:

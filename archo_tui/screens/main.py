@@ -22,7 +22,6 @@ from archo_tui.terminal.compositor import LayoutOnly
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.field import Field
@@ -42,7 +41,7 @@ from archo_tui.widgets.search import Search
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
-_LARGE = 40  # Rows above which the plots of the history grow.
+_LARGE_WIDTH, _LARGE_HEIGHT = 110, 44  # Cells from which on the history has a row of its own.
 _CLOCK = 9  # Cells of the time of day.
 _AROUND = 3  # Rows of header, banner and footer.
 _BORDER = 2  # Rows of a panel's border.
@@ -85,7 +84,7 @@ class MainScreen(Base[None]):
 
     _focused_before: Widget | None = None  # Before a panel was focused by its number.
     _focused_last: Widget | None = None
-    _heights: tuple[int | None, int | None] = None, None  # Rows of the nodes; of the upper panels.
+    _heights: tuple[int | None, str] = None, ""  # Rows of the nodes; of the grid.
     _is_panel_chosen = False  # Until one is, a small terminal shows the first panels.
 
     def __init__(
@@ -104,7 +103,7 @@ class MainScreen(Base[None]):
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
-        self.goal, self.parameters = GoalPanel(snapshot, size), ParametersPanel()
+        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.goal.on_typed = self._on_goal_typed
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
@@ -264,44 +263,52 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
-        """Return True if a panel is shown here; History and Graph are only in three columns."""
-        return panel not in (self.history, self.graph) or self._is_wide
+        """Return True if a panel is shown here; History and Graph need a large screen."""
+        return panel not in (self.history, self.graph) or self._is_wide or self._is_large
 
     @property
     def _is_wide(self) -> bool:
         return self.size.width >= _WIDE and self.size.height >= _TALL
 
+    @property
+    def _is_large(self) -> bool:
+        return self.size.width >= _LARGE_WIDTH and self.size.height >= _LARGE_HEIGHT
+
     def _fit(self) -> None:
-        """Set the heights of the panels for three columns, by the length of their lists."""
-        nodes, upper = None, None  # In fewer columns, the style sheet sets the heights.
-        if self._is_wide and not self.is_full:
+        """Set the heights of the panels on a large screen, by the length of their lists."""
+        self.set_class(self._is_large, "-large")
+        nodes, rows = None, ""  # On a smaller one, the style sheet sets the heights.
+        if (self._is_wide or self._is_large) and not self.is_full:
             height = self.size.height - _AROUND
             nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
             goal = self.goal.styles.height
-            wanted = int(goal.value if goal else 0) + self.parameters.lines + _BORDER
-            if self.size.height > _LARGE:  # The plots grow, events keep a third.
-                wanted = height
-            upper = min(max(wanted, _MIN_HISTORY), height - max(_MIN_EVENTS, height // 3))
-        if (nodes, upper) != self._heights:
-            self._heights = nodes, upper
-            self.nodes.styles.height = nodes
-            if upper is None:
-                self._grid.styles.clear_rule("grid_rows")
+            upper = int(goal.value if goal else 0) + max(self.parameters.lines, 3) + _BORDER
+            if self._is_large:
+                upper = min(upper, height - _MIN_HISTORY - _MIN_EVENTS)
+                events = max(min(height // 3, height - upper - _MIN_HISTORY), _MIN_EVENTS)
+                rows = f"{upper} 1fr {events}"
             else:
-                self._grid.styles.grid_rows = f"{upper} 1fr"
+                upper = min(max(upper, _MIN_HISTORY), height - max(_MIN_EVENTS, height // 3))
+                rows = f"{upper} 1fr"
+        if (nodes, rows) != self._heights:
+            self._heights = nodes, rows
+            self.nodes.styles.height = nodes
+            if rows:
+                self._grid.styles.grid_rows = rows
+            else:
+                self._grid.styles.clear_rule("grid_rows")
 
     def focus_panel(self, number: int) -> None:
         """Focus a panel by its number, and scroll to it; without room, it fills the screen.
 
-        The widget that had the focus, unless it is the board, is remembered for `focus_back`.
+        The widget that had the focus is remembered for `focus_back`.
         """
         if not self.has_class(f"-full-{number}"):
             self._show_all()
             if not self._has_room(self._panels[number]):
                 self.toggle_full(self._panels[number])
                 return
-        if not isinstance(self.focused, Board):  # Escape leads from the board to the field.
-            self._focused_before = self.focused
+        self._focused_before = self.focused
         self._is_panel_chosen = True
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)

@@ -25,7 +25,7 @@ _TABLE = str.maketrans(
         **{chr(_BRAILLE + dots): _braille_in_ascii(dots) for dots in range(256)},
         **dict.fromkeys("╭╮╰╯┌┐└┘├┤┬┴┼", "+"),
         **dict.fromkeys("┏┓┗┛█▇▉▊▋▍", "#"),
-        **dict.fromkeys("─╌╍┄▔▃▄", "-"),
+        **dict.fromkeys("─╌╍┄▔▃▄▀", "-"),
         **dict.fromkeys("━▅▆", "="),
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from traceback import StackSummary, extract_stack
+from traceback import StackSummary, walk_stack
 
 
 class Interrupted(BaseException):
@@ -23,6 +23,13 @@ def raise_in(thread: threading.Thread, error: type[BaseException] = Interrupted)
 
 
 def stack_of(thread: threading.Thread) -> StackSummary:
-    """Return the stack of a thread as it is now; an empty one if the thread has ended."""
+    """Return the stack of a thread as it is now; an empty one if the thread has ended.
+
+    The text of a line is read only once it is asked for.
+    """
     frame = sys._current_frames().get(thread.ident or 0)
-    return extract_stack(frame) if frame is not None else StackSummary()
+    # Of no frame, walk_stack walks the caller's.
+    walk = walk_stack(frame) if frame is not None else iter(())
+    stack = StackSummary.extract(walk, lookup_lines=False)
+    stack.reverse()
+    return stack

@@ -132,9 +132,9 @@ class HostedProgram(ABC):
         self._is_gate_shut = self.callbacks.gate()
         self._thread.start()
 
-    def wait(self) -> None:
-        """Wait until the program waits for others or has ended, at most START_TIME."""
-        end = time.monotonic() + START_TIME
+    def wait(self, seconds: float | None = None) -> None:
+        """Wait until the program waits for others or has ended, by default START_TIME at most."""
+        end = time.monotonic() + (START_TIME if seconds is None else seconds)
         while not (self.is_over or time.monotonic() > end or self.is_at_rest()):
             time.sleep(_POLL)
 

@@ -58,6 +58,9 @@ class _Process(_process.Process):
         self.threads: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
         self.awaited: weakref.WeakSet[threading.Thread] = weakref.WeakSet()  # As non-daemons.
         self.pools: weakref.WeakSet[ThreadPoolExecutor] = weakref.WeakSet()
+        # Held while a thread starts another one: until that runs, CPython before 3.12 knows it by
+        # its starter's number, and what is raised in the starter ends the new thread unseen.
+        self.starting = threading.Lock()
         self._spins = SpinWatch(self.file.code)
 
     def use_as_main(self, module: ModuleType) -> None:
@@ -209,8 +212,14 @@ class ProgramThread(HostedProgram):
         end = time.monotonic() + _OWN_END
         for thread in self._other_threads():
             thread.join(max(end - time.monotonic(), 0.0))
-        for thread in self._other_threads():
-            raise_in(thread)
+        self._raise_in(self._other_threads())
+
+    def _raise_in(
+        self, threads: Iterable[threading.Thread], error: type[BaseException] = Interrupted
+    ) -> None:
+        with self._process.starting:
+            for thread in threads:
+                raise_in(thread, error)
 
     def _leave_graph(self) -> None:
         """Destroy the program's nodes and shut down its contexts, as the end of a process does.
@@ -263,7 +272,7 @@ class ProgramThread(HostedProgram):
         return Probe(self.file.code, self._process.living_nodes, lambda: threads).answer(request)
 
     def interrupt(self) -> None:
-        raise_in(self._thread, KeyboardInterrupt)
+        self._raise_in((self._thread,), KeyboardInterrupt)
         for context in self._process.contexts():  # As rclpy does when it gets the signal.
             with contextlib.suppress(Exception):
                 context.try_shutdown()
@@ -274,8 +283,7 @@ class ProgramThread(HostedProgram):
     def force_end(self) -> None:
         if self._thread.is_alive():
             self._leave_graph()
-            for thread in (*self._other_threads(), self._thread):
-                raise_in(thread)
+            self._raise_in((*self._other_threads(), self._thread))
 
 
 def _adopt(thread: threading.Thread, process: _Process) -> None:
@@ -296,15 +304,18 @@ def install() -> Callable[[], None]:
 
     def start_in_program(self: threading.Thread) -> None:
         process = _process.current()
-        if isinstance(process, _Process):
-            _adopt(self, process)
-            share_output(self, process.main_thread)
-            if self.name.startswith("ThreadPoolExecutor"):  # As an executor of threads has one.
-                self.name = process.main_thread.name
-            if not self.daemon:
-                process.awaited.add(self)
-                self.daemon = True  # The end of the console waits for none.
-        start(self)
+        if not isinstance(process, _Process):
+            start(self)
+            return
+        _adopt(self, process)
+        share_output(self, process.main_thread)
+        if self.name.startswith("ThreadPoolExecutor"):  # As an executor of threads has one.
+            self.name = process.main_thread.name
+        if not self.daemon:
+            process.awaited.add(self)
+            self.daemon = True  # The end of the console waits for none.
+        with process.starting:
+            start(self)
 
     def make_pool_in_program(self: ThreadPoolExecutor, *args: Any, **options: Any) -> None:
         make_pool(self, *args, **options)

@@ -109,11 +109,6 @@ class Field(Input, inherit_css=False):
         self.value = text
         self.cursor_position = len(text)
 
-    def choose(self, word: str) -> None:
-        """Append a word and a blank to the text, with a blank before the word if needed."""
-        apart = " " if self.value[-1:].strip() else ""
-        self.fill(f"{self.value}{apart}{word} ")
-
     def _paste(self, text: str) -> None:
         odd = next((char for char in text.strip() if not self._is_for(char)), "")
         why = f"it contains {odd!r}" if odd else ""

@@ -7,7 +7,6 @@ from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
-from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -16,24 +15,14 @@ from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import WATCHING
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
-from archo_tui.widgets.journey import ROWS, Journey
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.words import board as boards
+from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.words.state import BAD
-
-_MIN_WIDTH, _MIN_HEIGHT = 150, 40  # Of a terminal with room for the board.
-_JOURNEY_WIDTH, _JOURNEY_HEIGHT = 80, 34  # Of one with room for the rows of the journey.
-_OTHER_ROWS, _MIN_BOARD_ROWS = 28, 4  # Rows of everything else; of the board at least.
-_MIN_EVENT_ROWS = 10  # The events' share of those; in three columns they have a third.
-_IN_FIELD = ("go", "go"), ("cancel", "cancel")
-_ON_BOARD = _IN_FIELD[1:]  # On the board enter types, and sends nothing.
-_BASE_HEIGHT = 6  # Of the panel without the board, its border included.
 
 
 class _InvalidTextError(ValueError):
@@ -45,11 +34,12 @@ class _InvalidTextError(ValueError):
 
 
 class GoalPanel(Panel):
-    """The panel with the form, the progress, the goal's state, the board, and the goals before."""
+    """The panel with the form, the progress, the goal's state, and the goals before."""
 
     number, title_text = 3, "Goal"
+    keys = ("go", "go"), ("cancel", "cancel")
     other_keys = {"go": "enter"}
-    _watching = _is_read_only = False
+    _watching = False
     _shows_hint = _shows_refusal = False  # Of the robot.
 
     # Called with the values of each goal by dotted path, in the order of sending, and the typed
@@ -57,12 +47,14 @@ class GoalPanel(Panel):
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
     on_typed: Callable[[], object]  # Called after the text of a field has changed.
 
-    def __init__(self, snapshot: Snapshot, size: Size) -> None:
+    def __init__(self, snapshot: Snapshot) -> None:
         self._snapshot = snapshot
         self._kind = snapshot.file.goals[0] if snapshot.file.goals else None
         if self._kind is not None:
             self.title_text = self._kind.title
         super().__init__()
+        if self._kind is not None and self._kind.remaining is not None:
+            self.add_class("-way")  # The bar has three rows where there is room.
         form = {} if self._kind is None else self._kind.form
         self._message_fields = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
         self.fields = [  # Empty without a goal, or if its type is not installed.
@@ -88,17 +80,8 @@ class GoalPanel(Panel):
         # The goals that the arrows recall, the oldest first: a text for each field.
         self.typed: list[list[str]] = []
         self._typed_index, self._unsent = 0, [""] * len(self.fields)
-        self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
-        self._journey = Journey()
-        self._is_large = False  # True if there is room for the journey in place of the bar.
+        self._hint, self._bar = Line(id="goal-hint"), TextLines(id="goal-bar")
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
-        self.board = Board(self._on_number_chosen, self._on_board_focus)
-        self._board_inputs: object = None  # What the board was last made of.
-        self._has_board = False  # True if the robot's limits are known.
-        self._height: int | None = None
-        # Before the first layout, so that there need be no second one.
-        self._fit_journey(size)
-        self._set_height(0)
 
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
@@ -109,10 +92,9 @@ class GoalPanel(Panel):
             if not self._has_several_fields:
                 yield self._hint
         yield self._bar
-        yield self._journey
         if self._has_several_fields:
             yield self._hint
-        yield from (self._line, self.board, self._history)
+        yield from (self._line, self._history)
 
     @property
     def _has_several_fields(self) -> bool:
@@ -125,117 +107,24 @@ class GoalPanel(Panel):
     def show(self, view: ScreenState) -> None:
         snapshot, self._watching = view.snapshot, view.watching
         self._snapshot = snapshot
-        self._fit_journey(self.app.size)
-        width = self.size.width
-        self._show_board(view, width)
-        self.keys = _ON_BOARD if self.board.has_focus else _IN_FIELD
-        self.show_keys(view, *self._board_hint)
-        follows = () if view.held or not self._is_large else view.waiting
-        if self._is_large:
-            self._journey.show(snapshot, view.now, width, follows)
-        else:
-            self._bar.show_spans(goal_strip(snapshot.goal, width))
+        width, rows = self._bar.size
+        self.show_keys(view)
+        self._bar.show(goal_strip(snapshot.goal, width, rows))
         go = view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
-        line = goal_line(snapshot, view.now, ask, width, says_time_left=not self._is_large)
+        line = goal_line(snapshot, view.now, ask, width)
         self._line.show_spans(line)
         ways = ("continue", "skip")
         keys = "   ".join(f"{view.key(name)} {name}" for name in ways if view.key(name))
-        waiting = () if follows else view.waiting
-        before = goal_history(snapshot.history, width, waiting, view.held, keys)
+        before = goal_history(snapshot.history, width, view.waiting, view.held, keys)
         self._history.show_spans(before)
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
 
-    def _show_board(self, view: ScreenState, width: int) -> None:
-        snapshot, kind, size = view.snapshot, self._kind, self.app.size
-        goal = None if snapshot.goal is None else (snapshot.goal.number, snapshot.goal.phase)
-        limits = snapshot.namespace, snapshot.parameters, snapshot.forms
-        board_inputs = limits, goal, snapshot.history, view.queue, width, size
-        if board_inputs != self._board_inputs:  # Readings and feedback do not matter to it.
-            self._board_inputs = board_inputs
-            numbers = None if kind is None else boards.selectable_numbers(snapshot, kind)
-            self._has_board = numbers is not None and width > 0
-            if kind is not None and numbers is not None and width > 0:
-                events = (
-                    max(size.height // 3 - _MIN_EVENT_ROWS, 0) if size.width >= _MIN_WIDTH else 0
-                )
-                others = _OTHER_ROWS + events + self._journey_rows
-                rows = max(size.height - others, _MIN_BOARD_ROWS)
-                marks = boards.marks(snapshot, kind, view.queue)
-                self.board.show(boards.fit_grid(numbers, width, rows), marks)
-        self._size_board()
-
-    def _size_board(self) -> None:
-        """Show the board if it has room or the focus, else hide it, and set the panel's height."""
-        size, is_focused = self.app.size, self.board is self.screen.focused
-        if is_focused and not self._has_board:  # The limits are no longer known.
-            self.focus_field()
-        has_room = size.width >= _MIN_WIDTH or size.height >= _MIN_HEIGHT
-        seen = self._has_board and (has_room or is_focused)
-        self.board.display = seen
-        self._set_height(self.board.rows if seen else 0)
-
-    def _fit_journey(self, size: Size) -> None:
-        """Show the journey in place of the bar if there is room and feedback tells the way left."""
-        kind = self._kind
-        has_room = size.width >= _JOURNEY_WIDTH and size.height >= _JOURNEY_HEIGHT
-        self._is_large = has_room and kind is not None and kind.remaining is not None
-        self._bar.display, self._journey.display = not self._is_large, self._is_large
-
-    @property
-    def _journey_rows(self) -> int:
-        return ROWS - 1 if self._is_large else 0
-
-    def _set_height(self, board_rows: int) -> None:
-        more = board_rows + self._journey_rows
-        base = _BASE_HEIGHT - self._is_read_only  # It has no row for the form.
-        height = base + more if more else None
-        if height != self._height:  # Setting it, even to None, lays out the screen.
-            self._height = self.styles.height = height
-
-    @property
-    def _board_hint(self) -> tuple[str, str]:
-        """Return a word and its key for the border, such as `("board", "tab")`, or "" and ""."""
-        if self.board.has_focus:
-            return "takes it into the field", "enter"
-        folded = self._has_board and not self.board.display and not self.can_focus
-        return ("board", "tab") if folded else ("", "")
-
-    def _on_board_focus(self) -> None:
-        """Show or hide the board for its new focus, and have the panel shown again."""
-        self._size_board()
-        self.post_message(self.Outdated(self))
-        if self.board.has_focus:  # In a tiny terminal the board may be out of sight.
-            self.call_after_refresh(self.scroll_visible, animate=False)
-
     def make_read_only(self) -> None:
-        """Hide the form and disable the board, for a replay; the panel can have focus itself."""
-        self.can_focus, self.board.can_focus, self.board.disabled = True, False, True
-        self._is_read_only = True
-        self._set_height(0)
-
-    def _on_number_chosen(self, number: int) -> None:
-        """Append a number from the board to the first field, and focus it; enter there sends it."""
-        self.focus_field()
-        self.fields[0].choose(str(number))
-
-    def focus_field(self) -> None:
-        """Focus the first field without selecting its text, so that typing goes on."""
-        self.screen.set_focus(self.fields[0], scroll_visible=False, from_app_focus=True)
-
-    def next_focus(self, widget: Widget | None, step: int) -> Widget | None:
-        """Return the neighbour (tab: 1, shift+tab: -1) among first field, board and Go button.
-
-        None if there is none, or the limits of the numbers are unknown or the panel is read-only.
-        """
-        if not self._has_board or self.can_focus:
-            return None
-        order = (self.fields[0], self.board, self._go)
-        places = {widget_in_order: place for place, widget_in_order in enumerate(order)}
-        place = places.get(widget, -9) + step if widget is not None else -9
-        return order[place] if 0 <= place < len(order) else None
+        """Give the panel itself the focus, for a replay, which hides the form."""
+        self.can_focus = True
 
     @property
     def first_field(self) -> Field | None:

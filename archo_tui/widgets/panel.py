@@ -56,21 +56,19 @@ class Panel(Container, QuietFocus):
         """Update the panel; only what has changed is redrawn. A subclass must define it."""
         raise NotImplementedError
 
-    def show_keys(self, view: ScreenState, before: str = "", key_before: str = "") -> None:
+    def show_keys(self, view: ScreenState, before: str = "") -> None:
         """Write the keys on the lower border, as many as fit; a click on one runs its command.
 
         Commands without a key are left out, and STOP in a replay. `before` is a word in front of
         them.
         """
         room, is_full = self.size.width - 4, self.screen.has_class("-full")
-        words = room, is_full, before, key_before, self.keys
+        words = room, is_full, before, self.keys
         inputs = words, view.keys, view.blocked, view.replay
         if inputs == self._keys_inputs:
             return
         self._keys_inputs = inputs
         parts = [Content(before)] if before else []
-        if key_before:
-            parts = [Content.assemble((key_before, "bold"), f" {before}")]
         if is_full:  # The key to leave comes first, so that it always fits.
             back = Content.assemble(("esc", "bold"), " back")
             parts.append(back.stylize(click("leave_field()")))

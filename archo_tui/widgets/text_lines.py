@@ -18,8 +18,8 @@ class TextLines(LineWidget):
 
     DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
         self._lines: Sequence[Spans] = ()
 
     def show(self, lines: Sequence[Spans]) -> None:

@@ -33,8 +33,6 @@ def goal_line(
     now: float,  # monotonic, s
     ask: str,  # How a goal is given, said while there is none.
     width: int | None = None,  # Where the details have no column of their own; None: unlimited.
-    *,
-    says_time_left: bool = True,  # False where the rows of the journey say it.
 ) -> Spans:
     """Return the state of the last goal in a line, which may be wider than `width`."""
     goal = snapshot.goal
@@ -47,7 +45,7 @@ def goal_line(
             f"waiting for the robot ... {seconds_text(now - goal.sent)}",
         ),
         Phase.REFUSED: (BAD, "✗ REFUSED", f"at {time_of_day(goal.time)}: {goal.message}"),
-        Phase.MOVING: (STRONG, running_word(goal), _progress(goal, now, says_time_left)),
+        Phase.MOVING: (STRONG, running_word(goal), _progress(goal, now)),
         Phase.CANCELLING: (
             STRONG,
             "CANCELLING" if goal.mine else running_word(goal),
@@ -73,7 +71,7 @@ def goal_line(
     }
     tone, word, rest = texts[goal.phase]
     is_estimated = goal.seconds_left(now) is not None and time_left_text(goal, now)
-    if says_time_left and goal.phase == Phase.MOVING and is_estimated:
+    if goal.phase == Phase.MOVING and is_estimated:
         longer = f"{rest} {time_factor_text(snapshot)}".rstrip()
         # A factor that is cut would be another number; in full it stands beside the speed.
         rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
@@ -87,18 +85,26 @@ def goal_line(
     return (word, tone), (f"   {rest}", PLAIN)
 
 
-def goal_strip(goal: Goal | None, width: int) -> Spans:
-    """Return `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`, or an empty bar."""
+def goal_strip(goal: Goal | None, width: int, rows: int = 1) -> list[Spans]:
+    """Return `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`, or an empty bar, in 1 or 3 rows."""
     length = known_length(goal)
     if goal is None or length is None:
-        return (("─" * max(width - 8, 4), EDGE), ("     -- ", OLD))
+        return _in_rows((("─" * max(width - 8, 4), EDGE), ("     -- ", OLD)), (), (), rows)
     fraction = goal.fraction()
     before, behind = _strip_ends(goal, length) if width >= _WIDE_STRIP else ("", "")
     room = max(width - 8 - len(before) - len(behind), 4)
     done = min(int(fraction * room), room - 1)
-    tone = ACTIVE if goal.is_running else PLAIN
-    way = ("━" * done + "▶", tone), ("─" * (room - done - 1), EDGE)
-    return (before, OLD), *way, (behind, OLD), (f"  {100 * fraction:3.0f} %", PLAIN)
+    is_thick = rows >= 3
+    tone = ACTIVE if goal.is_running else OLD if is_thick else PLAIN
+    driven = "█" if is_thick else "━"
+    way = (driven * done + "▶", tone), ("─" * (room - done - 1), EDGE)
+    line = (before, OLD), *way, (behind, OLD), (f"  {100 * fraction:3.0f} %", PLAIN)
+    blanks = (" " * len(before), PLAIN)
+    return _in_rows(line, (blanks, ("▄" * done, tone)), (blanks, ("▀" * done, tone)), rows)
+
+
+def _in_rows(line: Spans, above: Spans, below: Spans, rows: int) -> list[Spans]:
+    return [above, line, below] if rows >= 3 else [line]
 
 
 def known_length(goal: Goal | None) -> float | None:
@@ -197,10 +203,9 @@ def _unit_suffix(goal: Goal) -> str:
     return f" {unit}" if unit else ""
 
 
-def _progress(goal: Goal, now: float, says_time_left: bool) -> str:
+def _progress(goal: Goal, now: float) -> str:
     """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`."""
-    time_left = time_left_text(goal, now) if says_time_left else ""
-    time_left = f", {time_left}" if time_left else ""
+    time_left = f", {text}" if (text := time_left_text(goal, now)) else ""
     unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
         return f"? {goal.unreadable}{unit} left   {so_far}"

@@ -224,8 +224,11 @@ def test_behind_a_stop_nothing_moves_until_a_later_release(
     walk = Rounds(tmp_path, seed, screen=screen)
     try:
         walk.ready()
-        for number in range(rounds):
+        for number in range(10 * rounds):
             walk.round(number)
-        assert walk.trace.moves, "nothing that a STOP could have missed"
+            # On a busy machine many a STOP comes before the goal has moved.
+            if number >= rounds - 1 and walk.trace.moves > rounds:
+                break
+        assert walk.trace.moves > rounds
     finally:
         walk.close()

@@ -56,7 +56,7 @@ KEYS = {
     },
     "in Graph": {"enter": "resource"},
     "KeyedApp": {
-        "escape": "leave_field", "tab": "beside(1)", "shift+tab": "beside(-1)",
+        "escape": "leave_field",
     },
     "AlarmList": {
         "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",

@@ -41,7 +41,7 @@ async def test_numbers_and_tab_walk_through_the_panels() -> None:
         for _ in range(10):
             seen.append(op.focused_panel)
             await op.press("tab")
-        assert seen == [1, 2, 2, 2, 3, 3, 3, 3, 4, 5]  # field, board, Go, Cancel
+        assert seen == [1, 2, 2, 2, 3, 3, 3, 4, 5, 6]  # field, Go, Cancel
 
 
 async def test_escape_leads_out_of_a_field_to_where_the_focus_was() -> None:

@@ -425,20 +425,6 @@ def test_two_handles_of_a_goal_are_equal_and_none_is_a_key(ros: Ros) -> None:
     robot.end("succeed")
 
 
-def test_behind_with_an_action_is_still_there_and_it_is_destroyed_once(ros: Ros) -> None:
-    node = ros.node()
-    server = ActionServer(node, MoveToShelf, "move", lambda goal: None)
-    client = ActionClient(node, MoveToShelf, "move")
-    with server as nothing, client as nothing_either:
-        assert nothing is None
-        assert nothing_either is None
-    assert client.wait_for_server(10.0)
-    for one in (server, client):
-        one.destroy()
-        with pytest.raises(ValueError, match="x not in list"):
-            one.destroy()
-
-
 def test_the_result_of_a_goal_that_was_refused_is_unknown(ros: Ros) -> None:
     robot = Robot(ros, goal_callback=lambda _: GoalResponse.REJECT)
     assert robot.client.send_goal(MoveToShelf.Goal()).status == GoalStatus.STATUS_UNKNOWN

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import pytest
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.qos import (
@@ -100,26 +99,3 @@ def test_a_subscription_that_asks_for_more_is_told_for_which_policy(ros: Ros) ->
     ros.spin(node)
     wait_until(lambda: len(told) == len(cases))
     assert [told[f"topic_{n}"] for n in range(len(cases))] == [policy for policy, *_ in cases]
-
-
-@pytest.mark.parametrize(
-    ("given", "publisher", "subscription"),
-    [
-        ({}, 2, 2),
-        ({"use_default_callbacks": False}, 0, 0),
-        ({"matched": print, "incompatible_qos": print}, 3, 3),
-        ({"matched": print, "use_default_callbacks": False}, 1, 1),
-    ],
-)
-def test_an_endpoint_has_a_handler_for_each_callback_and_two_by_default(
-    ros: Ros, given: dict[str, Any], publisher: int, subscription: int
-) -> None:
-    node = ros.node()
-    published = node.create_publisher(
-        String, "words", 10, event_callbacks=PublisherEventCallbacks(**given)
-    )
-    heard = node.create_subscription(
-        String, "words", lambda _: None, 10, event_callbacks=SubscriptionEventCallbacks(**given)
-    )
-    assert len(published.event_handlers) == publisher
-    assert len(heard.event_handlers) == subscription

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import pytest
@@ -204,28 +203,17 @@ def test_a_bad_argument_is_an_error_of_init(words: list[str]) -> None:
         Ros(words)
 
 
-BAD_NAMES = {  # and what ROS says against it
-    "": "must not be empty string",
-    "with space": "must not contain characters other than",
-    "1st": "token must not start with a number",
-    "end/": "must not end with a forward slash",
-    "a~b": "must not have tilde '~' unless it is the first character",
-    "a{b": "must not have unmatched (unbalanced) curly braces",
-    "a{x}": "unknown substitution: {x}",
-}
-
-
-@pytest.mark.parametrize("name", BAD_NAMES)
+@pytest.mark.parametrize("name", ["", "with space", "1st", "end/", "a~b", "a{b", "a{x}"])
 def test_an_invalid_name_is_an_error_of_its_kind_wherever_it_is_given(name: str, ros: Ros) -> None:
-    node, said = ros.node(), re.escape(BAD_NAMES[name])
+    node = ros.node()
     for count in (node.count_publishers, node.count_subscribers, node.count_services):
-        with pytest.raises(ValueError, match=said):
+        with pytest.raises(ValueError):
             count(name)
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError):
         node.get_publishers_info_by_topic(name)
-    with pytest.raises(RCLError, match=said):
+    with pytest.raises(RCLError):
         node.resolve_topic_name(name)
-    with pytest.raises(RCLError, match=said):
+    with pytest.raises(RCLError):
         node.resolve_service_name(name)
     with pytest.raises(TypeError):
         node.count_publishers(3)  # type: ignore[arg-type]
@@ -241,9 +229,6 @@ def test_a_context_is_used_once_and_asked_while_it_is() -> None:
     context = Context()
     with pytest.raises(RuntimeError):
         context.get_domain_id()
-    with pytest.raises(UnicodeEncodeError):
-        context.init(["Ragnar\udcc3"])
-    context = Context()
     told: list[str] = []
     context.init([])
     context.on_shutdown(lambda: told.append("a function too"))

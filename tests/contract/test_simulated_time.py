@@ -159,7 +159,6 @@ def test_what_has_passed_of_a_period_is_left_when_simulated_time_ends(
     "wrong",
     [
         lambda _: Clock(clock_type=3),  # type: ignore[arg-type]
-        lambda clock: clock.set_ros_time_override("noon"),
     ],
 )
 def test_what_is_no_clock_and_no_time_is_refused(
@@ -182,4 +181,4 @@ def test_something_besides_a_bool_is_refused(ros: Ros) -> None:
     node: Node = ros.node()
     result = node.set_parameters([Parameter("use_sim_time", value=3)])[0]
     assert not result.successful
-    assert not node.get_clock().ros_time_is_active  # type: ignore[attr-defined]
+    assert not node.get_clock().ros_time_is_active

@@ -5,15 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-import rclpy
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
-from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
-from rclpy.signals import SignalHandlerOptions
-from rclpy.subscription import Subscription
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Float32MultiArray, Header, Int32
 from std_srvs.srv import Trigger
@@ -39,11 +35,11 @@ def made(ros: Ros) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("what", "names"),
     [
-        ("publisher", ("topic_name", "handle", "logger_name")),
-        ("subscription", ("topic_name", "handle", "logger_name")),
-        ("service", ("service_name", "handle", "logger_name")),
-        ("client", ("service_name", "handle", "logger_name")),
-        ("timer", ("clock", "handle")),
+        ("publisher", ("topic_name", "logger_name")),
+        ("subscription", ("topic_name", "logger_name")),
+        ("service", ("service_name", "logger_name")),
+        ("client", ("service_name", "logger_name")),
+        ("timer", ("clock",)),
     ],
 )
 def test_what_the_graph_knows_is_read_only(
@@ -96,14 +92,6 @@ def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
     assert called == ["then", "late"]
 
 
-def test_a_context_has_a_handle_from_init_on() -> None:
-    context = Context()
-    assert context.handle is None
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
-    assert context.handle is not None
-    context.try_shutdown()
-
-
 def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() -> None:
     assert remove_ros_args(["x", "--ros-args", "-r", "a:=b", "--", "y"]) == ["x", "y"]
     with pytest.raises(RuntimeError, match="--bad"):
@@ -134,11 +122,3 @@ def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
     assert node.describe_parameter(DESCRIBES_TYPES).read_only
     said: Parameter[bool] = Parameter(DESCRIBES_TYPES, value=False)
     assert "read-only" in node.set_parameters([said])[0].reason
-
-
-def test_a_subscription_says_what_its_callback_is_given(ros: Ros) -> None:
-    node = ros.node()
-    kinds = Subscription.CallbackType
-    one = node.create_subscription(Int32, "a", lambda message: None, 10)
-    both = node.create_subscription(Int32, "a", lambda message, info: None, 10)
-    assert (one._callback_type, both._callback_type) == (kinds.MessageOnly, kinds.WithMessageInfo)

@@ -271,3 +271,40 @@ def test_the_words_of_a_command_line_are_split_as_a_shell_does(launcher: Launche
         node = f'<node pkg="my_robot" exec="talker" args="{args}"/>'
         text = f'<launch><arg name="x" default="v"/>{node}</launch>'
         assert list(plan_of(launcher, text).programs[0].arguments) == words
+
+
+@pytest.mark.parametrize("ending", ["xml", "yaml"])
+def test_files_that_include_each_other_without_end_are_named(
+    launcher: Launcher, ending: str
+) -> None:
+    def including(name: str) -> str:
+        file = f"$(dirname)/{name}.launch.{ending}"
+        if ending == "yaml":
+            return f"launch:\n- include: {{file: {file}}}\n"
+        return f'<launch>\n<include file="{file}"/>\n</launch>'
+
+    for name, other in (("one", "two"), ("two", "one")):
+        path = launcher.write(including(other), f"{name}.launch.{ending}")
+    with pytest.raises(LaunchFileError) as caught:
+        launcher.plan(path)
+    circle = f"one.launch.{ending} > two.launch.{ending} > one.launch.{ending}"
+    assert str(caught.value) == (
+        f"{path}:2: these launch files include each other without end: {circle}"
+    )
+
+
+def test_a_file_may_include_itself_while_a_condition_holds(launcher: Launcher) -> None:
+    path = launcher.write(
+        """\
+        <launch>
+          <arg name="count" default="3"/>
+          <node pkg="my_robot" exec="talker" name="talker_$(var count)"/>
+          <include file="$(filename)" if="$(eval '$(var count) &gt; 1')">
+            <arg name="count" value="$(eval '$(var count) - 1')"/>
+          </include>
+        </launch>
+        """,
+        "self.launch.xml",
+    )
+    names = [program.name for program in launcher.plan(path).programs]
+    assert names == ["talker_3", "talker_2", "talker_1"]

@@ -12,7 +12,6 @@ from textual.widgets import Button
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.palette_choices import palette_choices
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.time_line import TimeLine
 from tests.replay.recorded import Watcher, replay, written
@@ -77,7 +76,7 @@ async def test_it_cannot_be_mistaken_for_the_robot(drive: Path) -> None:
         assert f"REPLAY {begin:%Y-%m-%d %H:%M:%S}" in watcher.text
         assert not [one for one in watcher.app.main.query(Button) if one.region]
         assert not [one for one in watcher.app.main.query(Field) if one.region]
-        for word in ("  Go  ", "Cancel", "STOP ", "r reset", "^x stop", "c charge", "tab board"):
+        for word in ("  Go  ", "Cancel", "STOP ", "r reset", "^x stop", "c charge"):
             assert word not in watcher.text
         await watcher.press("ctrl+x")
         assert "REPLAY: nothing was stopped" in watcher.text
@@ -179,17 +178,6 @@ async def test_each_panel_is_reached_by_its_number(drive: Path) -> None:
                 await watcher.press(command.key)
                 await watcher.press("escape")
         assert watcher.app.is_running
-
-
-async def test_the_board_shows_and_takes_nothing(drive: Path) -> None:
-    async with replay(drive, (160, 48)) as watcher:
-        await watcher.press("n")
-        board = watcher.app.main.query_one(Board)
-        click(watcher.app, board.region.x + 3, board.region.y)
-        await watcher.settle()
-        assert watcher.app.main.goal.fields[0].value == ""
-        await watcher.press("3", "tab")
-        assert not isinstance(watcher.app.focused, (Board, Field))
 
 
 async def test_a_click_on_the_line_goes_there(drive: Path) -> None:

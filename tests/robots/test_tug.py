@@ -38,6 +38,12 @@ async def tug(**options: Any) -> AsyncIterator[tuple[Console, dict[str, Any]]]:
         yield op, made
 
 
+@pytest.fixture
+def long_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep the tug on its way for 20 s in place of one, until the keys have come."""
+    monkeypatch.setattr("tests.robots.tug.STEP", 0.1)
+
+
 async def test_the_screen_has_its_name_readings_and_words() -> None:
     async with tug() as (op, _):
         assert " TUG " in op.line("online")
@@ -61,6 +67,7 @@ async def test_it_is_sent_driven_and_arrives() -> None:
         await op.until("haul to bay 3: accepted")
 
 
+@pytest.mark.usefixtures("long_way")
 async def test_it_is_cancelled_on_the_way() -> None:
     async with tug() as (op, _):
         await op.press("g", "3", "enter")
@@ -86,6 +93,7 @@ async def test_what_its_file_does_not_allow_is_not_sent() -> None:
         assert op.app.view.snapshot.goal is None
 
 
+@pytest.mark.usefixtures("long_way")
 async def test_stop_halts_it_and_its_release_asks() -> None:
     async with tug() as (op, made):
         await op.press("g", "3", "enter")
@@ -101,6 +109,7 @@ async def test_stop_halts_it_and_its_release_asks() -> None:
         assert not made["Hauler"].latched
 
 
+@pytest.mark.usefixtures("long_way")
 async def test_its_commands_have_their_keys_and_ask() -> None:
     async with tug() as (op, made):
         await op.press("z")
@@ -126,6 +135,7 @@ async def test_a_low_battery_is_an_alarm_with_its_own_key() -> None:
         await op.until(lambda: "(a acknowledge)" not in op.text)
 
 
+@pytest.mark.usefixtures("long_way")
 async def test_a_node_that_serves_its_stop_is_not_stopped_unasked() -> None:
     async with tug() as (op, _):
         await op.press("g", "3", "enter")

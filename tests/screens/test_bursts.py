@@ -40,7 +40,7 @@ from tests.support.states import ARRIVED, STATES
 from tests.support.stub import StandingClock, StubRobot, sized, stub_station
 
 GAPS = (0.0, 0.002, 0.01, 0.03, 0.1)  # s
-_SIZE = (160, 48)  # with all panels, and the board
+_SIZE = (160, 48)  # with all panels
 _ACTIONS = {"/move_to_shelf": ("archo_interfaces/action/MoveToShelf",)}
 _SERVICES = {"/reset_encoder": ("archo_interfaces/srv/ResetEncoder",)}
 _LETTERS = "acdeklnqrsuyARGC148"
@@ -142,7 +142,6 @@ class Desk:
             rows.cursor, rows.shows_cursor = 0, False
         main.goal.fields[0].clear()
         main.goal.set_typed([])
-        main.goal.board._index = 0
         main.focus_panel(4)
         main.parameters._rows.shows_cursor = False
         main._focused_before = None
@@ -165,7 +164,7 @@ class Desk:
         standing = [
             s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.is_dismissed)
         ]
-        found: list[object] = [self.robot.asked[:], app.theme, app.main.goal.board._index]
+        found: list[object] = [self.robot.asked[:], app.theme]
         found += [sorted(name for name in app.main.classes if name.startswith("-full"))]
         for screen in standing:
             focused = screen.focused

@@ -11,11 +11,10 @@ from textual.strip import Strip
 from textual.theme import BUILTIN_THEMES
 
 from archo_tui.app import ArchoApp
-from archo_tui.robot.state.goal import Phase
 from archo_tui.terminal.themes import HIGH_CONTRAST, contrast, derive_tones
 from tests.support.console import send
 from tests.support.quiet import Quiet
-from tests.support.states import STATES, board, ended
+from tests.support.states import STATES
 from tests.support.stub import StandingClock, stub_app
 
 TEXT, OFF = 4.5, 3.0  # as WCAG asks for text, and for what cannot be used
@@ -91,20 +90,3 @@ async def test_every_text_of_a_dialog_can_be_read_in_every_theme(state: str, key
             drawn = app.screen._compositor.render_strips()[dialog.region.y : dialog.region.bottom]
             inside = [strip.crop(across.start, across.stop) for strip in drawn]
             assert unreadable(app, inside) == [], theme
-
-
-async def test_every_text_of_the_board_can_be_read_in_every_theme() -> None:
-    ends = ended(20, Phase.REFUSED, "no"), ended(9, Phase.ARRIVED, "there")
-    moves = board(40, STATES["motor moving"])._replace(history=ends)
-    app = stub_app(moves, StandingClock(), size=(120, 44))
-    async with app.run_test(size=(120, 44)):
-        quiet = Quiet(app)
-        app.tick()
-        for key in ("g", "tab", "down", "right"):
-            send(app, key)
-        for theme in THEMES:
-            app.theme = theme
-            await quiet.settle()
-            drawn = [app.main.goal.board.render_line(y) for y in range(4)]
-            assert "▶12" in drawn[1].text
-            assert unreadable(app, app.screen._compositor.render_strips()) == [], theme

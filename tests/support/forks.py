@@ -61,6 +61,7 @@ class Forks:
         self._computing: deque[int] = deque()  # Indices of tests that nobody has been given.
         self._waiting: deque[int] = deque()
         self._forks: list[_Fork] = []
+        self._defects: list[str] = []  # Of forks that did not end as they should.
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> bool | None:
@@ -81,6 +82,8 @@ class Forks:
                     raise session.Failed(session.shouldfail)
                 if session.shouldstop:
                     raise session.Interrupted(session.shouldstop)
+            if self._defects:
+                raise session.Failed("; ".join(self._defects))
             assert not self._computing
             assert not self._waiting
         finally:
@@ -150,7 +153,7 @@ class Forks:
         status = os.waitstatus_to_exitcode(os.waitpid(fork.pid, 0)[1])
         if not fork.given:
             if status != 0:
-                raise RuntimeError(f"a fork ended with {status} while it ran no test")
+                self._defects.append(f"fork {fork.number} ended with {status} while it ran no test")
             return
         item = session.items[fork.given.popleft()]
         self._log(session, fork, _crash(item, f"the process of this test ended with {status}"))

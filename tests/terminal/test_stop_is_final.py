@@ -84,23 +84,15 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
     assert [text for text in said() if "drives" in text] == ["drives to 5"]
 
 
-@pytest.mark.parametrize(
-    ("typed", "shelf"),
-    [
-        ("g\t\r12 7\r\x18", 1),  # taken from the board, and more
-        ("g12\r\t\x18", 12),  # STOP is pressed on the board
-        ("g12\r\t\x1b[B\r\x18", 12),
-        ("g\t\x1b[C\r\t\t\r\x18", 2),  # by Go
-    ],
-)
-def test_a_goal_typed_around_the_board_before_a_stop_does_not_drive(
-    typed: str, shelf: int, terminals: list[Terminal]
+@pytest.mark.parametrize("typed", ["g12\r\t\x18", "g12\t\r\x18"])  # By enter, and by Go.
+def test_a_goal_sent_by_enter_or_a_button_never_drives_behind_a_stop(
+    typed: str, terminals: list[Terminal]
 ) -> None:
     terminal = Terminal(*SLOW)
     terminals.append(terminal)
-    terminal.until(" board   ")  # its key is bold
+    terminal.until("● motor_controller")
     terminal.write(typed)
-    until_said("STOP: confirmed", f"go to shelf {shelf}: {NOT_SENT}")
+    until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
     terminal.until("R releases")
     terminal.until(NOT_SENT)  # the journal has it sooner than the queue
     terminal.write("\x1b")
@@ -115,7 +107,7 @@ def test_a_number_typed_in_the_palette_before_a_stop_does_not_drive(
 ) -> None:
     terminal = Terminal(*SLOW)
     terminals.append(terminal)
-    terminal.until(" board   ")
+    terminal.until("● motor_controller")
     terminal.write("\x10")
     if opened_before:
         terminal.until("type to narrow")

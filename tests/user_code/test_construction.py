@@ -20,7 +20,7 @@ from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen
 from tests.support.console import console
-from tests.support.waiting import wait_until
+from tests.support.waiting import DEADLINE, wait_until
 
 pytestmark = pytest.mark.real_time
 
@@ -34,7 +34,7 @@ class Asker(Node):
     def __init__(self):
         super().__init__("asker")
         client = self.create_client(Trigger, "blink")
-        while not client.wait_for_service(timeout_sec=0.1):
+        while not client.wait_for_service(timeout_sec=1.0):
             pass
         future = client.call_async(Trigger.Request())
         rclpy.spin_until_future_complete(self, future)
@@ -117,7 +117,10 @@ def is_up(session: Session, name: str) -> Callable[[], bool]:
     return lambda: state(session, name).life is Life.UP
 
 
-def test_a_constructor_is_answered_by_a_node_of_a_later_file() -> None:
+def test_a_constructor_is_answered_by_a_node_of_a_later_file(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.user_code.program.START_TIME", DEADLINE)
     with hosting(written("asker.py", ASKER), written("lamp.py", LAMP)) as session:
         wait_until(is_up(session, "/asker"))
         wait_until(lambda: "answer: on" in texts(session))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
+from archo_tui.user_code import thread as program_thread
 from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 
@@ -131,3 +133,55 @@ def test_a_program_of_several_threads_stops_each_time_it_is_told_to(here: Path) 
     finally:
         stuck = session.close()
     assert stuck == []
+
+
+STARTER = """
+import threading
+
+import rclpy
+from rclpy.node import Node
+
+
+def main():
+    rclpy.init()
+    starter = Node("starter")
+    threading.Thread(target=threading.Event().wait, daemon=True).start()
+    rclpy.spin(starter)
+"""
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="there a program is a process")
+def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # CPython before 3.12 raises it in the new thread instead, and its starter waits for ever.
+    starts, asked, is_raised = threading.Event(), threading.Event(), threading.Event()
+    order: list[str] = []
+    start_new_thread, raise_in = threading._start_new_thread, program_thread.raise_in  # type: ignore[attr-defined]
+
+    def start_slowly(*args: Any, **options: Any) -> Any:
+        if threading.current_thread().name == "/starter":
+            starts.set()
+            asked.wait(10)
+            is_raised.wait(0.3)
+            order.append("started")
+        return start_new_thread(*args, **options)
+
+    def note(thread: threading.Thread, *error: Any) -> None:
+        order.append("interrupted")
+        is_raised.set()
+        raise_in(thread, *error)
+
+    monkeypatch.setattr(threading, "_start_new_thread", start_slowly)
+    monkeypatch.setattr(program_thread, "raise_in", note)
+    file = here / "starter.py"
+    file.write_text(STARTER)
+    options = Options(
+        engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=(file,), only=True
+    )
+    with Session(options, None) as session:
+        assert starts.wait(10)
+        asked.set()
+        assert session.host.stop_node("/starter").text == "/starter stopped"
+    assert order[:2] == ["started", "interrupted"]

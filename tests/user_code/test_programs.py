@@ -20,6 +20,7 @@ from typing import Any
 import pytest
 
 import tests.contract.textbook as textbook
+from archo_tui.client import sockets
 from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
@@ -31,7 +32,8 @@ from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.output import NodeOutput
 from tests.support import chosen
-from tests.support.waiting import wait_until
+from tests.support.shells import reached
+from tests.support.waiting import DEADLINE, wait_until
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -261,7 +263,10 @@ rclpy.spin(node)
 """
 
 
-def test_a_module_beside_a_program_is_its_own_and_restarts_it_when_saved() -> None:
+def test_a_module_beside_a_program_is_its_own_and_restarts_it_when_saved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(hosted_program, "START_TIME", DEADLINE)
     for folder in ("north", "south"):
         Path(folder).mkdir()
         written(f"{folder}/words.py", f"NAME = '{folder}'\n")
@@ -493,6 +498,37 @@ def test_a_stop_reaches_a_service_that_a_running_program_offers_later() -> None:
         assert asyncio.run(robot.emergency_stop()).code is Code.NOT_OFFERED
         written("go", "")
         wait_until(lambda: robot.snapshot.latch is Latch.HELD)
+
+
+def test_a_stop_reaches_the_first_program_while_a_slow_one_is_still_waited_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv(sockets.FOLDER_VARIABLE, str(tmp_path / "sockets"))
+    monkeypatch.setattr(hosted_program, "START_TIME", DEADLINE)
+    stopped = MOTOR.replace(
+        "response.success", 'open("stopped", "w").close()\n        response.success'
+    )
+    motor = written("motor.py", stopped)
+    waits = 'open("waiting", "w").close()\n' + WAITS
+    slow = written("slow.py", waits + TALKER.replace("{word}", "made"))
+    begun: list[Session] = []
+
+    def operate() -> None:
+        with running(motor, slow, remote=True) as session:
+            begun.append(session)
+
+    starting = threading.Thread(target=operate)
+    starting.start()
+    try:
+        wait_until(Path("waiting").exists)
+        with reached(sockets.socket_paths()[0]) as console:
+            console.send(b'{"id": 1, "words": ["stop"]}\n')
+        wait_until(Path("stopped").exists)
+        assert not begun
+    finally:
+        written("go", "")
+        starting.join()
+    assert said() == []  # It is not started behind the STOP.
 
 
 SECOND = """

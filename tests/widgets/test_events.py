@@ -174,7 +174,7 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
             self.create_timer(0.5, lambda: self.get_logger().warning("said"))
 
     makers = [Talker, *_robots_nodes(use_sim=True).values()]
-    async with console(*FAST, node_makers=makers, size=(200, 48)) as op:
+    async with console(*FAST, node_makers=makers, size=(200, 43)) as op:
         await op.until("▲  a_node_with_a_long_name: said")
         await op.until("● a_node_with_a_long_name")
         await op.until("fake_battery_drain")

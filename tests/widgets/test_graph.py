@@ -141,7 +141,7 @@ async def test_its_focus_and_full_screen_outlast_every_size() -> None:
         quiet = Quiet(app)
         send(app, "8")
         await quiet.settle()
-        await pilot.resize_terminal(149, 48)  # there is no room any more
+        await pilot.resize_terminal(149, 43)  # there is no room any more
         await quiet.settle()
         assert app.main.focused_panel == 4
         send(app, "8")
@@ -217,8 +217,11 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
             main = app.main
             assert main.nodes.region.height == 7  # three nodes, at least five rows
             upper = main.goal.region.height + main.parameters.region.height
-            # For five parameters as high as the history must be; it grows above 40 rows.
-            assert upper == (17 if height <= 40 else height - 3 - (height - 3) // 3)
+            assert upper == (17 if height <= 40 else main.goal.region.height + 8)
+            if height > 40:  # The history has a row of its own, and events at most a third.
+                assert main.history.region.width == main.events.region.width
+                assert main.history.region.height >= 17
+                assert 10 <= main.events.region.height <= height // 3
             assert main.events.region.width >= 60
             assert main.events.region.bottom == main.graph.region.bottom == height - 1
             assert main.events.region.width == width - main.graph.region.width

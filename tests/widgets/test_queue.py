@@ -201,3 +201,12 @@ def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) ->
     assert form_history.load("shelf") == []
     form_history.add("shelf", ["1"])
     assert form_history.load("shelf") == [["1"]]
+
+
+async def test_a_form_in_a_dialog_is_held_to_what_the_robot_says_too() -> None:
+    async with console(*FAST) as op:
+        await op.press("G", *"shelf", "enter")
+        await op.until("enter send")
+        await op.press("end", "ctrl+u", *"41", "enter")
+        await op.until("Shelf: at most 40, not 41")
+        assert op.app.view.snapshot.goal is None

@@ -44,23 +44,15 @@ def init(
 ) -> InitContextManager:
     """Begin to use rclpy: begin a context."""
     context = context or get_default_context()
-    if signal_handler_options is None:
-        is_default = context is get_default_context()
-        signal_handler_options = SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
     context.init(args, domain_id=domain_id)
-    return InitContextManager(context, signal_handler_options)
+    return InitContextManager(context)
 
 
 class InitContextManager:
-    """The result of `init`: a context manager that shuts the context down at its end.
+    """The result of `init`: a context manager that shuts the context down at its end."""
 
-    `installed_signal_handlers` is True unless the option was NO, though none is installed here.
-    """
-
-    def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
+    def __init__(self, context: Context) -> None:
         self.context = context
-        # The value that rclpy would have; this engine installs no handlers.
-        self.installed_signal_handlers = options != SignalHandlerOptions.NO
 
     def __enter__(self) -> InitContextManager:
         return self

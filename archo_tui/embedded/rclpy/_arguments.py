@@ -114,7 +114,7 @@ def _remap(text: str) -> Remap:
     else:
         problem = topic_problem(rule.match) or topic_problem(rule.replacement)
     if problem:
-        raise _invalid(f"remap rule {text!r}: {problem[0]}")
+        raise _invalid(f"remap rule {text!r}: {problem}")
     return rule
 
 

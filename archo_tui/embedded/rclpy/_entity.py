@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,22 +12,41 @@ from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 
 if TYPE_CHECKING:
+    from rclpy.event_handler import EventHandler
     from rclpy.node import Node
 
 
+DestroyableT = TypeVar("DestroyableT", bound="Destroyable")
 EntityT = TypeVar("EntityT", bound="Entity")
 
 
 class Destroyable:
-    """The base of objects that can be destroyed; using a destroyed one raises InvalidHandle."""
+    """The base of objects that can be destroyed; using a destroyed one raises InvalidHandle.
+
+    Leaving a `with` destroys the object.
+    """
 
     _destroyed = False
     _is_part_of_action = False  # Then the node does not list it.
+    _node: Node
 
     @property
-    def handle(self) -> Handle:
-        """Return a stand-in for rcl's handle, also for a destroyed object."""
-        return Handle(self)
+    def logger_name(self) -> str:
+        """Return the name of the node's logger."""
+        return self._node.get_logger().name
+
+    def destroy(self) -> None:
+        """Leave the graph, and start no further callback; one that runs goes on.
+
+        The node still lists the object, unlike after the node's own `destroy_...`.
+        """
+        self._destroyed = True
+
+    def __enter__(self: DestroyableT) -> DestroyableT:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
 
     def _use(self) -> None:
         """Raise InvalidHandle if the object has been destroyed."""
@@ -35,31 +54,29 @@ class Destroyable:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
 
 
-class Handle:
-    """The stand-in for rcl's handle of an object.
+class Endpoint(Destroyable):
+    """The base of publishers and subscriptions, with the handlers of their events."""
 
-    `with thing.handle:` raises InvalidHandle if the object has been destroyed.
-    """
-
-    def __init__(self, of: Destroyable) -> None:
-        self._of = of
+    topic: str  # As given.
+    _topic_name: str  # As on the graph.
+    event_handlers: Sequence[EventHandler] = ()
 
     @property
-    def pointer(self) -> int:
-        """Return a number that no handle of another living object has; in rclpy, an address."""
-        return id(self._of)
+    def topic_name(self) -> str:
+        """Return the topic's name on the graph; raise InvalidHandle after `destroy()`."""
+        self._use()
+        return self._topic_name
 
-    def __enter__(self) -> None:
-        self._of._use()
-
-    def __exit__(self, *_: object) -> None:
-        """Do nothing: entering holds nothing."""
+    def destroy(self) -> None:
+        super().destroy()
+        for handler in self.event_handlers:
+            handler.destroy()
 
 
 class Entity(Destroyable):
     """The base of what gives an executor work: timers, subscriptions, clients, services, events.
 
-    A new entity joins its callback group. Leaving a `with` destroys the entity.
+    A new entity joins its callback group.
     """
 
     # The order in a round: actions, timers, subscriptions, clients, services.
@@ -71,19 +88,6 @@ class Entity(Destroyable):
         self._node = node
         self.callback_group = callback_group
         callback_group.add_entity(self)
-
-    def destroy(self) -> None:
-        """Start no further callback; one that runs goes on.
-
-        The node still lists the entity, unlike after the node's own `destroy_...`.
-        """
-        self._destroyed = True
-
-    def __enter__(self: EntityT) -> EntityT:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy()
 
     def _take(self) -> Callable[[], Any] | None:
         """Take the next piece of work off, and return it as a function; return None without work.
@@ -128,21 +132,15 @@ class TimedEntity(Entity):
 
 
 class ServiceEnd(Destroyable):
-    """The base of a service's client and server, which know its name and have a logger."""
+    """The base of a service's client and server."""
 
-    _node: Node
-    _service_name: str
+    _service_name: str  # As on the graph.
 
     @property
     def service_name(self) -> str:
         """Return the service's name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._service_name
-
-    @property
-    def logger_name(self) -> str:
-        """Return the name of the node's logger."""
-        return self._node.get_logger().name
 
 
 class QueueEntity(Entity):

@@ -136,7 +136,7 @@ class Graph:
                 _report_match(subscription, 1)
             else:
                 for handler in (*publisher.event_handlers, *subscription.event_handlers):
-                    handler._count_incompatible(policy)
+                    handler._count(1, policy)
         publisher._matched = tuple(matched)
 
     def _forget_if_empty(self, name: str) -> None:
@@ -158,4 +158,4 @@ def graph_of(domain_id: int) -> Graph:
 def _report_match(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
     """Let an endpoint's event handlers count a match that came (1) or ended (-1)."""
     for handler in endpoint.event_handlers:
-        handler._count_match(change)
+        handler._count(change)

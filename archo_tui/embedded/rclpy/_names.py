@@ -25,98 +25,67 @@ class Remap(NamedTuple):
     kind: str | None = None
 
 
-Problem = tuple[str, int] | None  # What is wrong with a name, and at which character.
-
-# For each kind of name, what is wrong with it by a pattern that finds the wrong character.
-_NODE = (
-    (r"\A\Z", "node name must not be empty"),
-    (r"[^A-Za-z0-9_]", "node name must not contain characters other than alphanumerics or '_'"),
-    (r"\A\d", "node name must not start with a number"),
-    (r"\A.{254}.(?=.)", "node name length should not exceed '255'"),
-)
-_TOPIC = (
-    (r"\A\Z", "topic name must not be empty string"),
-    (r"/\Z", "topic name must not end with a forward slash"),
-    (
-        r"[^A-Za-z0-9_/{}~]",
-        "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'",
-    ),
-    (r"(?<=.)~", "topic name must not have tilde '~' unless it is the first character"),
-    (r"[{}]", "topic name must not have unmatched (unbalanced) curly braces '{}'"),
-    (r"(?:\A|(?<=/))\d", "topic name token must not start with a number"),
-)
+_FULL = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_NODE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+# A topic's or service's name as written, with `_` for each `{substitution}`.
+_TOPIC = re.compile(r"~|(?!.*/\Z)(?!(.*/)?\d)~?[A-Za-z0-9_/]+")
+_LONGEST_NODE, _LONGEST_TOPIC, _LONGEST_NAMESPACE = 255, 247, 245
+_WORDS = "letters, digits and _ are allowed, and no digit first"
 
 
-def _absolute(kind: str, longest: int) -> tuple[tuple[str, str], ...]:
-    return (
-        (r"\A\Z", f"{kind} must not be empty"),
-        (r"\A[^/]", f"{kind} must be absolute, it must lead with a '/'"),
-        (r"/\Z", f"{kind} must not end with a '/'"),
-        (
-            r"[^A-Za-z0-9_/]",
-            f"{kind} must not contain characters other than alphanumerics, '_', or '/'",
-        ),
-        (r"(?<=/)/", f"{kind} must not contain repeated '/'"),
-        (r"(?<=/)\d", f"{kind} must not have a token that starts with a number"),
-        (rf"\A.{{{longest - 1}}}.(?=.)", f"{kind} length should not exceed '{longest}'"),
-    )
+def node_name_problem(name: str) -> str:
+    """Return what is wrong with a node's name, or ""."""
+    return _problem(_NODE, name, _LONGEST_NODE, _WORDS)
 
 
-_FULL_TOPIC, _NAMESPACE = _absolute("topic name", 247), _absolute("namespace", 245)
+def topic_problem(name: str) -> str:
+    """Return what is wrong with a topic's or service's name as written, or ""."""
+    plain = re.sub(r"\{[^{}/]*\}", lambda found: "_" * len(found[0]), name)
+    return _problem(_TOPIC, plain, len(plain), f"between its /, {_WORDS}; ~ may begin it")
 
 
-def _problem(rules: tuple[tuple[str, str], ...], name: str) -> Problem:
+def full_topic_problem(name: str) -> str:
+    """Return what is wrong with a topic's or service's name on the graph, or ""."""
+    return _problem(_FULL, name, _LONGEST_TOPIC, f"after each /, {_WORDS}")
+
+
+def namespace_problem(name: str) -> str:
+    """Return what is wrong with a namespace, or ""."""
+    if name == "/":
+        return ""
+    return _problem(_FULL, name, _LONGEST_NAMESPACE, f"after each /, {_WORDS}")
+
+
+def _problem(form: re.Pattern[str], name: str, longest: int, rule: str) -> str:
     if not isinstance(name, str):
         raise TypeError(f"a name is a str, not {type(name).__name__}")
-    for pattern, said in rules:
-        found = re.search(pattern, name)
-        if found:
-            return said, found.end() - 1 if len(found[0]) > 1 else found.start()
-    return None
-
-
-def node_name_problem(name: str) -> Problem:
-    """Return what is wrong with a node's name, and the index of a wrong character, or None."""
-    return _problem(_NODE, name)
-
-
-def topic_problem(name: str) -> Problem:
-    """Return what is wrong with a topic or service name as written, with an index, or None."""
-    return _problem(_TOPIC, re.sub(r"\{[^{}/]*\}", lambda found: "_" * len(found[0]), name))
-
-
-def full_topic_problem(name: str) -> Problem:
-    """Return what is wrong with a topic or service name on the graph, with an index, or None."""
-    return _problem(_FULL_TOPIC, name)
-
-
-def namespace_problem(name: str) -> Problem:
-    """Return what is wrong with a namespace, and the index of a wrong character, or None."""
-    return None if name == "/" else _problem(_NAMESPACE, name)
+    if not name:
+        return "it must not be empty"
+    if not form.fullmatch(name):
+        return rule
+    return f"it is longer than {longest} characters" if len(name) > longest else ""
 
 
 def check_node(name: str, namespace: str) -> None:
     """Raise InvalidNodeNameException or InvalidNamespaceException unless both are valid."""
-    problem = node_name_problem(name)
-    if problem:
-        raise InvalidNodeNameException(name, *problem)
-    problem = namespace_problem(namespace)
-    if problem:
-        raise InvalidNamespaceException(namespace, *problem)
+    if problem := node_name_problem(name):
+        raise InvalidNodeNameException(name, problem)
+    if problem := namespace_problem(namespace):
+        raise InvalidNamespaceException(namespace, problem)
 
 
-def check_topic(name: str, problem: Problem, *, is_service: bool) -> None:
+def check_topic(name: str, problem: str, *, is_service: bool) -> None:
     """Raise InvalidTopicNameException or InvalidServiceNameException if there is a problem."""
     if problem:
         kind = InvalidServiceNameException if is_service else InvalidTopicNameException
-        raise kind(name, *problem)
+        raise kind(name, problem)
 
 
 def expand(name: str, node: str, namespace: str) -> str:
     """Return the fully qualified form of a topic or service name that a node uses."""
     problem = topic_problem(name)
     if problem:
-        raise ValueError(f"topic name '{name}' is invalid: {problem[0]}")
+        raise ValueError(f"topic name '{name}' is invalid: {problem}")
     known = {"{node}": node, "{ns}": namespace, "{namespace}": namespace}
     for found in re.findall(r"\{.*?\}", name):
         if found not in known:

@@ -115,11 +115,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             return self.service_is_ready()
 
     def destroy(self) -> None:
-        """Leave the graph; futures that are pending stay pending for ever.
-
-        The node lists the client until `destroy_client`.
-        """
-        self._destroyed = True
+        super().destroy()
         graph = self._node._graph
         graph.remove_named(graph.clients, self._service_name, self)
 

@@ -7,18 +7,12 @@ import weakref
 from typing import Any
 
 from rclpy import _time_source
-from rclpy.clock_type import ClockType
+from rclpy.clock_type import ClockType as ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time
 from rclpy.utilities import get_default_context
-
-__all__ = [
-    "Clock",
-    "ClockType",
-    "ROSClock",
-]
 
 
 class Clock:
@@ -32,6 +26,7 @@ class Clock:
 
     def __init__(self, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> None:
         self._clock_type = clock_type
+        self.ros_time_is_active = False  # Simulated time; True for a ROSClock only.
         self._changed = threading.Condition()  # Notified when simulated time changes.
 
     def __repr__(self) -> str:
@@ -41,10 +36,6 @@ class Clock:
     def clock_type(self) -> ClockType:
         """Return the kind of clock this is."""
         return self._clock_type
-
-    @property
-    def _is_simulated(self) -> bool:
-        return False
 
     def now(self) -> Time:
         """Return the time now: monotonic for STEADY_TIME, simulated if active, else Unix time."""
@@ -61,7 +52,7 @@ class Clock:
             raise ValueError("until's clock type does not match this clock's type")
         over = _ShutdownCondition(self._changed)
         context.on_shutdown(over.wake)
-        simulated = self._is_simulated
+        simulated = self.ros_time_is_active
         left = until.nanoseconds - self.now().nanoseconds
         end = None if simulated else _time_source.monotonic_ns() + left
         with self._changed:
@@ -69,12 +60,12 @@ class Clock:
                 self._changed,
                 lambda: (
                     not context.ok()
-                    or self._is_simulated != simulated
+                    or self.ros_time_is_active != simulated
                     or (simulated and self.now().nanoseconds >= until.nanoseconds)
                 ),
                 end,
             )
-        return context.ok() and self._is_simulated == simulated
+        return context.ok() and self.ros_time_is_active == simulated
 
     def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
         """Block for that long on this clock; results and errors are those of `sleep_until`."""
@@ -104,25 +95,15 @@ class ROSClock(Clock):
     def __init__(self, **_: Any) -> None:
         super().__init__(clock_type=ClockType.ROS_TIME)
         self._override_ns = 0
-        self._is_active = False
         self._timers: weakref.WeakSet[Any] = weakref.WeakSet()
 
-    @property
-    def ros_time_is_active(self) -> bool:
-        """Return True while this clock tells simulated time."""
-        return self._is_active
-
-    @property
-    def _is_simulated(self) -> bool:
-        return self._is_active
-
     def now(self) -> Time:
-        if self._is_active:
+        if self.ros_time_is_active:
             return Time(nanoseconds=self._override_ns, clock_type=self._clock_type)
         return super().now()
 
     def _set_ros_time_is_active(self, enabled: bool) -> None:
-        if enabled == self._is_active:
+        if enabled == self.ros_time_is_active:
             return
         before = self._timer_ns()
         self._take(self._override_ns, enabled)
@@ -134,11 +115,7 @@ class ROSClock(Clock):
 
         While simulated time is not active, the time is only kept.
         """
-        if not isinstance(time, Time):
-            raise TypeError(
-                f"Time must be specified as rclpy.time.Time. Received type: {type(time)}"
-            )
-        if not self._is_active:
+        if not self.ros_time_is_active:
             self._override_ns = time.nanoseconds
             return
         self._take(time.nanoseconds, True)
@@ -147,10 +124,10 @@ class ROSClock(Clock):
 
     def _timer_ns(self) -> int:
         """Return the time that timers of this clock count, in ns: simulated, or else monotonic."""
-        return self._override_ns if self._is_active else _time_source.monotonic_ns()
+        return self._override_ns if self.ros_time_is_active else _time_source.monotonic_ns()
 
     def _take(self, override_ns: int, active: bool) -> None:
         """Set the simulated time and whether it is active, and wake all sleepers."""
-        self._override_ns, self._is_active = override_ns, active
+        self._override_ns, self.ros_time_is_active = override_ns, active
         with self._changed:
             self._changed.notify_all()

@@ -5,15 +5,12 @@ from __future__ import annotations
 import inspect
 import os
 import threading
-import warnings
 import weakref
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING
 
-from rclpy import _arguments, _logging, _process
+from rclpy import _arguments, _process, logging
 from rclpy._graph import Graph, graph_of
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -22,33 +19,24 @@ if TYPE_CHECKING:
 class Context:
     """A context: arguments, a domain, and the nodes made in it.
 
-    Entering a `with` begins a context that has not begun, with a warning; leaving it shuts the
-    context down.
+    Leaving a `with` shuts the context down.
     """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._ok = self._is_destroyed = self._has_begun = False
+        self._ok = self._has_begun = False
         self._domain_id = 0
         self._arguments = _arguments.Arguments()
         self._callbacks: list[Callable[[], Callable[[], None] | None]] = []
         self._nodes: weakref.WeakSet[Node] = weakref.WeakSet()
 
-    def init(
-        self,
-        args: Sequence[str] | None = None,
-        *,
-        initialize_logging: bool = True,
-        domain_id: int | None = None,
-    ) -> None:
+    def init(self, args: Sequence[str] | None = None, *, domain_id: int | None = None) -> None:
         """Begin the context, which succeeds only once. Nodes of one domain see each other."""
         process = _process.current()
         args = process.begin_context(args)
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
-            for argument in args:
-                argument.encode()  # Raises UnicodeEncodeError for what is not UTF-8, as in rcl.
             self._arguments = _arguments.parse(args)
             if domain_id is None:
                 domain_id = process.domain_id
@@ -58,26 +46,16 @@ class Context:
                 raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
             self._domain_id = domain_id
             self._ok = self._has_begun = True
-        if initialize_logging:
-            _logging.configure(self._arguments.stdout_logs, self._arguments.log_level)
-
-    @property
-    def handle(self) -> object:
-        """Return a stand-in for rcl's context; None before `init`."""
-        return self._arguments if self._has_begun else None
+        logging.configure(self._arguments.stdout_logs, self._arguments.log_level)
 
     def ok(self) -> bool:
         """Return True between `init` and `shutdown`, else False."""
-        if self._is_destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
         return self._ok
 
     def get_domain_id(self) -> int:
         """Return the domain whose nodes this context's nodes see."""
-        if not self._has_begun:
-            raise RuntimeError("Context must be initialized before it can have a domain id")
         if not self._ok:
-            raise RCLError("Failed to get domain id: the context is shut down")
+            raise RuntimeError("Context must be initialized before it can have a domain id")
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
@@ -85,8 +63,6 @@ class Context:
 
         A bound method is not called if its object is gone by then.
         """
-        if not callable(callback):
-            raise TypeError(f"callback should be a callable, got {type(callback)}")
         if self._has_begun and not self._ok:
             callback()
             return
@@ -115,32 +91,15 @@ class Context:
             if callback is not None:
                 callback()
 
-    def destroy(self) -> None:
-        """Shut the context down if it has begun and not ended; `ok()` then raises InvalidHandle."""
-        self.try_shutdown()
-        self._is_destroyed = True
-
     def try_shutdown(self) -> None:
         """Shut the context down, unless it has not begun or has ended."""
         if self._ok:
             self.shutdown()
 
     def __enter__(self) -> Context:
-        if not self._has_begun:
-            warnings.warn(
-                "init() must be called on a Context before using it in a Python context manager. "
-                "Calling init() with no arguments, this usage is deprecated",
-                stacklevel=2,
-            )
-            self.init()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.try_shutdown()
 
     @property

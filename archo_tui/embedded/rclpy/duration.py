@@ -10,22 +10,12 @@ S_TO_NS = 1_000_000_000
 _INFINITE = 2**63 - 1  # In ns.
 
 
-_TOO_LARGE = "Total nanoseconds value is too large to store in C duration."
-
-
-def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
-    """Return the nanoseconds unchanged; raise OverflowError with the text `said` beyond 64 bits."""
-    if not -(2**63) <= nanoseconds < 2**63:
-        raise OverflowError(said)
-    return nanoseconds
-
-
 @total_ordering
 class Duration:
-    """A span of time in ns, which may be negative; more than 64 bits raise OverflowError."""
+    """A span of time in ns, which may be negative."""
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
-        self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
+        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
 
     @property
     def nanoseconds(self) -> int:
@@ -42,6 +32,9 @@ class Duration:
         if not isinstance(other, Duration):
             return NotImplemented
         return self._nanoseconds == other._nanoseconds
+
+    def __hash__(self) -> int:
+        return hash(self._nanoseconds)
 
     def __add__(self, other: Duration) -> Duration:
         if not isinstance(other, Duration):

@@ -2,48 +2,118 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
-from enum import IntEnum
-from typing import Any
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
-from rclpy import _event_handlers as handlers
-from rclpy._event_handlers import (
-    EventHandler,
-    IncompatibleTypeInfo,
-    QoSMessageLostInfo,
-    QoSOfferedIncompatibleQoSInfo,
-    QoSPublisherEventType,
-    QoSPublisherMatchedInfo,
-    QoSRequestedIncompatibleQoSInfo,
-    QoSSubscriptionEventType,
-    QoSSubscriptionMatchedInfo,
-)
+from rclpy._entity import Endpoint, Entity
 from rclpy._rclpy_pybind11 import UnsupportedEventTypeError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.logging import get_logger
-from rclpy.qos import qos_policy_name_from_kind
-
-__all__ = [
-    "EventHandler",
-    "IncompatibleTypeInfo",
-    "PublisherEventCallbacks",
-    "QoSMessageLostInfo",
-    "QoSOfferedIncompatibleQoSInfo",
-    "QoSPublisherEventType",
-    "QoSPublisherMatchedInfo",
-    "QoSRequestedIncompatibleQoSInfo",
-    "QoSSubscriptionEventType",
-    "QoSSubscriptionMatchedInfo",
-    "SubscriptionEventCallbacks",
-    "UnsupportedEventTypeError",
-]
+from rclpy.qos import QoSPolicyKind
 
 EventCallback = Callable[[Any], Any] | None
-Kind = tuple[IntEnum, type[EventHandler], EventCallback]
+
+
+class QoSSubscriptionMatchedInfo(NamedTuple):
+    """The numbers of endpoints that have matched in all, and that match now.
+
+    A `..._change` counts since the last callback; `current_count_change` is negative if fewer match
+    now. QoSPublisherMatchedInfo is this class, too.
+    """
+
+    total_count: int = 0
+    total_count_change: int = 0
+    current_count: int = 0
+    current_count_change: int = 0
+
+
+class QoSRequestedIncompatibleQoSInfo(NamedTuple):
+    """The numbers of endpoints with incompatible QoS, and the policy in which the last one differs.
+
+    `total_count_change` counts since the last callback. QoSOfferedIncompatibleQoSInfo is this
+    class, too.
+    """
+
+    total_count: int = 0
+    total_count_change: int = 0
+    last_policy_kind: QoSPolicyKind = QoSPolicyKind.INVALID
+
+
+class IncompatibleTypeInfo(NamedTuple):
+    """The endpoints of another type in all and since the last callback; here none is reported."""
+
+    total_count: int = 0
+    total_count_change: int = 0
+
+
+QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
+QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
+QoSMessageLostInfo = IncompatibleTypeInfo  # Of the same form; no message is lost in one process.
+
+
+class EventHandler(Entity):
+    """The handler of one kind of event, which calls a callback with the newest counts.
+
+    Several events before the callback runs make one call.
+    """
+
+    _rank = 0
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        callback_group: CallbackGroup,
+        callback: Callable[[Any], Any],
+        counts_matches: bool,
+    ) -> None:
+        super().__init__(endpoint._node, callback_group)
+        self.callback, self._counts_matches = callback, counts_matches
+        self._lock = threading.Lock()
+        self._has_news = False
+        self._total = self._current = self._reported = self._reported_current = 0
+        self._policy = QoSPolicyKind.INVALID
+
+    def _count(self, change: int, policy: QoSPolicyKind | None = None) -> None:
+        """Count an endpoint that matches (1), no longer does (-1), or differs in a policy."""
+        if self._counts_matches != (policy is None):
+            return
+        with self._lock:
+            self._current += change
+            self._total += max(change, 0)
+            self._policy, self._has_news = policy or self._policy, True
+        self._notify()
+
+    def _waiting(self) -> int:
+        return int(self._has_news)
+
+    def _take(self) -> Callable[[], Any] | None:
+        with self._lock:
+            if self._destroyed or not self._has_news:
+                return None
+            self._has_news = False
+            total, current = self._total, self._current
+            change, current_change = total - self._reported, current - self._reported_current
+            self._reported, self._reported_current = total, current
+            info: Any = QoSRequestedIncompatibleQoSInfo(total, change, self._policy)
+            if self._counts_matches:
+                info = QoSSubscriptionMatchedInfo(total, change, current, current_change)
+        return partial(self.callback, info)
 
 
 class SubscriptionEventCallbacks:
-    """The callbacks of a subscription's events, for `Node.create_subscription`."""
+    """The callbacks of a subscription's events, for `Node.create_subscription`.
+
+    Each is called with an info such as QoSSubscriptionMatchedInfo. Nothing watches deadlines and
+    liveliness here, so callbacks for them raise UnsupportedEventTypeError; no message is lost, and
+    no endpoint of another type is reported.
+    """
+
+    _said: ClassVar[str] = (
+        "New publisher discovered on topic '{}', offering incompatible QoS. "
+        "No messages will be received from it."
+    )
 
     def __init__(
         self,
@@ -56,106 +126,35 @@ class SubscriptionEventCallbacks:
         matched: EventCallback = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """Set the callbacks, each called with an info such as QoSSubscriptionMatchedInfo."""
-        self.deadline = deadline
-        self.incompatible_qos = incompatible_qos
-        self.liveliness = liveliness
-        self.message_lost = message_lost
-        self.incompatible_type = incompatible_type
-        self.matched = matched
+        if deadline or liveliness:
+            said = "the embedded engine has no events of deadline and liveliness: real ROS 2 has"
+            raise UnsupportedEventTypeError(said)
+        self.incompatible_qos, self.matched = incompatible_qos, matched
+        self.message_lost, self.incompatible_type = message_lost, incompatible_type
         self.use_default_callbacks = use_default_callbacks
 
     def create_event_handlers(
-        self, callback_group: CallbackGroup, subscription: Any, topic_name: str
+        self, callback_group: CallbackGroup, endpoint: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Return new handlers, one for each callback that is set or that is a default.
+        """Return new handlers; by default, one warns of endpoints with incompatible QoS."""
+        on_qos = self.incompatible_qos
+        if on_qos is None and self.use_default_callbacks:
+            logger, said = get_logger(endpoint.logger_name), self._said.format(topic_name)
 
-        Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
-        is True.
-        """
-        _refuse_timed(self)
-        event, qos, kind = QoSSubscriptionEventType, self.incompatible_qos, self.incompatible_type
-        if self.use_default_callbacks:
-            said = f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
-            said += "No messages will be received from it."
-            qos = qos or _warns_of_qos(subscription, said)
-            kind = kind or _is_never_called
-        kinds: list[Kind] = [
-            (event.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
-            (event.RCL_SUBSCRIPTION_MESSAGE_LOST, EventHandler, self.message_lost),
-            (event.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, EventHandler, kind),
-            (event.RCL_SUBSCRIPTION_MATCHED, handlers.Matched, self.matched),
+            def on_qos(event: QoSRequestedIncompatibleQoSInfo) -> None:
+                logger.warning(f"{said} Last incompatible policy: {event.last_policy_kind.name}")
+
+        return [
+            EventHandler(endpoint, callback_group, callback, counts_matches)
+            for callback, counts_matches in ((on_qos, False), (self.matched, True))
+            if callback is not None
         ]
-        return _make_handlers(kinds, subscription, callback_group)
 
 
-class PublisherEventCallbacks:
+class PublisherEventCallbacks(SubscriptionEventCallbacks):
     """The callbacks of a publisher's events, for `Node.create_publisher`."""
 
-    def __init__(
-        self,
-        *,
-        deadline: EventCallback = None,
-        liveliness: EventCallback = None,
-        incompatible_qos: EventCallback = None,
-        incompatible_type: EventCallback = None,
-        matched: EventCallback = None,
-        use_default_callbacks: bool = True,
-    ) -> None:
-        """Set the callbacks, each called with an info such as QoSPublisherMatchedInfo."""
-        self.deadline = deadline
-        self.liveliness = liveliness
-        self.incompatible_qos = incompatible_qos
-        self.incompatible_type = incompatible_type
-        self.matched = matched
-        self.use_default_callbacks = use_default_callbacks
-
-    def create_event_handlers(
-        self, callback_group: CallbackGroup, publisher: Any, topic_name: str
-    ) -> list[EventHandler]:
-        """Return new handlers, one for each callback that is set or that is a default.
-
-        Defaults are used for `incompatible_qos` and `incompatible_type`, if `use_default_callbacks`
-        is True.
-        """
-        _refuse_timed(self)
-        event, qos, kind = QoSPublisherEventType, self.incompatible_qos, self.incompatible_type
-        if self.use_default_callbacks:
-            said = f"New subscription discovered on topic '{topic_name}', requesting incompatible "
-            said += "QoS. No messages will be sent to it."
-            qos = qos or _warns_of_qos(publisher, said)
-            kind = kind or _is_never_called
-        kinds: list[Kind] = [
-            (event.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
-            (event.RCL_PUBLISHER_INCOMPATIBLE_TYPE, EventHandler, kind),
-            (event.RCL_PUBLISHER_MATCHED, handlers.Matched, self.matched),
-        ]
-        return _make_handlers(kinds, publisher, callback_group)
-
-
-def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallbacks) -> None:
-    """Raise UnsupportedEventTypeError if a callback for deadline or liveliness is set."""
-    for name in ("deadline", "liveliness"):
-        if getattr(callbacks, name):
-            where = f"{type(callbacks).__name__}({name}=...)"
-            raise UnsupportedEventTypeError(
-                f"the embedded engine has no {where}: real ROS 2 has it"
-            )
-
-
-def _make_handlers(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:
-    return [kind(endpoint, group, callback, event) for event, kind, callback in kinds if callback]
-
-
-def _warns_of_qos(endpoint: Any, said: str) -> Callable[[Any], None]:
-    logger = get_logger(endpoint.logger_name)
-
-    def _default_incompatible_qos_callback(event: QoSRequestedIncompatibleQoSInfo) -> None:
-        policy = qos_policy_name_from_kind(event.last_policy_kind)
-        logger.warn(f"{said} Last incompatible policy: {policy}")
-
-    return _default_incompatible_qos_callback
-
-
-def _is_never_called(_: IncompatibleTypeInfo) -> None:
-    """Do nothing: the default callback for other types, of which no endpoint is told."""
+    _said = (
+        "New subscription discovered on topic '{}', requesting incompatible QoS. "
+        "No messages will be sent to it."
+    )

@@ -20,85 +20,80 @@ class NotInitializedException(Exception):
 
 
 class NameValidationException(Exception):
-    """The base of errors for a name that ROS does not allow; the text points at the character."""
+    """The base of errors for a name that ROS does not allow."""
 
-    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
-        pointer = f"{' ' * invalid_index}^"
-        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {pointer}")
+    _kind = "name"
+
+    def __init__(self, name: str, error_msg: str) -> None:
+        super().__init__(f"Invalid {self._kind}: {error_msg}: '{name}'")
 
 
 class InvalidNamespaceException(NameValidationException):
     """The error for a namespace that ROS does not allow."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("namespace", name, error_msg, invalid_index)
+    _kind = "namespace"
 
 
 class InvalidNodeNameException(NameValidationException):
     """The error for a node name that ROS does not allow."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("node name", name, error_msg, invalid_index)
+    _kind = "node name"
 
 
 class InvalidTopicNameException(NameValidationException):
     """The error for a topic name that ROS does not allow."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("topic name", name, error_msg, invalid_index)
+    _kind = "topic name"
 
 
 class InvalidServiceNameException(NameValidationException):
     """The error for a service name that ROS does not allow."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("service name", name, error_msg, invalid_index)
+    _kind = "service name"
 
 
 class ParameterException(Exception):
     """The base of errors with parameters."""
 
-    def __init__(self, error_msg: str, parameters: Any, *args: Any) -> None:
-        super().__init__(f"{error_msg}: {parameters}", *args)
+    _said = "Parameter error"
+
+    def __init__(self, parameters: Any) -> None:
+        super().__init__(f"{self._said}: {parameters}")
 
 
 class ParameterNotDeclaredException(ParameterException):
     """The error for a use of parameters that are not declared."""
 
-    def __init__(self, parameters: Any, *args: Any) -> None:
-        super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
+    _said = "Invalid access to undeclared parameter(s)"
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
     """The error for a second declaration of parameters."""
 
-    def __init__(self, parameters: Any, *args: Any) -> None:
-        super().__init__("Parameter(s) already declared", parameters, *args)
+    _said = "Parameter(s) already declared"
 
 
 class InvalidParameterException(ParameterException):
     """The error for a parameter name that is not allowed: an empty one."""
 
-    def __init__(self, parameter: Any, *args: Any) -> None:
-        super().__init__("Invalid parameter name", parameter, *args)
+    _said = "Invalid parameter name"
 
 
 class InvalidParameterTypeException(ParameterException):
     """The error for a declaration whose value is of another type than the declared one."""
 
-    def __init__(self, parameter: Parameter[Any], type_name: str, *args: Any) -> None:
+    def __init__(self, parameter: Parameter[Any], type_name: str) -> None:
         Exception.__init__(
             self,
             f"Trying to set parameter '{parameter.name}' to '{parameter.value}' of type "
             f"'{parameter.type_.name}', expecting type '{type_name}': {parameter.name}",
-            *args,
         )
 
 
 class InvalidParameterValueException(ParameterException):
     """The error for a value that a parameter's descriptor or a callback refuses.
 
-    `declare_parameter` and `set_descriptor` raise it; `set_parameters` returns the reason instead.
+    `declare_parameter` raises it; `set_parameters` returns the reason instead.
     """
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
@@ -109,17 +104,15 @@ class InvalidParameterValueException(ParameterException):
 
 
 class ParameterImmutableException(ParameterException):
-    """The error for undeclaring a read-only parameter, or giving it another descriptor."""
+    """The error for undeclaring a read-only parameter."""
 
-    def __init__(self, parameter: Any, *args: Any) -> None:
-        super().__init__("Attempted to modify read-only parameter", parameter, *args)
+    _said = "Attempted to modify read-only parameter"
 
 
 class ParameterUninitializedException(ParameterException):
     """The error for reading a statically typed parameter that has no value."""
 
-    def __init__(self, parameter: Any, *args: Any) -> None:
-        super().__init__(f"The parameter '{parameter}' is not initialized", parameter, *args)
+    _said = "The parameter is not initialized"
 
 
 class ROSInterruptException(Exception):

@@ -13,9 +13,8 @@ import inspect
 import itertools
 import os
 import threading
-import warnings
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -90,7 +89,6 @@ class Executor:
         self._timers: list[tuple[int, int, TimedEntity]] = []
         self._due_ns: int | None = None  # The next timer; known if no work is left.
         self._order = itertools.count()
-        self._asked: tuple[object, ...] = ()  # The nodes for which the current round began.
         self._is_shutdown = False
         self._had_tasks = False  # True if the round's tasks are done and its entities come next.
         self._notified = False  # True once all waiting threads have been woken.
@@ -121,7 +119,7 @@ class Executor:
             return True
 
     def remove_node(self, node: Node) -> None:
-        """Stop running this node's callbacks after those of the current round.
+        """Stop running this node's callbacks.
 
         `node.executor` stays as it is. A node that was not added is ignored.
         """
@@ -136,6 +134,8 @@ class Executor:
             self._timers = [entry for entry in self._timers if entry[2]._node is not node]
             heapq.heapify(self._timers)
             self._ready = {e: None for e in self._ready if e._node is not node}
+            kept = [e for e in self._round if isinstance(e, Task) or e._node is not node]
+            self._round = deque(kept)
             self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
@@ -200,33 +200,16 @@ class Executor:
         """Return True if the entity's group lets its callback start, without claiming the group."""
         return entity.callback_group.can_execute(entity)
 
-    def wait_for_ready_callbacks(
-        self,
-        timeout_sec: float | None = None,
-        nodes: Collection[Node] | None = None,
-        condition: Callable[[], bool] = _never,
-    ) -> Ready:
+    def wait_for_ready_callbacks(self, timeout_sec: float | None = None) -> Ready:
         """Return the next task to call, with its entity and node, for a user's own executor.
 
         The entity's callback group is taken until the task has been called. Entity and node are
         None for a task of `create_task`.
         """
-        return next(self._wait_for_ready_callbacks(timeout_sec, nodes, condition))
-
-    def _wait_for_ready_callbacks(
-        self,
-        timeout_sec: float | None = None,
-        nodes: Collection[Node] | None = None,
-        condition: Callable[[], bool] = _never,
-    ) -> Iterator[Ready]:
-        """Yield one result of `wait_for_ready_callbacks` after the other, until it raises."""
-        while True:
-            work, entity = self._next_work(timeout_sec, condition, nodes)
-            if entity is None:
-                yield work, None, None  # type: ignore[misc]  # a task
-            else:
-                task: Task[None] = Task(self._execute, (work, entity), executor=self)
-                yield task, entity, entity._node
+        work, entity = self._next_work(timeout_sec, _never)
+        if entity is None:
+            return work, None, None  # type: ignore[return-value]  # a task
+        return Task(self._execute, (work, entity), executor=self), entity, entity._node
 
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -236,14 +219,12 @@ class Executor:
         A future ends when it is done or cancelled. What a callback raises is raised here.
         """
         deadline = _time_source.deadline_ns(timeout_sec)
-        future._when_done(self.wake)
-        while self._context.ok() and not future.done() and not future.cancelled():
-            left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
-            if self._is_shutdown:
+        while self._context.ok() and not self._is_shutdown:
+            if future.done() or future.cancelled():
                 return
-            left = None if left_ns is None else max(left_ns, 0) / 1e9
-            self._spin_once_until_future_complete(future, left)
-            if left_ns is not None and left_ns <= 0:
+            left = None if deadline is None else (deadline - _time_source.monotonic_ns()) / 1e9
+            self.spin_once_until_future_complete(future, None if left is None else max(left, 0.0))
+            if left is not None and left <= 0:
                 return
 
     def spin_once_until_future_complete(
@@ -254,11 +235,6 @@ class Executor:
         Unlike in rclpy, work that is ready is run even if the future is done already. What the
         callback raises is raised here.
         """
-        raise NotImplementedError
-
-    def _spin_once_until_future_complete(
-        self, future: Future[Any], timeout_sec: float | None = None
-    ) -> None:
         raise NotImplementedError
 
     def _execute(self, work: Work, entity: Entity | None) -> None:
@@ -321,20 +297,12 @@ class Executor:
                 self._notify()
 
     def _next_work(
-        self,
-        timeout_sec: float | None,
-        stop: Callable[[], bool],
-        nodes: Collection[Node] | None = None,
+        self, timeout_sec: float | None, stop: Callable[[], bool]
     ) -> tuple[Work, Entity | None]:
         with self._condition:
             self._check_alive()
-            asked = timeout_sec, stop, nodes
-            if asked != self._asked:  # rclpy builds a new wait set then, without what was removed.
-                self._asked = asked
-                kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
-                self._round = deque(kept)
-            found = None if self._has_nothing_to_do() else self._pop_ready(nodes)
-            return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
+            found = None if self._has_nothing_to_do() else self._pop_ready()
+            return self._wait_for_work(timeout_sec, stop) if found is None else found
 
     def _has_nothing_to_do(self) -> bool:
         """Return True if no work is left and no timer is due, so that a new round begins.
@@ -348,7 +316,7 @@ class Executor:
         return self._due_ns is None or self._due_ns > _time_source.monotonic_ns()
 
     def _wait_for_work(
-        self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
+        self, timeout_sec: float | None, stop: Callable[[], bool]
     ) -> tuple[Work, Entity | None]:
         """Block until there is a piece of work, and take it; the caller holds the condition."""
         deadline = _time_source.deadline_ns(timeout_sec)
@@ -363,7 +331,7 @@ class Executor:
             self._notified = False
             _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
             self._check_alive()
-            found = self._pop_ready(nodes)
+            found = self._pop_ready()
             if found is not None:
                 return found
 
@@ -392,27 +360,19 @@ class Executor:
                 self._make_ready(timer)
         return None
 
-    def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
+    def _pop_ready(self) -> tuple[Work, Entity | None] | None:
         """Take the next piece of work of this round or else of the next, or return None."""
-        others: list[Entity] = []  # Entities of nodes that are not spun now.
-        found: tuple[Work, Entity | None] | None = None
-        while found is None:
+        while True:
             if not self._round:
                 self._begin_round()
                 if not self._round:
-                    break
+                    return None
             item = self._round.popleft()
             if isinstance(item, Task):
-                found = item, None
-            elif nodes is not None and item._node not in nodes:
-                others.append(item)
-            else:
-                work = self._take(item)
-                if work is not None:
-                    found = work, item
-        if others:
-            self._ready.update(dict.fromkeys(others))
-        return found
+                return item, None
+            work = self._take(item)
+            if work is not None:
+                return work, item
 
     def _begin_round(self) -> None:
         """Fill the round with all waiting tasks, or with all ready entities and due timers.
@@ -465,11 +425,6 @@ class SingleThreadedExecutor(Executor):
         future._when_done(self.wake)
         self._spin_once(timeout_sec, future.done)
 
-    def _spin_once_until_future_complete(
-        self, future: Future[Any], timeout_sec: float | None = None
-    ) -> None:
-        self._spin_once(timeout_sec, future.done)
-
     def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
         try:
             work, entity = self._next_work(timeout_sec, stop)
@@ -494,12 +449,6 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
         if num_threads is None:
             cores = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 2))
             num_threads = len(cores(0))
-        if num_threads == 1:
-            warnings.warn(
-                "MultiThreadedExecutor is used with a single thread.\n"
-                "Use the SingleThreadedExecutor instead.",
-                stacklevel=2,
-            )
         self._executor = ThreadPoolExecutor(num_threads)
         self._running: list[PoolFuture[None]] = []
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from rcl_interfaces import srv
 from rcl_interfaces.msg import LoggerLevel, SetLoggerLevelsResult
 from rclpy import logging
-from rclpy.impl.logging_severity import LoggingSeverity
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -32,7 +31,7 @@ class LoggingService:
         for wanted in request.levels:
             result = SetLoggerLevelsResult(successful=True)
             try:
-                logging.set_logger_level(wanted.name, LoggingSeverity(wanted.level))
+                logging.set_logger_level(wanted.name, wanted.level)
             except ValueError:
                 reason = "Failed reason: Invalid logger level."
                 result = SetLoggerLevelsResult(successful=False, reason=reason)

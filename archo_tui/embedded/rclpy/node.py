@@ -9,14 +9,13 @@ from typing import Any, TypeVar
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 from rclpy import (
     _arguments,
-    _logging,
     _names,
     _process,
     _time_source,
+    logging,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
-from rclpy._parameter_rules import RELATIVE_TOLERANCE
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
 from rclpy.callback_groups import (
     CallbackGroup,
@@ -30,7 +29,7 @@ from rclpy.duration import Infinite
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
-from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.logging import RcutilsLogger
 from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
@@ -63,8 +62,6 @@ class Node(NodeParameters, Destroyable):
     Leaving a `with` destroys the node. Once it is destroyed, also by its context's shutdown,
     methods that ask the graph, add to it, or declare or set parameters raise InvalidHandle.
     """
-
-    PARAM_REL_TOL = RELATIVE_TOLERANCE
 
     def __init__(
         self,
@@ -117,12 +114,11 @@ class Node(NodeParameters, Destroyable):
         if enable_rosout and everybodys.rosout_logs and own.rosout_logs:
             self._rosout = self.create_publisher(Log, "/rosout", rosout_qos_profile)
             self._publish_log = self._rosout.publish
-            _logging.connect(self._logger.name, self._publish_log)
+            logging.connect(self._logger.name, self._publish_log)
         self._parameter_events = self.create_publisher(
             ParameterEvent, "/parameter_events", qos_profile_parameter_events
         )
-        self._time_source = TimeSource(node=self)
-        self._time_source.attach_clock(self._clock)
+        self._time_source = TimeSource(self, self._clock)
         if not self.has_parameter(_DESCRIBES_TYPES):
             # False, where rclpy's default is True: there are no descriptions of types to serve.
             about = "If enabled, start the ~/get_type_description service."
@@ -200,7 +196,7 @@ class Node(NodeParameters, Destroyable):
             raise RCLError(f"failed to resolve name: {error}") from None
         problem = _names.full_topic_problem(full)
         if problem:
-            raise RCLError(f"failed to resolve name: {problem[0]}")
+            raise RCLError(f"failed to resolve name: {problem}")
         return full
 
     def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
@@ -446,10 +442,6 @@ class Node(NodeParameters, Destroyable):
         with self._graph.lock:
             return [(node._name, node._namespace) for node in self._graph.nodes]
 
-    def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
-        """Return `(name, namespace, enclave)` of every node; without security all are in `/`."""
-        return [(*names, "/") for names in self.get_node_names_and_namespaces()]
-
     def get_fully_qualified_node_names(self) -> list[str]:
         """Return `/namespace/name` of every node of the domain, this one included."""
         self._use()
@@ -610,20 +602,16 @@ class Node(NodeParameters, Destroyable):
         if self._executor is not None:
             self._executor._drop_work(self)
 
-    def __enter__(self) -> Node:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy_node()
+    destroy = destroy_node  # At the end of a `with`.
 
     def _leave_graph(self) -> None:
         if self._destroyed:
             return
         self._destroyed = True
         if self._rosout is not None:
-            _logging.disconnect(self._logger.name, self._publish_log)
+            logging.disconnect(self._logger.name, self._publish_log)
         for thing in itertools.chain(self._publishers, self._entity_list):
-            thing.destroy()  # type: ignore[attr-defined]
+            thing.destroy()
         self._publishers.clear()
         self._entity_list.clear()
         with self._graph.changed:

@@ -6,15 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces import srv
-from rcl_interfaces.msg import ParameterEvent
 from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
-from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
-from rclpy.qos import (
-    QoSProfile,
-    qos_profile_parameter_events,
-    qos_profile_services_default,
-)
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, qos_profile_services_default
 from rclpy.task import Future
 
 if TYPE_CHECKING:
@@ -129,39 +124,6 @@ class AsyncParameterClient:
         Parameters of a static type are refused, and undeclared ones unless the node allows these.
         """
         return self.set_parameters([Parameter(name) for name in names], callback)
-
-    def load_parameter_file(
-        self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
-    ) -> Future[Any]:
-        """Read a parameter file and request to set what it has for the remote node, one by one.
-
-        With `use_wildcard`, also what it has for all nodes is set.
-        """
-        return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
-
-    def load_parameter_file_atomically(
-        self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
-    ) -> Future[Any]:
-        """Read a parameter file and request to set what it has for the remote node, all or none.
-
-        Arguments and errors are those of `load_parameter_file`.
-        """
-        return self.set_parameters_atomically(self._read(parameter_file, use_wildcard), callback)
-
-    def on_parameter_event(
-        self,
-        callback: Callable[[Any], None],
-        qos_profile: QoSProfile = qos_profile_parameter_events,
-        **options: Any,
-    ) -> Any:
-        """Subscribe to the changes of all nodes' parameters, and return the subscription."""
-        return self.node.create_subscription(
-            ParameterEvent, "/parameter_events", callback, qos_profile, **options
-        )
-
-    def _read(self, file: str, use_wildcard: bool) -> list[Any]:
-        nodes = [self.remote_node_name]
-        return list(parameter_dict_from_yaml_file(file, use_wildcard, nodes).values())
 
     def _call(self, client: Any, request: Any, callback: DoneCallback) -> Future[Any]:
         future: Future[Any] = client.call_async(request)

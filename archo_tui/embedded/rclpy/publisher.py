@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from rclpy._event_handlers import Endpoint
+from rclpy._entity import Endpoint
 from rclpy._time_source import monotonic_ns
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -22,10 +22,7 @@ _FOR_EVER = Duration(seconds=-1)
 
 
 class Publisher(Endpoint, Generic[MsgT]):
-    """A publisher of messages on one topic, made by `Node.create_publisher`.
-
-    Leaving a `with` destroys the publisher.
-    """
+    """A publisher of messages on one topic, made by `Node.create_publisher`."""
 
     def __init__(
         self,
@@ -101,40 +98,16 @@ class Publisher(Endpoint, Generic[MsgT]):
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
         """Return True at once: in one process every message has arrived."""
         self._use()
-        if not isinstance(timeout, Duration):
-            raise TypeError(f"timeout is a Duration, not {type(timeout).__name__}")
         return True
-
-    @property
-    def topic_name(self) -> str:
-        """Return the topic's name on the graph; raise InvalidHandle after `destroy()`."""
-        self._use()
-        return self._topic_name
-
-    @property
-    def logger_name(self) -> str:
-        """Return the name of the node's logger."""
-        return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
         """Return how many subscriptions match in type and QoS."""
         self._use()
         return len(self._matched)
 
-    def __enter__(self) -> Publisher[MsgT]:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy()
-
     def destroy(self) -> None:
-        """Leave the topic; late joiners no longer get the messages kept for them.
-
-        The node lists the publisher until `destroy_publisher`.
-        """
-        self._destroyed = True
+        super().destroy()
         self._node._graph.remove_publisher(self)
-        self._forget_events()
 
     def _replay(self, subscription: Subscription[Any]) -> None:
         """Hand the kept messages to a late joiner whose durability is TRANSIENT_LOCAL.

@@ -6,8 +6,8 @@ Deadline and liveliness are compared when endpoints meet, as DDS does, and have 
 
 from __future__ import annotations
 
-import warnings
 from copy import copy
+from dataclasses import dataclass
 from enum import Enum, EnumMeta, IntEnum
 from typing import Any
 
@@ -18,34 +18,18 @@ _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
 
 
 class _OldNames(EnumMeta):
-    """A metaclass that gives policies their old names, such as `RMW_QOS_POLICY_HISTORY_KEEP_LAST`.
-
-    Using an old name warns.
-    """
+    """A metaclass that knows old names of policies: `RMW_QOS_POLICY_HISTORY_KEEP_LAST`."""
 
     def __getattr__(cls, name: str) -> Any:
-        kind = cls.__name__.removesuffix("Policy")
-        short = name.removeprefix(f"RMW_QOS_POLICY_{kind.upper()}_")
+        kind = cls.__name__.removesuffix("Policy").upper()
+        short = name.removeprefix(f"RMW_QOS_POLICY_{kind}_")
         if short == name or short not in cls.__members__:
             raise AttributeError(name)
-        warnings.warn(
-            f"{kind}Policy.{name} is deprecated. Use {kind}Policy.{short} instead.", stacklevel=2
-        )
         return cls[short]
 
 
 class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
-    """The base of policies; a short key is a member's name in small letters."""
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        """Return the short key of every member."""
-        return [member.name.lower() for member in cls]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> int:
-        """Return the number of the member with a short key, in any case."""
-        return cls[name.upper()].value
+    """The base of policies."""
 
 
 class HistoryPolicy(QoSPolicyEnum):
@@ -96,16 +80,14 @@ class LivelinessPolicy(QoSPolicyEnum):
 class QoSPolicyKind(IntEnum):
     """The policies, as an event of QoS names them."""
 
-    INVALID = 1 << 0
-    DURABILITY = 1 << 1
-    DEADLINE = 1 << 2
-    LIVELINESS = 1 << 3
-    RELIABILITY = 1 << 4
-    HISTORY = 1 << 5
-    LIFESPAN = 1 << 6
-    DEPTH = 1 << 7
-    LIVELINESS_LEASE_DURATION = 1 << 8
-    AVOID_ROS_NAMESPACE_CONVENTIONS = 1 << 9
+    INVALID = 1
+    DURABILITY = 2
+    DEADLINE = 4
+    LIVELINESS = 8
+    RELIABILITY = 16
+    HISTORY = 32
+    LIFESPAN = 64
+    DEPTH = 128
 
 
 _DEFAULT_DEPTH = 10
@@ -113,100 +95,66 @@ QoSHistoryPolicy = HistoryPolicy
 QoSReliabilityPolicy = ReliabilityPolicy
 QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
-DeadlineBestAvailable = _BEST_TIME
-LivelinessLeaseDurationeBestAvailable = _BEST_TIME  # rclpy's own spelling.
-
-_TYPES: dict[
-    str, tuple[type, type | None]
-] = {  # Of each policy: the type it takes and the one it becomes.
-    "history": (int, HistoryPolicy),
-    "depth": (int, None),
-    "reliability": (int, ReliabilityPolicy),
-    "durability": (int, DurabilityPolicy),
-    "lifespan": (Duration, None),
-    "deadline": (Duration, None),
-    "liveliness": (int, LivelinessPolicy),
-    "liveliness_lease_duration": (Duration, None),
-    "avoid_ros_namespace_conventions": (bool, None),
-}
 
 
 class InvalidQoSProfileException(Exception):
     """The error for a QoSProfile of KEEP_LAST that is created without a depth."""
 
 
+@dataclass
 class QoSProfile:
     """The policies of one publisher or subscription; `depth` counts samples.
 
-    A zero duration means that the policy is not used.
+    A zero duration means that the policy is not used. A value of a wrong type is refused.
     """
 
-    history: HistoryPolicy
-    depth: int
-    reliability: ReliabilityPolicy
-    durability: DurabilityPolicy
-    lifespan: Duration
-    deadline: Duration
-    liveliness: LivelinessPolicy
-    liveliness_lease_duration: Duration
-    avoid_ros_namespace_conventions: bool
+    history: HistoryPolicy = None  # type: ignore[assignment]  # KEEP_LAST, if there is a depth.
+    depth: int = None  # type: ignore[assignment]
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+    lifespan: Duration = _NO_TIME
+    deadline: Duration = _NO_TIME
+    liveliness: LivelinessPolicy = LivelinessPolicy.SYSTEM_DEFAULT
+    liveliness_lease_duration: Duration = _NO_TIME
+    avoid_ros_namespace_conventions: bool = False
 
-    def __init__(
-        self,
-        history: HistoryPolicy | int | None = None,
-        depth: int | None = None,
-        reliability: ReliabilityPolicy | int = ReliabilityPolicy.RELIABLE,
-        durability: DurabilityPolicy | int = DurabilityPolicy.VOLATILE,
-        lifespan: Duration = _NO_TIME,
-        deadline: Duration = _NO_TIME,
-        liveliness: LivelinessPolicy | int = LivelinessPolicy.SYSTEM_DEFAULT,
-        liveliness_lease_duration: Duration = _NO_TIME,
-        avoid_ros_namespace_conventions: bool = False,
-    ) -> None:
-        if history is None and depth is None:
+    def __post_init__(self) -> None:
+        if self.history is None and self.depth is None:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
-        history = HistoryPolicy.KEEP_LAST if history is None else history
-        if history == HistoryPolicy.KEEP_LAST and depth is None:
-            raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
-        given = locals()
-        for name in _TYPES:
-            setattr(self, name, given[name])
-        if depth is None:
+        if self.history is None:
+            self.history = HistoryPolicy.KEEP_LAST
+        if self.depth is None:
+            if self.history == HistoryPolicy.KEEP_LAST:
+                raise InvalidQoSProfileException("KEEP_LAST without a depth setting.")
             self.depth = _DEFAULT_DEPTH
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Set a policy; a depth of 0 with KEEP_LAST gives a warning, a depth of None becomes 10."""
-        if name not in _TYPES:
+        if name not in _KINDS:
             raise AttributeError(f"'QoSProfile' object has no attribute {name!r}")
-        taken, kind = _TYPES[name]
-        if value is None and name == "depth":
-            value = _DEFAULT_DEPTH
-        assert isinstance(value, taken)
-        if name == "depth" and value == 0 and self.history == HistoryPolicy.KEEP_LAST:
-            warnings.warn(
-                "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
-                "This will be interpreted as SYSTEM_DEFAULT",
-                stacklevel=2,
-            )
-        object.__setattr__(self, name, value if kind is None else kind(value))
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, QoSProfile) and vars(self) == vars(other)
-
-    __hash__ = None  # type: ignore[assignment]  # it can be changed
-
-    def __str__(self) -> str:
-        shown = {name: value for name, value in vars(self).items()}
-        inside = (
-            f"{name}={value.value if isinstance(value, IntEnum) else value}"
-            for name, value in shown.items()
-        )
-        return f"QoSProfile({', '.join(inside)})"
+        kind = _KINDS[name]
+        is_number = issubclass(kind, int) and kind is not bool
+        if value is not None:
+            assert isinstance(value, int if is_number else kind), f"{name} is no {kind.__name__}"
+            value = kind(value) if is_number else value
+        object.__setattr__(self, name, value)
 
     @property
     def _queue_size(self) -> int | None:
         """Return how many samples a queue of this profile holds, at least 1; None for no bound."""
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
+
+
+_KINDS: dict[str, type] = {
+    "history": HistoryPolicy,
+    "depth": int,
+    "reliability": ReliabilityPolicy,
+    "durability": DurabilityPolicy,
+    "lifespan": Duration,
+    "deadline": Duration,
+    "liveliness": LivelinessPolicy,
+    "liveliness_lease_duration": Duration,
+    "avoid_ros_namespace_conventions": bool,
+}
 
 
 qos_profile_unknown = QoSProfile(
@@ -256,11 +204,6 @@ class QoSPresetProfiles(Enum):
     ROSOUT_DEFAULT = qos_profile_rosout_default
 
     @classmethod
-    def short_keys(cls) -> list[str]:
-        """Return every name in small letters, aliases too."""
-        return [name.lower() for name in cls.__members__]
-
-    @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
         """Return the profile of that name, in any case: the profile itself, not a copy."""
         profile: QoSProfile = cls[name.upper()].value
@@ -276,11 +219,6 @@ def as_profile(qos: QoSProfile | int) -> QoSProfile:
     if qos < 0:
         raise ValueError("history depth must be greater than or equal to zero")
     return QoSProfile(depth=qos)
-
-
-def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
-    """Return the name of a policy, such as `DEPTH`; raise ValueError for an unknown kind."""
-    return QoSPolicyKind(policy_kind).name
 
 
 def incompatible_policy(offered: QoSProfile, requested: QoSProfile) -> QoSPolicyKind | None:

@@ -62,11 +62,7 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         client._deliver((number, message.__received__()))
 
     def destroy(self) -> None:
-        """Leave the graph; requests that are still queued are never answered.
-
-        The node lists the service until `destroy_service`.
-        """
-        self._destroyed = True
+        super().destroy()
         graph = self._node._graph
         graph.remove_named(graph.services, self._service_name, self)
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 import uuid
 from collections.abc import Callable
-from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
 from rclpy import _time_source
-from rclpy._entity import QueueEntity
-from rclpy._event_handlers import Endpoint
-from rclpy._type_checks import takes_info
+from rclpy._entity import Endpoint, QueueEntity
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 
@@ -67,12 +66,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         self.raw = raw
         self._gid = list(uuid.uuid4().bytes)
 
-    class CallbackType(Enum):
-        """The kinds of callback by what they are called with."""
-
-        MessageOnly = 0
-        WithMessageInfo = 1
-
     @property
     def callback(self) -> Callable[..., Any]:
         """Return the callback: a function of the message, or of the message and its info.
@@ -83,21 +76,8 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     @callback.setter
     def callback(self, callback: Callable[..., Any]) -> None:
-        self._with_info = takes_info(callback)
-        kinds = self.CallbackType
-        self._callback_type = kinds.WithMessageInfo if self._with_info else kinds.MessageOnly
+        self._with_info = _takes_info(callback)
         self._callback = callback
-
-    @property
-    def topic_name(self) -> str:
-        """Return the topic's name on the graph; raise InvalidHandle after `destroy()`."""
-        self._use()
-        return self._topic_name
-
-    @property
-    def logger_name(self) -> str:
-        """Return the name of the node's logger."""
-        return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
         """Return how many publishers match in type and QoS."""
@@ -107,13 +87,8 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
             return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
 
     def destroy(self) -> None:
-        """Leave the topic; messages that are still queued are dropped.
-
-        The node lists the subscription until `destroy_subscription`.
-        """
-        self._destroyed = True
+        super().destroy()
         self._node._graph.remove_subscription(self)
-        self._forget_events()
         self._queue.clear()
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
@@ -134,3 +109,14 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     def _work(self, item: Any) -> Callable[[], Any]:
         return partial(self._callback, *item) if self._with_info else partial(self._callback, item)
+
+
+def _takes_info(callback: Any) -> bool:
+    """Return True if a callback takes a message and its info, and not a message alone."""
+    with contextlib.suppress(TypeError):
+        signature = inspect.signature(callback)
+        for given in (1, 2):
+            with contextlib.suppress(TypeError):
+                signature.bind(*[object()] * given)
+                return given == 2
+    raise RuntimeError("callback should be callable with a message, or with a message and its info")

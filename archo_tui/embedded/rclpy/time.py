@@ -7,10 +7,9 @@ from typing import overload
 
 import builtin_interfaces.msg
 from rclpy.clock_type import ClockType
-from rclpy.duration import S_TO_NS, Duration, in_int64
+from rclpy.duration import S_TO_NS, Duration
 
 _LAST_SECOND = 2**31 - 1  # `sec` of builtin_interfaces/Time is an int32.
-_TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
 
 
 @total_ordering
@@ -18,8 +17,7 @@ class Time:
     """A point in time, in ns since its clock's epoch.
 
     Comparing times of two kinds of clock, also by `==`, or subtracting them raises TypeError.
-    Adding or subtracting a Duration raises ValueError if the result is below 0, and OverflowError
-    if it has more than 64 bits.
+    A time below 0 raises ValueError.
     """
 
     def __init__(
@@ -31,12 +29,9 @@ class Time:
     ) -> None:
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
-        if seconds < 0:
-            raise ValueError("Seconds value must not be negative")
-        if nanoseconds < 0:
-            raise ValueError("Nanoseconds value must not be negative")
-        total = int(seconds * S_TO_NS) + int(nanoseconds)
-        self._nanoseconds = in_int64(total, _TOO_LARGE)
+        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+        if self._nanoseconds < 0:
+            raise ValueError("a time must not be negative")
         self._clock_type = clock_type
 
     @property
@@ -59,11 +54,7 @@ class Time:
     def __add__(self, other: Duration) -> Time:
         if not isinstance(other, Duration):
             return NotImplemented
-        total = in_int64(
-            self._nanoseconds + other.nanoseconds, "Addition leads to overflow in C storage."
-        )
-        if total < 0:
-            raise ValueError("Addition leads to negative time")
+        total = self._nanoseconds + other.nanoseconds
         return Time(nanoseconds=total, clock_type=self._clock_type)
 
     __radd__ = __add__
@@ -77,8 +68,6 @@ class Time:
     def __sub__(self, other: Time | Duration) -> Time | Duration:
         if isinstance(other, Duration):
             left = self._nanoseconds - other.nanoseconds
-            if left < 0:
-                raise ValueError("Subtraction leads to negative time.")
             return Time(nanoseconds=left, clock_type=self._clock_type)
         if not isinstance(other, Time):
             return NotImplemented

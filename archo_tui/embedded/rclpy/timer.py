@@ -6,14 +6,13 @@ import inspect
 import threading
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy import _time_source
 from rclpy._entity import TimedEntity
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ROSClock
-from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
 from rclpy.time import Time
@@ -22,33 +21,11 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-class TimerInfo:
-    """The times at which a timer's callback was due and was called."""
+class TimerInfo(NamedTuple):
+    """The times at which a timer's callback was due and was called, on the timer's clock."""
 
-    def __init__(
-        self,
-        *,
-        expected_call_time: int = 0,
-        actual_call_time: int = 0,
-        clock_type: ClockType = ClockType.SYSTEM_TIME,
-    ) -> None:
-        """Set the times, in ns of the timer's clock."""
-        if not isinstance(clock_type, ClockType):
-            raise TypeError("Clock type must be a ClockType enum")
-        if expected_call_time < 0 or actual_call_time < 0:
-            raise ValueError("call time values must not be negative")
-        self._expected = Time(nanoseconds=expected_call_time, clock_type=clock_type)
-        self._actual = Time(nanoseconds=actual_call_time, clock_type=clock_type)
-
-    @property
-    def expected_call_time(self) -> Time:
-        """Return when the callback was due."""
-        return self._expected
-
-    @property
-    def actual_call_time(self) -> Time:
-        """Return when the callback was called."""
-        return self._actual
+    expected_call_time: Time
+    actual_call_time: Time
 
 
 class Timer(TimedEntity):
@@ -193,19 +170,16 @@ class Timer(TimedEntity):
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
         """Return the callback, with a TimerInfo if one of its arguments is annotated so."""
-        if self.callback is None:  # rclpy fails with this name of its own variable.
+        if self.callback is None:  # As `self.tick()` gives; rclpy fails by its own variable's name.
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
             self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
         if not self._wanted:
             return self.callback
         to_clock = self._clock.now().nanoseconds - self._now_ns()
-        info = TimerInfo(
-            expected_call_time=expected + to_clock,
-            actual_call_time=actual + to_clock,
-            clock_type=self._clock.clock_type,
-        )
-        return partial(self.callback, **{self._wanted: info})
+        kind = self._clock.clock_type
+        times = (Time(nanoseconds=t + to_clock, clock_type=kind) for t in (expected, actual))
+        return partial(self.callback, **{self._wanted: TimerInfo(*times)})
 
 
 def _info_argument(callback: Any) -> str:

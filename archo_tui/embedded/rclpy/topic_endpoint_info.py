@@ -26,25 +26,3 @@ class TopicEndpointInfo:
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
     endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes.
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
-
-    def __str__(self) -> str:
-        qos, gid = self.qos_profile, ".".join(f"{byte:02x}" for byte in self.endpoint_gid)
-        depth = f" ({qos.depth})" if qos.history.name == "KEEP_LAST" else ""
-        return "\n".join(
-            (
-                f"Node name: {self.node_name}",
-                f"Node namespace: {self.node_namespace}",
-                f"Topic type: {self.topic_type}",
-                "Topic type hash: INVALID",
-                f"Endpoint type: {self.endpoint_type.name}",
-                f"GID: {gid}",
-                "QoS profile:",
-                f"  Reliability: {qos.reliability.name}",
-                f"  History (Depth): {qos.history.name}{depth}",
-                f"  Durability: {qos.durability.name}",
-                f"  Lifespan: {qos.lifespan}",
-                f"  Deadline: {qos.deadline}",
-                f"  Liveliness: {qos.liveliness.name}",
-                f"  Liveliness lease duration: {qos.liveliness_lease_duration}",
-            )
-        )

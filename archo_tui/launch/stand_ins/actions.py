@@ -50,6 +50,10 @@ __all__ = [
 ]
 
 
+_MAX_DEPTH = 10  # Files that include one file again, which only a condition ends.
+_walked: list[str] = []  # The included files in which arguments are looked for.
+
+
 class DeclareLaunchArgument(Action):
     """The action that declares an argument of the launch file, and sets its default if need be.
 
@@ -288,6 +292,13 @@ class IncludeLaunchDescription(Action):
 
     def execute(self, context: LaunchContext) -> list[Any]:
         path, description = self._source.load(context)
+        if context.including.count(path) >= _MAX_DEPTH:
+            first = context.including.index(path)
+            second = context.including.index(path, first + 1)
+            circle = map(os.path.basename, context.including[first : second + 1])
+            text = "these launch files include each other without end"
+            raise SubstitutionFailure(f"{text}: {' > '.join(circle)}", self.place)
+        context.including.append(path)
         # They stay when the included file is over: so it is in launch.
         context.locals.current_launch_file_path = path
         context.locals.current_launch_file_directory = os.path.dirname(path)
@@ -304,10 +315,15 @@ class IncludeLaunchDescription(Action):
         return {perform(context, name) for name, _ in self._arguments}
 
     def sub_entities(self) -> Iterable[Any]:
+        found: tuple[str, LaunchDescription] | None = None
         with contextlib.suppress(Exception):  # Not known yet, or wrong: the evaluation will tell.
-            description: LaunchDescription = self._source.load(LaunchContext())[1]
-            return description.entities
-        return ()
+            found = self._source.load(LaunchContext())
+        if found is not None and found[0] not in _walked:
+            _walked.append(found[0])
+            try:
+                yield from found[1].entities
+            finally:
+                _walked.remove(found[0])
 
     def given_names(self) -> set[str]:
         with contextlib.suppress(Exception):

@@ -91,6 +91,7 @@ class LaunchContext:
         # An argument that is given and neither declared nor read gets a note.
         self.read: set[str] = set()
         self.failed_at: Place | None = None  # The line of the action that raised an error.
+        self.including: list[str] = []  # The paths of the files around the current action.
         self._configurations: dict[str, Any] = {}
         self._environment = dict(os.environ)
         self._pushed_configurations: list[dict[str, Any]] = []
@@ -335,6 +336,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
     if not isinstance(entity, LaunchDescriptionEntity):
         text = f"an action is wanted, not a {type(entity).__name__}: {reprlib.repr(entity)}"
         raise SubstitutionFailure(text, within)
+    around = len(context.including)
     try:
         found = entity.visit(context)
     except SkipActionError as error:
@@ -347,6 +349,7 @@ def visit(entity: Any, context: LaunchContext, within: Place) -> None:
         raise
     for part in found or ():
         visit(part, context, entity.place)
+    del context.including[around:]  # What the entity has included is over.
 
 
 def visit_delayed(context: LaunchContext) -> None:

@@ -211,46 +211,14 @@ def _flat(
 def _evaluate(context: LaunchContext, name: str, value: Any) -> Any:
     if isinstance(value, ParameterValue):
         return value.evaluate(context)
-    if isinstance(value, Substitution):
-        return _parse_yaml(name, value.perform(context))
-    if isinstance(value, (bool, int, float, str, bytes)):
+    if isinstance(value, bytes):
         return value
-    if isinstance(value, Sequence):
-        return _evaluate_list(context, name, value)
-    raise TypeError(f"parameter {name} is {value!r}, which no parameter can be")
-
-
-def _evaluate_list(context: LaunchContext, name: str, values: Sequence[Any]) -> Any:
-    kinds = {type(value) for value in values}
-    if kinds == {int, float}:
-        return [float(value) for value in values]
-    # A list with a substitution is one text: `[LaunchConfiguration("robot"), "/base"]`.
-    of_text = all(isinstance(value, (str, Substitution)) for value in values)
-    if of_text and any(isinstance(value, Substitution) for value in values):
-        return _parse_yaml(name, perform(context, values))
-    found = [
-        value
-        if isinstance(value, (bool, int, float, str))
-        else _parse_yaml(name, perform_part(context, value))
-        for value in values
-    ]
-    if not found or not is_uniform(found):
-        what = "of different types" if found else "empty, so its type is not known"
-        raise TypeError(f"parameter {name}: the list {found!r} is {what}")
-    return found
-
-
-def _parse_yaml(name: str, text: str) -> Any:
-    """Parse the text of a parameter as YAML 1.1; TypeError if no parameter can be that."""
+    if not isinstance(value, (*SCALARS, Substitution, Sequence)):
+        raise TypeError(f"parameter {name} is {value!r}, which no parameter can be")
     try:
-        value = yaml.safe_load(text or "''")
-    except yaml.YAMLError:
-        raise TypeError(f"parameter {name}: {text!r} is not YAML: {_AS_TEXT}") from None
-    if isinstance(value, list):
-        if value and is_uniform(value):
-            return value
-        raise TypeError(f"parameter {name}: {text!r} is no list of values of one type: {_AS_TEXT}")
-    if isinstance(value, (bool, int, float, str, bytes)):
-        return value
-    kind = "null" if value is None else type(value).__name__
-    raise TypeError(f"parameter {name}: {text!r} is of YAML's type {kind}: {_AS_TEXT}")
+        found = perform_typed(context, value, None)
+    except ValueError as error:
+        raise TypeError(f"parameter {name}: {error}: {_AS_TEXT}") from None
+    if found == []:
+        raise TypeError(f"parameter {name}: the list {found!r} is empty, so its type is not known")
+    return found

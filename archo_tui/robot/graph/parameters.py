@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Container, Iterable, Mapping
+from functools import partial
 from operator import is_
 from typing import Any
 
@@ -50,11 +51,12 @@ class Parameters:
         node: Listener,
         clock: Clock,
         pending: Services,
+        submit: Callable[[Callable[[], Any]], None],
         on_change: Callable[[], None],
         on_new_value: Callable[[str, Any, Any], None],
         on_event: Callable[[str, str, Any, Any], None],
     ) -> None:
-        self._tell_event = on_event
+        self._tell_event, self._submit = on_event, submit
         self._node, self._clock = node, clock
         self._on_new_value = on_new_value
         self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
@@ -108,11 +110,11 @@ class Parameters:
             known = known or name in self._loading or now < self._retry.get(name, (0.0, 0.0))[0]
             if not known and name in serving:
                 self._loading.add(name)
-                self._task(self._load, name)
+                self._submit(partial(self._load, name))
         self._known = dict(nodes)
         for node, names in self._polling.take_due(now, self._by_node):
             if node in self._by_node:  # Others have left in this round.
-                self._task(self._refresh, node, names)
+                self._submit(partial(self._refresh, node, names))
 
     async def _refresh(self, node: str, names: list[str]) -> None:
         """Read parameters of a node again; if it has others now, forget it, to load it anew."""
@@ -139,9 +141,6 @@ class Parameters:
             return None
         whole = len(got.values) == len(names)
         return {n: as_python(v) for n, v in zip(names, got.values, strict=True)} if whole else {}
-
-    def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
-        self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     async def _load(self, node: str) -> None:
         """Load all parameters of a node; if it does not answer, set when it is asked again."""

@@ -22,6 +22,7 @@ from archo_tui.user_code.programs import Programs
 from archo_tui.user_code.source import Source
 
 ANSWER = 3.0  # Seconds in which an answer or a log line must arrive.
+_RESTART = 10.0  # Seconds in which a program that runs again must have made its nodes.
 _MIN_RUN = 1.5  # Seconds, so that a timer of 1 s fires once.
 _SPIN_TIME = 0.05  # Seconds of one spin of the checker's executor.
 _WAKE_TIME = 2.0  # Seconds in which an executor that was woken takes its turn, and a process ends.
@@ -86,7 +87,7 @@ class CheckRunner:
             self._programs.start(hosted)
             for again in self._programs:
                 if again.file is hosted.file:
-                    again.wait()
+                    again.wait(_RESTART)
 
     def _crashed(self, programs: Any) -> list[HostedProgram]:
         return [hosted for hosted in programs if hosted.state.life is Life.CRASHED]

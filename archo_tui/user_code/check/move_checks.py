@@ -92,6 +92,7 @@ class _MoveProbe:
     ) -> None:
         self._runner, self._client, self._action_class = runner, client, action_class
         self._nodes = nodes
+        self._is_too_fast = False  # Then whether a cancel is in time is chance.
 
     def _until(self, holds: Any, seconds: float) -> bool:
         return self._runner.spin_until(holds, seconds, self._nodes)
@@ -99,8 +100,10 @@ class _MoveProbe:
     def _send(self, shelf: int) -> tuple[Any, list[float], str]:
         """Send a goal, and wait for the answer, for ANSWER seconds at most."""
         way: list[float] = []
+        self._came: list[float] = []
 
         def take(message: Any) -> None:
+            self._came.append(self._runner.now())
             way.append(round(message.feedback.distance_remaining, 3))
 
         self._until(self._client.server_is_ready, ANSWER)
@@ -135,7 +138,10 @@ class _MoveProbe:
         if answer.status != GoalStatus.STATUS_SUCCEEDED:
             ended = _STATUS_NAMES.get(answer.status, str(answer.status))
             return f"it ended as {ended}: call goal_handle.succeed() before return"
-        if lasted < _MIN_MOVE:
+        if len(way) > 1:  # On a busy machine the answer to the goal may take longer than the move.
+            lasted = min(lasted, self._came[-1] - self._came[0])
+        self._is_too_fast = lasted < _MIN_MOVE
+        if self._is_too_fast:
             return _TOO_FAST
         if way != _FEEDBACK:
             return f"the feedback was {_join(way)}; the chapter's is {_join(_FEEDBACK)}"
@@ -147,14 +153,13 @@ class _MoveProbe:
 
     def check_cancel(self) -> str:
         """Send a goal, cancel it when its feedback says that 9 m remain, and wait for its end."""
-        began = self._runner.now()
+        if self._is_too_fast:
+            return _TOO_FAST
         handle, way, why = self._send(_SHELVES[1])
         if handle is None:
             return why
         future = handle.get_result_async()
         self._until(lambda: 9.0 in way or future.done(), _MAX_MOVE)
-        if future.done() and self._runner.now() - began < _MIN_MOVE:
-            return _TOO_FAST
         if not self._until(lambda: 9.0 in way, _FEEDBACK_GRACE):
             return f"no feedback of 9 m; it was {_join(way)}"
         asked = handle.cancel_goal_async()

@@ -17,7 +17,6 @@ from rclpy import _time_source
 from rclpy._entity import Entity, QueueEntity
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy._type_checks import check_action
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import (
@@ -26,6 +25,7 @@ from rclpy.qos import (
     qos_profile_services_default,
 )
 from rclpy.task import Future, wait_for
+from rclpy.type_support import check_is_valid_action_type
 from unique_identifier_msgs.msg import UUID
 
 if TYPE_CHECKING:
@@ -125,15 +125,8 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
-        check_action(action_type)
-        problem = topic_problem(action_name)
-        if problem:
-            raise ValueError(
-                f"Failed to create action client due to invalid topic name '{action_name}' : "
-                f"{problem[0]}"
-            )
+        check_action(action_type, action_name)
         self._node = node
-        self._was_destroyed = False  # True after `destroy()`, False if only the node was.
         self._action_type = action_type
         self._goal_handles: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
             weakref.WeakValueDictionary()
@@ -241,17 +234,8 @@ class ActionClient:
             )
             return self.server_is_ready()
 
-    def __enter__(self) -> None:
-        """Return None, as rclpy does; the end of the `with` destroys nothing."""
-
-    def __exit__(self, *_: object) -> None:
-        """Do nothing: the client lives until `destroy()`."""
-
     def destroy(self) -> None:
         """Leave the graph; futures that are pending stay pending."""
-        if self._was_destroyed:
-            raise ValueError("list.remove(x): x not in list")
-        self._was_destroyed = True
         for client in self._clients:
             self._node.destroy_client(client)
         for subscription in self._subscriptions:
@@ -318,6 +302,13 @@ class _Together(Entity):
 def _all(taken: Sequence[Callable[[], Any]]) -> Any:
     """Run all pieces of work; return the coroutine of an async feedback callback, or else None."""
     return next(filter(None, [work() for work in taken]), None)
+
+
+def check_action(action_type: Any, name: str) -> None:
+    """Raise AttributeError unless the type is an action's, and ValueError for a bad name."""
+    check_is_valid_action_type(action_type)
+    if problem := topic_problem(name):
+        raise ValueError(f"invalid topic name '{name}' of an action: {problem}")
 
 
 def _wait(future: Future[Any]) -> Any:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
-from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy._type_checks import check_action
 from rclpy.action import _goal_states as states
+from rclpy.action._goal_states import GoalEvent
+from rclpy.action.client import check_action
 from rclpy.callback_groups import CallbackGroup
 from rclpy.executors import await_or_execute
 from rclpy.qos import (
@@ -103,7 +103,7 @@ class ServerGoalHandle:
         forgotten goal is executed, too, but has no status.
         """
         if not self.is_cancel_requested:
-            self._update(states.EXECUTE)
+            self._update(GoalEvent.EXECUTE)
         self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
@@ -119,36 +119,26 @@ class ServerGoalHandle:
 
     def succeed(self) -> None:
         """End the goal as SUCCEEDED, and publish that; do nothing once the goal is forgotten."""
-        self._update(states.SUCCEED)
+        self._update(GoalEvent.SUCCEED)
 
     def abort(self) -> None:
         """End the goal as ABORTED, and publish that; do nothing once the goal is forgotten."""
-        self._update(states.ABORT)
+        self._update(GoalEvent.ABORT)
 
     def canceled(self) -> None:
         """End the goal as CANCELED, and publish that; do nothing once the goal is forgotten."""
-        self._update(states.CANCELED)
+        self._update(GoalEvent.CANCELED)
 
     def destroy(self) -> None:
         """Forget the goal: it can no longer be canceled, and its end is not published."""
         self._destroyed = True
 
-    def _update(self, event: str) -> None:
+    def _update(self, event: GoalEvent) -> None:
         with self._lock:
             if self._destroyed:
                 return
             self._status = states.next_state(self._status, event)
         self._server._publish_status(self)
-
-
-class GoalEvent(Enum):
-    """The events that move a goal from one state to another, as rclpy names them."""
-
-    EXECUTE = 0
-    CANCEL_GOAL = 1
-    SUCCEED = 2
-    ABORT = 3
-    CANCELED = 4
 
 
 def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
@@ -193,17 +183,10 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
-        check_action(action_type)
-        problem = topic_problem(action_name)
-        if problem:
-            raise ValueError(
-                f"Failed to create action server due to invalid topic name '{action_name}' : "
-                f"{problem[0]}"
-            )
+        check_action(action_type, action_name)
         if result_timeout < 0:
             raise ValueError("Failed to create action server: timer period must be non-negative")
         self._node = node
-        self._was_destroyed = False  # True after `destroy()`, False if only the node was.
         self._action_type = action_type
         self.register_execute_callback(execute_callback)
         self.register_goal_callback(goal_callback)
@@ -277,17 +260,8 @@ class ActionServer:
         """Return the class of the action."""
         return self._action_type
 
-    def __enter__(self) -> None:
-        """Return None, as rclpy does; the end of the `with` destroys nothing."""
-
-    def __exit__(self, *_: object) -> None:
-        """Do nothing: the server lives until `destroy()`."""
-
     def destroy(self) -> None:
         """Stop offering the action and forget its goals; their results are never sent."""
-        if self._was_destroyed:
-            raise ValueError("list.remove(x): x not in list")
-        self._was_destroyed = True
         for goal in self._goal_handles.values():
             goal.destroy()
         for service in self._services:
@@ -353,7 +327,7 @@ class ActionServer:
             answer = await await_or_execute(self._cancel_callback, goal)
             if answer == CancelResponse.ACCEPT:
                 try:
-                    goal._update(states.CANCEL_GOAL)
+                    goal._update(GoalEvent.CANCEL_GOAL)
                     accepted.append(goal._info)
                 except RCLError:
                     self._logger.debug("the goal ended before it could be canceled")

@@ -1,4 +1,4 @@
-"""`python -m tests.bench.engine`: what the embedded engine's messages, calls and goals cost.
+"""`python -m bench.engine`: what the embedded engine's messages, calls and goals cost.
 
 Rates beside those of the real rclpy in one process, when that is installed: medians of rounds that
 take turns. Absolute rates are this machine's; the ratios are what counts.
@@ -58,7 +58,7 @@ def topic(ros: Any, receivers: int, idle: int = 0) -> float:
 
 
 def service(ros: Any) -> float:
-    """Calls a second."""
+    """Return how many calls a second there are."""
     from std_srvs.srv import Trigger
 
     node, executor = ros.node(), ros.executor
@@ -156,7 +156,7 @@ def main() -> None:
     found: dict[str, list[dict[str, float]]] = {name: [] for name in names}
     for _ in range(ROUNDS):
         for name in names:
-            command = [sys.executable, "-m", "tests.bench.engine", name]
+            command = [sys.executable, "-m", "bench.engine", name]
             done = subprocess.run(command, capture_output=True, text=True, check=True)
             found[name].append(json.loads(done.stdout.splitlines()[-1]))
     print(f"{'a second':<34}{'embedded':>10}{'rclpy':>10}{'ratio':>8}")

@@ -1,4 +1,4 @@
-"""A program in a terminal, and what it costs."""
+"""The console in a terminal, and what it costs."""
 
 from __future__ import annotations
 
@@ -10,22 +10,16 @@ from types import TracebackType
 from tests.support import chosen
 from tests.support.terminal import Terminal
 
-_SYNCHRONIZED = "\x1b[?2026;2$y"  # the terminal's answer: updates can be taken as one
+_SYNCHRONIZED = "\x1b[?2026;2$y"  # The terminal's answer: updates can be taken as one.
 _UPDATE_ENDS = b"\x1b[?2026l"
 
 
 def cpu(pid: int) -> float:
-    """CPU of all threads of a process so far, in s."""
+    """Return the CPU of all threads of a process so far, in seconds."""
     used = 0
     for task in Path(f"/proc/{pid}/task").iterdir():
         used += int((task / "schedstat").read_text().split()[0])
     return used / 1e9
-
-
-def resident(pid: int) -> float:
-    """Memory of a process in MB."""
-    status = Path(f"/proc/{pid}/status").read_text()
-    return next(int(line.split()[1]) for line in status.splitlines() if line[:5] == "VmRSS") / 1e3
 
 
 class Program:
@@ -40,7 +34,7 @@ class Program:
     ) -> None:
         chosen.ENGINE = engine
         self.began = time.perf_counter()
-        self.terminal = Terminal(*words, code=code, size=size)
+        self.terminal = Terminal(*words, code=code, size=size, fresh=True)
         self.terminal.write(_SYNCHRONIZED)
 
     def __enter__(self) -> Program:
@@ -57,43 +51,33 @@ class Program:
         self.terminal.close()
 
     def until(self, text: str) -> float:
-        """Read until that was drawn since the last `forget`; s since the start, or it."""
+        """Read until a text was drawn since the last `press`; return the seconds since then."""
         while text.encode() not in self.terminal.output:
             assert time.perf_counter() - self.began < 60, self.terminal.text[-2000:]
-            self.terminal.read(0.01)
+            self.terminal.read(0.001)
         return time.perf_counter() - self.began
 
-    def frame(self, text: str) -> float:
-        """Read until an update with that text has been drawn whole; s since the start."""
+    def frame(self, text: str) -> None:
+        """Read until an update with a text has been drawn whole."""
         while _UPDATE_ENDS not in self.terminal.output.partition(text.encode())[2]:
             self.until(text)
             self.terminal.read(0.01)
-        return time.perf_counter() - self.began
-
-    def forget(self) -> None:
-        """What was drawn so far does not count."""
-        self.terminal.output, self.began = b"", time.perf_counter()
 
     def press(self, keys: str, effect: str) -> float:
-        """From a key to what it draws, in s."""
+        """Return the seconds from a key to what it draws."""
         self.read(0.3)
-        self.forget()
+        self.terminal.output, self.began = b"", time.perf_counter()
         self.terminal.write(keys)
         return self.until(effect)
 
     def read(self, seconds: float) -> None:
-        """Take what is drawn in that time."""
+        """Take what is drawn in that time; only its end is kept."""
         end = time.perf_counter() + seconds
         while time.perf_counter() < end:
             self.terminal.read(0.02)
 
     def load(self, seconds: float) -> float:
-        """CPU in that time, as a part of one core."""
+        """Return the CPU in that time, as a part of one core."""
         before, began = cpu(self.terminal.pid), time.perf_counter()
         self.read(seconds)
         return (cpu(self.terminal.pid) - before) / (time.perf_counter() - began)
-
-    @property
-    def updates(self) -> list[int]:
-        """Bytes of each update of the screen."""
-        return [len(update) for update in self.terminal.output.split(_UPDATE_ENDS)]

@@ -1,4 +1,4 @@
-"""Nodes for `stop_in_flood`, which the console under test loads as a `--node` file.
+"""Nodes that the console of `bench/stop.py` runs: they note each STOP, and flood it.
 
 FLOOD in the environment is what the flood consists of (`lines`, `messages`, or empty for none);
 HEARD is the file that gets the monotonic time of each call of STOP.

@@ -1,0 +1,77 @@
+"""The bar of a goal's way, in three rows where there is room for them."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from archo_tui.robot.state.goal import Phase
+from archo_tui.words.goal import goal_strip
+from archo_tui.words.state import plain_text
+from tests.support.console import screen_text
+from tests.support.quiet import Quiet
+from tests.support.states import ARRIVED, MOVING, STATES
+from tests.support.stub import StandingClock, stub_app
+
+DRIVING = STATES["motor moving"]
+
+
+def rows(goal: object, width: int = 56) -> list[str]:
+    return [plain_text(line).rstrip() for line in goal_strip(goal, width, 3)]  # type: ignore[arg-type]
+
+
+def test_the_way_driven_is_a_thick_bar_up_to_the_robot() -> None:
+    above, line, below = rows(MOVING, 20)
+    assert (above, line, below) == ("▄▄▄▄▄▄", "██████▶─────   50 %", "▀▀▀▀▀▀")
+    assert rows(ARRIVED, 20)[1] == "███████████▶  100 %"
+
+
+def test_no_number_moves_as_the_robot_does() -> None:
+    far, near = MOVING._replace(length=100.0, remaining=100.0), MOVING._replace(length=100.0)
+    first, then = rows(far, 100)[1], rows(near, 100)[1]
+    assert first.index(" m ") == then.index(" m ")
+    assert first.index("%") == then.index("%")
+
+
+@pytest.mark.parametrize("goal", [None, MOVING._replace(phase=Phase.SENT, remaining=None)])
+def test_a_way_that_is_not_known_has_no_robot_on_it(goal: object) -> None:
+    assert rows(goal, 20) == ["", "────────────     --", ""]
+
+
+@pytest.mark.parametrize(
+    ("size", "height"),
+    [((120, 36), 8), ((160, 48), 8), ((120, 44), 8), ((120, 29), 6), ((80, 36), 6), ((79, 60), 6)],
+)
+async def test_the_bar_is_thick_where_there_is_room(size: tuple[int, int], height: int) -> None:
+    app = stub_app(DRIVING, StandingClock(), size=size)
+    async with app.run_test(size=size):
+        await Quiet(app).settle()
+        assert app.main.goal.region.height == height
+        assert ("█▶" in screen_text(app)) is (height == 8)
+        assert len(re.findall("50 %", screen_text(app))) == 1
+        assert screen_text(app).count("about 1.5 s left") == 1
+
+
+async def test_the_bar_follows_the_size_of_the_terminal() -> None:
+    app = stub_app(DRIVING, StandingClock(), size=(120, 36))
+    async with app.run_test(size=(120, 36)) as pilot:
+        for size, height in (((120, 24), 6), ((160, 48), 8), ((50, 15), 6), ((120, 36), 8)):
+            await pilot.resize_terminal(*size)
+            await Quiet(app).settle()
+            assert app.main.goal.region.height == height, size
+
+
+@pytest.mark.parametrize("size", [(120, 44), (160, 48), (200, 60)])
+async def test_on_a_large_screen_history_graph_and_all_parameters_are_in_sight(
+    size: tuple[int, int],
+) -> None:
+    app = stub_app(DRIVING, StandingClock(), size=size)
+    async with app.run_test(size=size):
+        await Quiet(app).settle()
+        app.tick()
+        await Quiet(app).settle()
+        shown = screen_text(app)
+        for words in ("7 History", "8 Graph", "remaining 9.0 m", "max_speed"):
+            assert words in shown, words
+        assert app.main.events.region.height >= 10
