@@ -350,9 +350,9 @@ def is_settled(station: Station) -> bool:
 async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Values | Outcome:
     """Return the values for a verb's `question` and `run`, or why it is refused.
 
-    What is refused is tried again until the robot is settled, some seconds after the start. Raises
-    what `prepare` raises, and Void if a STOP was read meanwhile, unless the verb changes nothing or
-    survives a STOP.
+    What is refused is tried again until the robot is settled, and for a missing name at least until
+    DISCOVERY_TIME. Raises what `prepare` raises, and Void if a STOP was read meanwhile, unless the
+    verb changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
     if acts and station.robot.watching:
@@ -371,7 +371,9 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
                 fault: Exception = NotPossible(reason)
             except (ArchoError, ValueError) as error:
                 fault = error
-            if is_last or is_settled(station):
+            # A node that the robot file does not name may be found after those that it names.
+            is_misfit = isinstance(fault, ValueError) or station.age >= DISCOVERY_TIME
+            if is_last or (is_misfit and is_settled(station)):
                 if isinstance(fault, NotPossible):
                     return Outcome(Code.REFUSED, str(fault))
                 raise fault
