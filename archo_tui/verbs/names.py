@@ -12,6 +12,7 @@ from archo_tui.robot.state.graph import TOPIC, in_namespace
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
 from archo_tui.station.station import Station
+from archo_tui.verbs.verb import NotOnGraphError
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
@@ -37,10 +38,10 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
-    """Return the type that a name has on the graph; ValueError if it has none or several."""
+    """Return the one type of a name on the graph; raise ValueError."""
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
-        raise ValueError(f"no {what} {name} is on the graph{near}")
+        raise NotOnGraphError(f"no {what} {name} is on the graph{near}")
     kinds = found[name]
     if len(kinds) != 1:
         raise ValueError(f"{name} has several types: {', '.join(kinds)}")

@@ -14,7 +14,7 @@ from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
 from archo_tui.verbs.names import full_name, hosted_names, nearest_node_hint, node_names
-from archo_tui.verbs.verb import Argument, Question, Values, Verb
+from archo_tui.verbs.verb import Argument, NotOnGraphError, Question, Values, Verb
 from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
 
@@ -154,7 +154,7 @@ class LogLevel(Verb):
         nodes = [node.name for node in station.robot.snapshot.nodes]
         name = full_name(station.robot.snapshot, values["node"], nodes)
         if name not in nodes:
-            raise ArchoError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
+            raise NotOnGraphError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
         given = {"node": name}
         if "level" in values:
             given["level"] = values["level"].upper()
@@ -211,13 +211,11 @@ class Lifecycle(Verb):
         snapshot = station.robot.snapshot
         managed, nodes = _managed(snapshot), [node.name for node in snapshot.nodes]
         name = full_name(snapshot, values["node"], nodes)
+        near = nearest_node_hint(name, managed)
+        if name not in nodes:
+            raise NotOnGraphError(f"no node {name} is on the graph{near}")
         if name not in managed:
-            why = (
-                f"{name} is not a managed node"
-                if name in nodes
-                else f"no node {name} is on the graph"
-            )
-            raise ArchoError(f"{why}{nearest_node_hint(name, managed)}")
+            raise NotOnGraphError(f"{name} is not a managed node{near}")  # Its services may come.
         given = {"node": name}
         if "transition" in values:
             given["transition"] = values["transition"].lower()

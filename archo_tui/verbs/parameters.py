@@ -24,7 +24,14 @@ from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_json
 from archo_tui.verbs.names import full_name, nearest_node_hint
-from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb
+from archo_tui.verbs.verb import (
+    Argument,
+    NotOnGraphError,
+    NotPossible,
+    Question,
+    Values,
+    Verb,
+)
 
 CHANGE = "change"  # The key of `undo`'s value: the change to undo.
 SAME = "All parameters already have the values in the file."
@@ -77,7 +84,7 @@ class _ParameterVerb(Verb):
         node, nodes = full_name(snapshot, values["node"], owners), {n.name for n in snapshot.nodes}
         if node not in nodes | owners:
             near = nearest_node_hint(node, nodes | owners)
-            raise ArchoError(f"no node {node} is on the graph{near}")
+            raise NotOnGraphError(f"no node {node} is on the graph{near}")
         if node in snapshot.unreported:
             raise NotPossible(f"{node} {snapshot.unreported[node]}")
         near = nearest_hint(name, [parameter.name for parameter in of_node])

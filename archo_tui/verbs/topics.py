@@ -22,7 +22,7 @@ from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.safe_text import harmless
 from archo_tui.station.station import Station
 from archo_tui.verbs.names import full_name, topic_names
-from archo_tui.verbs.verb import Argument, Values, Verb
+from archo_tui.verbs.verb import Argument, NotOnGraphError, Values, Verb
 from archo_tui.words.domains import domains_text
 from archo_tui.words.graph import SILENT, resource_rows
 from archo_tui.words.inspect import rate_text
@@ -86,7 +86,7 @@ class _TopicVerb(Verb):
         name = full_name(snapshot, values["topic"], topics)
         info = await _topic_info(station, name)
         if not (info.publishers or info.subscriptions):
-            raise ArchoError(f"no topic {name} is on the graph{nearest_hint(name, topics)}")
+            raise NotOnGraphError(f"no topic {name} is on the graph{nearest_hint(name, topics)}")
         kinds = sorted({end.type for end in info.publishers or info.subscriptions})
         if len(kinds) > 1:
             raise ArchoError(f"{name} has several types: {', '.join(kinds)}")
@@ -269,7 +269,9 @@ def _find(typed: str, known: list[str]) -> tuple[str, str]:
         near = nearest_hint(package, map(package_of, known))
         raise ArchoError(f"no package of interfaces {package} is installed here{near}")
     near = _nearest(typed, [*known, *others])
-    raise ArchoError(f"no type {typed} is {'installed here' if package else 'on the graph'}{near}")
+    raise NotOnGraphError(
+        f"no type {typed} is {'installed here' if package else 'on the graph'}{near}"
+    )
 
 
 def _possible_names(typed: str, known: list[str]) -> list[str]:

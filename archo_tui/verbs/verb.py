@@ -246,6 +246,10 @@ class NotPossible(ArchoError):
     """The error for what the robot does not allow now: refused, and no misuse."""
 
 
+class NotOnGraphError(ArchoError, ValueError):
+    """The error for a name that no node on the graph has, or has yet."""
+
+
 class UnknownVerbError(ValueError):
     """The error for a word that is no verb; its text names the nearest verb, or `help`."""
 
@@ -372,8 +376,8 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
             except (ArchoError, ValueError) as error:
                 fault = error
             # A node that the robot file does not name may be found after those that it names.
-            is_misfit = isinstance(fault, ValueError) or station.age >= DISCOVERY_TIME
-            if is_last or (is_misfit and is_settled(station)):
+            may_come = isinstance(fault, NotOnGraphError) and station.age < DISCOVERY_TIME
+            if is_last or (is_settled(station) and not may_come):
                 if isinstance(fault, NotPossible):
                     return Outcome(Code.REFUSED, str(fault))
                 raise fault
