@@ -36,8 +36,8 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
 def run_words(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand or the verb that the words name, else the console.
 
-    If an option of the console is wrong but one of the words is a STOP, the STOP is sent; the words
-    behind a subcommand are not looked through for one.
+    If an option of the console is wrong but one of the words is a STOP, the STOP is sent to every
+    console; the words behind a subcommand are not looked through for one.
     """
     if words[:1] == [COMPLETE]:  # Before all else: a `stop` that is being typed must not stop.
         from archo_tui.cli.complete import print_candidates
@@ -66,8 +66,11 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         from archo_tui.client import shell
 
         report_lost_output()
-        complain(f"{error}: STOP is sent anyway")
-        return shell.run(words[at:], SUBCOMMANDS, helps=helps)
+        complain(f"{error}: STOP is sent to every console that runs here")
+        code = shell.run(words[at:], SUBCOMMANDS, helps=helps)
+        if code:  # With the right option it may go to a robot without a console.
+            complain("the STOP is not confirmed: type the line again, without the mistake")
+        return code
     if not options.command:
         options.program_arguments = arguments
         return run_console(options, ros_args)

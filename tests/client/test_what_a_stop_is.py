@@ -102,7 +102,7 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         ("--engine embedded --json --to PID stop", ["stop"], ""),
         ("--to PID --engine embedded status", ["status"], ""),
         ("--to PID go 12", ["go", "12"], ""),
-        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is sent anyway\n"),
+        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is sent to every .*\n"),
         ("stop --ros-args -r a:=b", ["stop"], ""),
         ("--json stop --ros-args -r a:=b", ["stop"], ""),
         ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
@@ -112,7 +112,7 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
             "archo-tui: --watch is for the console, not for stop: STOP .*\n",
         ),
         ("--engine rso2 stop", ["stop"], "archo-tui: --engine rso2: there are .*: STOP .*\n"),
-        ("--enigne ros2 stop please", ["stop"], "(?s).*: STOP is sent anyway\n.*ignored: .*"),
+        ("--enigne ros2 stop please", ["stop"], "(?s).*: STOP is sent to every .*\n.*ignored: .*"),
         ("--to 99999 go 12", None, "archo-tui: no console 99999 runs here .*\n"),
         ("--to PID", None, "archo-tui: --to is for a verb: archo-tui VERB --help says which\n"),
         ("--to PID --plain go 12", None, "archo-tui: --plain is for the console, not for go\n"),
@@ -162,3 +162,17 @@ async def test_arguments_that_are_none_stop_the_robot_too() -> None:
             answer = json.loads(await asyncio.wait_for(process.stdout.readline(), DEADLINE))
             assert answer["result"]["isError"] is False
         await asyncio.wait_for(process.communicate(b""), DEADLINE)
+
+
+def test_a_misspelt_option_with_no_console_says_that_the_stop_is_not_confirmed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["--engine", "ros2", "--namspace", "/x", "stop"]) == 3
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0].endswith(
+        "nearest: --namespace (see archo-tui --help): STOP is sent to every console that runs here"
+    )
+    assert "no console runs here" in lines[1]
+    assert (
+        lines[2] == "archo-tui: the STOP is not confirmed: type the line again, without the mistake"
+    )
