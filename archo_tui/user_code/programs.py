@@ -36,7 +36,7 @@ class Programs:
         make: Callable[..., HostedProgram],
         on_event: Callable[[str, str, str], None],
         on_gone: Callable[[Sequence[str]], None],
-        on_node: Callable[[str, Callable[[], bool]], None],
+        on_node: Callable[[str, Callable[[], bool]], str],
         has_stop: Callable[[], bool],
         gate: Callable[[], Callable[[], bool]],
         operator_values: Callable[[str], Mapping[str, Any]],

@@ -18,6 +18,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from archo_interfaces.srv import EmergencyStop
+from rclpy.node import Node
 
 import tests.contract.textbook as textbook
 from archo_tui.client import sockets
@@ -30,6 +32,7 @@ from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
+from archo_tui.user_code.node import HostedNode
 from archo_tui.user_code.output import NodeOutput
 from tests.support import chosen
 from tests.support.shells import reached
@@ -105,6 +108,10 @@ def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def states(session: Session) -> dict[str, Hosted]:
     return {hosted.name: hosted for hosted in session.host.states()}
+
+
+def lives(session: Session) -> list[tuple[str, Life]]:
+    return [(hosted.name, hosted.life) for hosted in session.host.states()]
 
 
 def life(session: Session, name: str = "/talker") -> Life:
@@ -485,6 +492,50 @@ def test_a_program_takes_the_place_of_the_robots_own_node() -> None:
         wait_until(lambda: states(session)["/dashboard"].file == "mine.py")
         others = ["/battery_monitor", "/motor_controller"]
         wait_until(lambda: [h.name for h in session.host.nodes] == others)
+
+
+class StuckMotor(Node):
+    """One of ARCHO's own nodes, in a callback that does not return before `may_return`."""
+
+    may_return, is_in_callback = threading.Event(), threading.Event()
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("motor_controller", **options)
+        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
+        self.create_timer(0.01, self.block)
+
+    def block(self) -> None:
+        self.is_in_callback.set()
+        self.may_return.wait(DEADLINE)
+
+
+def test_a_stuck_node_of_the_robot_is_not_replaced_so_no_stop_is_confirmed_beside_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.3,))
+    StuckMotor.may_return.clear()
+    text = f"import pathlib, time\nwhile not pathlib.Path('go').exists(): time.sleep(0.01)\n{MOTOR}"
+    makers = {"only": False, "node_makers": (StuckMotor,)}
+    with running(written("mine.py", text), **makers) as session:  # type: ignore[arg-type]
+        robot = session.robot
+        try:
+            assert StuckMotor.is_in_callback.wait(DEADLINE)
+            written("go", "")
+            wait_until(lambda: ("/mine", Life.CRASHED) in lives(session))
+            why = "ARCHO's own motor_controller is stuck: its callback still runs"
+            assert states(session)["/mine"].error == f"{why}, so it is not replaced"
+            wait_until(lambda: f"crashed: {why}, so it is not replaced" in texts(session))
+            assert ("/motor_controller", Life.STUCK) in lives(session)
+            assert session.host.start_node("/motor_controller").code is Code.REFUSED
+            assert not asyncio.run(robot.emergency_stop()).ok
+            assert robot.snapshot.open_stop is not None
+            assert asyncio.run(robot.give_up_stop()).ok
+        finally:
+            StuckMotor.may_return.set()
+        wait_until(lambda: session.host.start_node("/mine").ok)
+        wait_until(lambda: lives(session) == [("/motor_controller", Life.UP)])
+        assert states(session)["/motor_controller"].file == "mine.py"
+        wait_until(lambda: asyncio.run(robot.emergency_stop()).ok)
 
 
 def test_a_stop_reaches_a_service_that_a_running_program_offers_later() -> None:
