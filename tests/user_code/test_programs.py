@@ -852,9 +852,38 @@ def test_what_a_program_has_started_ends_with_it() -> None:
 
 @pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
 def test_a_program_has_ended_though_what_left_its_group_holds_its_output() -> None:
-    text = LEAVES.replace('"1000"]', '"20"], start_new_session=True') + "raise SystemExit(5)\n"
+    is_unknown = '"20"], start_new_session=True, env={}'
+    text = LEAVES.replace('"1000"]', is_unknown) + "raise SystemExit(5)\n"
     with running(written("parent.py", text)) as session:
         wait_until(lambda: life(session, "/parent") is Life.CRASHED, deadline=10.0)
+
+
+DAEMON = """
+import subprocess
+child = subprocess.Popen(["sleep", "1000"], start_new_session=True)
+open("child.txt", "w").write(str(child.pid))
+"""
+
+
+def has_child_ended() -> bool:
+    child = Path("/proc", Path("child.txt").read_text(), "stat")
+    return not child.exists() or ") Z " in child.read_text()
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells whose child a daemon is")
+def test_a_daemon_that_a_program_has_started_ends_with_it() -> None:
+    with running(written("parent.py", DAEMON)) as session:
+        wait_until(lambda: life(session, "/parent") is Life.ENDED)
+        assert has_child_ended()
+
+
+@pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there it is a child of the console")
+def test_a_child_that_cannot_be_ended_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("archo_tui.user_code.child.kill_marked", lambda _: [7, 11])
+    with running(written("parent.py", "print(1)")) as session:
+        text = "has ended, but not what it has started: end process 7, 11 yourself"
+        wait_until(lambda: text in texts(session))
 
 
 def _nodes(session: Session) -> list[Any]:
@@ -864,8 +893,9 @@ def _nodes(session: Session) -> list[Any]:
 @pytest.mark.skipif(chosen.ENGINE == "embedded", reason="there its programs are threads")
 def test_a_program_ends_with_a_console_that_is_killed() -> None:
     file = talker()
-    starts = 'import subprocess\nchild = subprocess.Popen(["sleep", "1000"])\n'
-    file.write_text(f"{starts}open('child.txt', 'w').write(str(child.pid))\n{file.read_text()}")
+    # Elsewhere what has left its group is not known.
+    daemon = DAEMON if sys.platform == "linux" else DAEMON.replace(", start_new_session=True", "")
+    file.write_text(daemon + file.read_text())
     words = ["--engine", "ros2", "--only", "--run", "talker.py", "--plain", "--no-remote"]
     domain = {"ROS_DOMAIN_ID": str(chosen.next_domain())}
     console = subprocess.Popen(
@@ -878,5 +908,4 @@ def test_a_program_ends_with_a_console_that_is_killed() -> None:
         wait_until(lambda: said() == ["made"])
         console.send_signal(signal.SIGKILL)
     wait_until(lambda: said() == ["made", "interrupted", "left"])
-    child = Path("/proc", Path("child.txt").read_text(), "stat")
-    wait_until(lambda: not child.exists() or ") Z " in child.read_text())
+    wait_until(has_child_ended)
