@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
@@ -15,7 +16,6 @@ from mcp.client.stdio import stdio_client
 
 from archo_tui.client import sockets
 from tests.support import warm
-from tests.support.shells import until
 from tests.support.waiting import DEADLINE
 
 Request = dict[str, Any]
@@ -92,7 +92,7 @@ class FakeConsole:
         self.listings = self.connections = self.closed = 0
         self.answers: dict[str, Callable[[Request], Awaitable[Request | None]]] = {}
         self.answer("goals", "done", data=GOALS)
-        self._writers: list[asyncio.StreamWriter] = []
+        self._clients: list[socket.socket] = []
 
     def answer(self, word: str, code: str, text: str = "", **more: Any) -> None:
         """Always answer so to requests that begin with this word."""
@@ -102,31 +102,57 @@ class FakeConsole:
 
         self.answers[word] = same
 
-    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self.connections += 1
-        self._writers.append(writer)
-        self._say(writer, self.hello)
-        tasks = []
-        with suppress(OSError):  # it has left without its hello
-            while data := await reader.readline():
-                tasks.append(asyncio.ensure_future(self._answer(json.loads(data), writer)))
+    async def serve(self, listening: socket.socket) -> None:
+        """Take connections until cancelled; what a client has sent is read though it has left."""
+        loop, tasks = asyncio.get_running_loop(), []
+        listening.setblocking(False)
+        try:
+            while True:
+                client, _ = await loop.sock_accept(listening)
+                client.setblocking(False)
+                self.connections += 1
+                self._clients.append(client)
+                tasks.append(asyncio.ensure_future(self._serve(client)))
+        finally:
+            for client in self._clients:  # As a console that ends does.
+                with suppress(OSError):
+                    client.shutdown(socket.SHUT_RDWR)
+            await asyncio.gather(*tasks)
+
+    async def _serve(self, client: socket.socket) -> None:
+        self._say(client, self.hello)
+        loop, tasks, data = asyncio.get_running_loop(), [], b""
+        while True:
+            with suppress(ConnectionError):  # Told once; then comes what the client had sent.
+                if not (part := await loop.sock_recv(client, 65536)):
+                    break
+                *lines, data = (data + part).split(b"\n")
+                for request in map(json.loads, lines):
+                    word = self._note(request)
+                    tasks.append(asyncio.ensure_future(self._answer(word, request, client)))
         self.closed += 1
         for task in tasks:
             task.cancel()
-        writer.close()
+        self._clients.remove(client)
+        client.close()
 
-    async def _answer(self, request: Request, writer: asyncio.StreamWriter) -> None:
-        word = request["words"][0] if "words" in request else "ask"
+    def _note(self, request: Request) -> str:
+        """Keep a request, and return its first word."""
+        word: str = request["words"][0] if "words" in request else "ask"
         if word == "goals":
             self.listings += 1
         else:
             self.asked.append(request)
+        return word
+
+    async def _answer(self, word: str, request: Request, client: socket.socket) -> None:
         said = await self.answers[word](request) if word in self.answers else None
         if said is not None:
-            self._say(writer, {"id": request["id"], **said})
+            self._say(client, {"id": request["id"], **said})
 
-    def _say(self, writer: asyncio.StreamWriter, said: Any) -> None:
-        writer.write(json.dumps(said).encode() + b"\n")
+    def _say(self, client: socket.socket, said: Any) -> None:
+        with suppress(OSError):  # It has left.
+            client.sendall(json.dumps(said).encode() + b"\n")
 
     def say(self, said: Any) -> None:
         """Say this to everybody."""
@@ -134,13 +160,13 @@ class FakeConsole:
 
     def write(self, data: bytes) -> None:
         """The same, and it need not be JSON."""
-        for writer in self._writers:
-            writer.write(data)
+        for client in self._clients:
+            client.sendall(data)
 
     def drop(self) -> None:
         """Close every connection, as a console that ends does."""
-        for writer in self._writers:
-            writer.transport.abort()
+        for client in self._clients:
+            client.shutdown(socket.SHUT_RDWR)
 
     def words(self) -> list[Any]:
         """What it was asked, without numbers."""
@@ -155,12 +181,16 @@ async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
     console = FakeConsole(pid)
     card = folder / f"{pid}.json"
     card.write_text(json.dumps({"name": str(pid), **console.hello}))
-    server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind(str(folder / f"{pid}.sock"))
+    listening.listen()
+    serving = asyncio.ensure_future(console.serve(listening))
     try:
         yield console
     finally:
-        server.close()
-        console.drop()
+        serving.cancel()
+        with suppress(asyncio.CancelledError):
+            await serving
+        listening.close()
         card.unlink()
-        (folder / f"{pid}.sock").unlink(missing_ok=True)  # From Python 3.13 on the server does it.
-        await until(lambda: console.closed == console.connections)
+        (folder / f"{pid}.sock").unlink()

@@ -146,9 +146,9 @@ def test_a_constructor_that_waits_for_others_holds_up_nobody(
 @INSIDE
 def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
     with hosting(written("asker.py", ASKER)) as session:
-        wait_until(lambda: state(session, "/asker").life is Life.STARTING)
-        waiting = state(session, "/asker")
-        assert waiting.error.startswith("line 11, in: while not client.wait_for_service(")
+        line = "line 11, in: while not client.wait_for_service("
+        wait_until(lambda: state(session, "/asker").error.startswith(line))
+        assert state(session, "/asker").life is Life.STARTING
         assert session.host.start_node("/asker") == (Code.REFUSED, "/asker is starting")
         assert session.host.stop_node("/asker") == (Code.DONE, "/asker stopped")
         assert state(session, "/asker").life is Life.STOPPED
