@@ -112,8 +112,8 @@ NOBODY = "no console runs here"
         ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
         ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
         ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
-        ("stop", 3, f"archo-tui: {NOBODY}"),
-        ("stop;", 3, f"archo-tui: {NOBODY}"),
+        ("stop", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
+        ("stop;", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
     ],
 )
 def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> None:
