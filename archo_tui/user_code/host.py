@@ -100,7 +100,7 @@ class Host:
         """Make a node that does not run again and spin it, or run its program again.
 
         If a STOP is not released, a node that serves it carries it out before it spins, and a
-        program is refused. What still runs of a stuck node is interrupted and taken off the graph.
+        program is refused, as is a node whose callback still runs.
         """
         program = self.programs.find(name, to_start=True)
         if program is not None:
@@ -109,12 +109,9 @@ class Host:
             old = self._find(name)
             if old.state.life.is_running:
                 return Outcome(Code.REFUSED, f"{name} is running")
-            text = f"{name} started"
-            if not old.stop():  # It is stuck. A crashed node ends here and releases what it holds.
-                how = "did not return and was interrupted" if old.abandon() else _STUCK
-                text += f", the one before {how}"
-                self._report_ended(old)
-            return self._make_and_spin(old.make_again, text, instead_of=old)
+            if not old.stop():  # A crashed node ends here and releases what it holds.
+                return Outcome(Code.REFUSED, f"{name} {_STUCK}")
+            return self._make_and_spin(old.make_again, f"{name} started", instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
         """Stop a node, or end its program as Ctrl-C does; other nodes are not affected."""
@@ -170,20 +167,23 @@ class Host:
         self._on_early_stop(new.name)
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
-    def _make_way_for_program_node(self, name: str, is_stopping: Callable[[], bool]) -> None:
+    def _make_way_for_program_node(self, name: str, is_stopping: Callable[[], bool]) -> str:
         """Stop and remove ARCHO's own node, if any, that a node of a program replaces.
 
-        Called on a thread of the program; does nothing once that is to end.
+        Return why it is not replaced, or "". A stuck one is not: beside it, a STOP that the new one
+        confirms would not stop it. Called on a thread of the program; does nothing once that is to
+        end.
         """
         while not self._changing.acquire(timeout=_LOCK_POLL):
             if is_stopping():
-                return
+                return ""
         try:
             for own in [h for h in self.nodes if h.name == name and not is_stopping()]:
-                if not own.stop() and not own.abandon():
-                    self._on_event("ERROR", name.lstrip("/"), f"is replaced, and {_STUCK}")
+                if not own.stop():
+                    return f"ARCHO's own {name.lstrip('/')} {_STUCK}, so it is not replaced"
                 self.nodes.remove(own)
                 self._report_ended(own)
+            return ""
         finally:
             self._changing.release()
 

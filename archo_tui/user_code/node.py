@@ -19,11 +19,9 @@ from archo_tui.robot.messages.values import filled
 from archo_tui.robot.outcome import outcome_of
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.errors import traceback_without
-from archo_tui.user_code.interrupt import Interrupted, raise_in
 from archo_tui.user_code.probe import destroy, served_names
 
 JOIN_TIMEOUT = 3.0  # Seconds that a callback may still take when its node is stopped.
-_GRACE = 0.5  # Seconds that an interrupted callback has to end.
 
 
 class HostedNode:
@@ -82,7 +80,7 @@ class HostedNode:
         try:
             while not self._stopping and self._context.ok():
                 self._executor.spin_once()
-        except (ExternalShutdownException, Interrupted):
+        except ExternalShutdownException:
             return
         except BaseException as error:  # SystemExit ends the node, not the console.
             report = traceback_without(error, rclpy, archo_tui)
@@ -116,14 +114,6 @@ class HostedNode:
         if self.state.life != Life.CRASHED:
             self.state = self.state._replace(life=Life.STOPPED, error="")
         return True
-
-    def abandon(self) -> bool:
-        """Interrupt a stuck node and take it off the graph; return True if its thread has ended."""
-        if self._thread.is_alive():
-            raise_in(self._thread)
-            self._thread.join(_GRACE)
-        self._leave_graph()
-        return not self._thread.is_alive()
 
 
 def _value_of(coroutine: Coroutine[Any, Any, Any]) -> Any:

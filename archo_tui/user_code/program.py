@@ -49,7 +49,8 @@ class Callbacks(NamedTuple):
     """The functions of the console that a program calls, each in a thread of its own."""
 
     on_end: Callable[[HostedProgram], None]  # It has ended, and was not stopped.
-    on_node: Callable[[HostedProgram, str], None]  # It has made a node of that full name.
+    on_node: Callable[[HostedProgram, str], str]
+    """It has made a node of that full name; returns why it may not, or ""."""
     may_run: Callable[[], bool]  # False while a STOP is not released.
     gate: Callable[[], Callable[[], bool]]  # Returns what is true once a STOP came after the call.
     operator_values: Callable[[str], Mapping[str, Any]]  # The parameters set on a node by hand.
@@ -76,6 +77,7 @@ class HostedProgram(ABC):
         self.crash = ""  # The error of the last run that ended by itself.
         self.has_name = False  # True once a node of it was accepted, in this run or before.
         self.was_refused = False  # This run ended where it would make a node behind a STOP.
+        self.blocker = ""  # Why this run ended at a node that it would make, if not for a STOP.
         self.was_forced = False  # It was ended by force.
         self.has_begun = threading.Event()  # Set once this run has called `rclpy.init`.
         self._goes_on = threading.Event()  # Not set while it is held at `rclpy.init`.
@@ -182,6 +184,7 @@ class HostedProgram(ABC):
             while not self._stopping.is_set():
                 self.state = self.state._replace(life=Life.UP, error="", traceback="")
                 self._has_node = self.has_spun = self.was_refused = False
+                self.blocker = ""
                 try:
                     end = self.run_once()
                 except Exception as error:  # As when no process or descriptor is free.
@@ -212,10 +215,11 @@ class HostedProgram(ABC):
             return
         if self.was_refused:
             self.state = done._replace(life=Life.WAITING)
-        elif end.code == 0:
+        elif end.code == 0 and not self.blocker:
             self.state = done._replace(life=Life.ENDED)
         else:
-            self.crash = end.error or f"{self.file}: exit code {end.code}"
+            error = self.blocker or end.error or f"exit code {end.code}"
+            self.crash = error if error == end.error else f"{self.file}: {error}"
             error = self.file.without_name(self.crash)
             self.state = done._replace(life=Life.CRASHED, error=error, traceback=end.traceback)
         self.callbacks.on_end(self)
@@ -238,11 +242,13 @@ class HostedProgram(ABC):
         if self._is_behind_stop():
             self.was_refused = True
             return False
+        self.blocker = self.callbacks.on_node(self, name)
+        if self.blocker or self.is_stopping:
+            return False
         if not self.has_name:
             self.has_name = True
             self.state = self.state._replace(name=name)
             self._thread.name = name  # By which its output is known.
-        self.callbacks.on_node(self, name)
         # The robot's own node may have held it, and be gone.
         if self._is_behind_stop():
             self.was_refused = True

@@ -21,7 +21,7 @@ _MET_STOP = "is not started: a STOP came, and was released, before it had made a
 _THEN_S = ", then s in Nodes starts it"
 _THEN_S_TWICE = ", then s in Nodes, twice, starts the saved text"
 _FORCED = "did not end by ctrl+c, and was ended by force"
-_STUCK = "the one before is stuck: its code still runs"
+_STUCK = "the one before is stuck: its code still runs, and no STOP reaches it"
 
 
 class Programs:
@@ -36,7 +36,7 @@ class Programs:
         make: Callable[..., HostedProgram],
         on_event: Callable[[str, str, str], None],
         on_gone: Callable[[Sequence[str]], None],
-        on_node: Callable[[str, Callable[[], bool]], None],
+        on_node: Callable[[str, Callable[[], bool]], str],
         has_stop: Callable[[], bool],
         gate: Callable[[], Callable[[], bool]],
         operator_values: Callable[[str], Mapping[str, Any]],
@@ -270,7 +270,7 @@ class Programs:
             return None
         name = old.name.lstrip("/")
         if not old.stop():
-            self._on_event("WARN", name, _STUCK)
+            self._on_event("ERROR", name, _STUCK)
         elif old.was_forced:
             self._on_event("WARN", name, _FORCED)
         self._on_gone(old.served)

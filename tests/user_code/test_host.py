@@ -13,7 +13,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
-from archo_tui.user_code import thread as program_thread
+from archo_tui.user_code import interrupt
 from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 
@@ -158,7 +158,7 @@ def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
     # CPython before 3.12 raises it in the new thread instead, and its starter waits for ever.
     starts, asked, is_raised = threading.Event(), threading.Event(), threading.Event()
     order: list[str] = []
-    start_new_thread, raise_in = threading._start_new_thread, program_thread.raise_in  # type: ignore[attr-defined]
+    start_new_thread, raise_in = threading._start_new_thread, interrupt.raise_in  # type: ignore[attr-defined]
 
     def start_slowly(*args: Any, **options: Any) -> Any:
         if threading.current_thread().name == "/starter":
@@ -174,7 +174,7 @@ def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
         raise_in(thread, *error)
 
     monkeypatch.setattr(threading, "_start_new_thread", start_slowly)
-    monkeypatch.setattr(program_thread, "raise_in", note)
+    monkeypatch.setattr("archo_tui.user_code.thread.raise_in", note)
     file = here / "starter.py"
     file.write_text(STARTER)
     options = Options(
