@@ -61,7 +61,7 @@ async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -
         assert station.robot.snapshot.running_goal is not None
         assert (await typed("cancel", "--timeout", "5")).code == 0
         assert (await typed("events", "--follow", "--timeout", "0.2")).code == 4
-        assert (await typed("wait", "battery", "101", "--timeout", "0.2")).code == 4
+        assert (await typed("wait", "battery", "100", "--timeout", "0.2")).code == 4
         assert (await typed("stop", "--timeout", "0")).code == 0
         await heard(person, "STOP: confirmed")
 
