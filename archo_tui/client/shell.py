@@ -271,7 +271,7 @@ def _stop(
                 raise
             _print_to_stderr(str(error))
     elif unreached:
-        raise Unreached(unreached)
+        raise Unreached(f"STOP was not sent: {unreached}")
     return max(codes)
 
 
