@@ -41,12 +41,13 @@ from archo_tui.widgets.search import Search
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
-_LARGE_WIDTH, _LARGE_HEIGHT = 110, 44  # Cells from which on the history has a row of its own.
+_LARGE_WIDTH, _LARGE_HEIGHT = 110, 41  # Cells of the panels from which on the history is below.
 _CLOCK = 9  # Cells of the time of day.
 _AROUND = 3  # Rows of header, banner and footer.
+_TIME_LINE = 2  # Rows of the time line of a replay.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
-_MIN_EVENTS = 10  # Rows of the events.
+_MIN_EVENTS = 8  # Rows of the events.
 # Seconds that the first drawing waits for the robot's nodes, so that it is not done twice.
 _NODES_TIMEOUT = 0.3
 # Seconds until the screen is drawn even if no layout for its size was reported.
@@ -111,7 +112,9 @@ class MainScreen(Base[None]):
         panels = (*above, self.parameters, self.nodes, self.events, self.history, self.graph)
         self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
         self._time_line, self.starts_in_field = time_line, starts_in_field
+        self.rows_around = _AROUND  # Rows that the panels leave to other lines.
         if time_line is not None:
+            self.rows_around += _TIME_LINE
             self._panels[time_line.number] = time_line
             for panel in above:
                 panel.can_focus = True
@@ -272,14 +275,19 @@ class MainScreen(Base[None]):
 
     @property
     def _is_large(self) -> bool:
-        return self.size.width >= _LARGE_WIDTH and self.size.height >= _LARGE_HEIGHT
+        return self.size.width >= _LARGE_WIDTH and self._height >= _LARGE_HEIGHT
+
+    @property
+    def _height(self) -> int:
+        """The number of rows that the panels share."""
+        return self.size.height - self.rows_around
 
     def _fit(self) -> None:
         """Set the heights of the panels on a large screen, by the length of their lists."""
         self.set_class(self._is_large, "-large")
         nodes, rows = None, ""  # On a smaller one, the style sheet sets the heights.
         if (self._is_wide or self._is_large) and not self.is_full:
-            height = self.size.height - _AROUND
+            height = self._height
             nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
             goal = self.goal.styles.height
             upper = int(goal.value if goal else 0) + max(self.parameters.lines, 3) + _BORDER

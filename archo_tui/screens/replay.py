@@ -32,6 +32,7 @@ class ReplayScreen(MainScreen, Dismissable[None]):
         super().__init__(snapshot, size, TimeLine(player))
         self._player, self._update = player, update
         self._live = Line(id="live")
+        self.rows_around += 1
         self._live_text, self._recorded_head = Content(""), list[Content]()
 
     def compose(self) -> ComposeResult:

@@ -13,7 +13,7 @@ from textual.widgets import Button
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.stop_marks import dispatch, mark_stops
+from archo_tui.terminal.stop_marks import dispatch, mark_stops, marks_of
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console, key_event
@@ -248,3 +248,22 @@ async def test_a_key_from_before_a_stop_is_dropped_however_late_it_comes() -> No
             screen.app.post_message(key)
             await Quiet(screen.app).settle()
             assert (screen.app.screen is screen.app.main) == (stops == 0)
+
+
+async def test_what_a_key_leaves_in_a_queue_is_void_behind_a_stop_whatever_was_typed_since() -> (
+    None
+):
+    screen, shut = Screen("normal"), list[bool]()
+    async with screen.app.run_test():
+        await Quiet(screen.app).settle()
+        for typed in (b"", b"\x18g", b"\x1b"):
+            screen.write(typed)
+            await Quiet(screen.app).settle()
+            key = key_event("g")
+            mark_stops(key, 0)  # It was read before the STOP, and is handled late.
+            with marks_of(key, screen.app):  # In its turn, a widget posts a message.
+                screen.app.main.goal.call_later(
+                    lambda: shut.append(screen.app.stops.gate().is_shut)
+                )
+            await Quiet(screen.app).settle()
+        assert shut == [False, True, True]

@@ -64,3 +64,14 @@ async def test_a_replay_looks_as_accepted(
         await watcher.show(TIME + 20.5)
         name = " ".join(filter(None, ("replay", theme, size)))
         assert differs(request, name, watcher.app.export_screenshot(simplify=True)) == []
+
+
+@pytest.mark.parametrize("size", [(120, 46), (160, 48), (200, 60)])
+async def test_the_time_line_takes_no_room_from_the_plots_on_a_large_screen(
+    size: tuple[int, int], tmp_path: Path
+) -> None:
+    record(tmp_path)
+    async with replay(tmp_path, size) as watcher:
+        await watcher.show(TIME + 20.5)
+        assert "remaining 9.0 m" in watcher.text
+        assert "too small" not in watcher.text

@@ -232,7 +232,8 @@ KeyCard.body = fail
 def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
     terminals: list[Terminal],
 ) -> None:
-    terminal = Terminal(*SLOW, code=FAILS_WHEN_OPENED)
+    far = "-p", "route_length:=1000.0"  # It drives until it is cancelled.
+    terminal = Terminal(*SLOW, *far, code=FAILS_WHEN_OPENED)
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("g12\r")

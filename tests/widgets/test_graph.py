@@ -221,7 +221,7 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
             if height > 40:  # The history has a row of its own, and events at most a third.
                 assert main.history.region.width == main.events.region.width
                 assert main.history.region.height >= 17
-                assert 10 <= main.events.region.height <= height // 3
+                assert 8 <= main.events.region.height <= height // 3
             assert main.events.region.width >= 60
             assert main.events.region.bottom == main.graph.region.bottom == height - 1
             assert main.events.region.width == width - main.graph.region.width
