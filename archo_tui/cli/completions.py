@@ -62,8 +62,7 @@ def completion_script(shell: str) -> str:
         subparser = commands.add_parser(name, help=what, description=what)
         add_options(subparser)
         _add_completers(subparser)
-    verbs = {verb.id: verb for verb in verbs_of_file().values() if verb.id not in SUBCOMMANDS}
-    for name, verb in verbs.items():
+    for name, verb in verbs_of_file().items():
         subparser = commands.add_parser(name, help=verb.help, description=verb.help)
         _add_options(subparser, options_of(name, verb.options))
         for argument in verb.arguments:

@@ -9,6 +9,7 @@ from archo_tui.cli import subcommands
 from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.launch import launch
+from archo_tui.cli.look import look
 from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
 from archo_tui.cli.output import report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
@@ -29,7 +30,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "replay": replay,
     "journal": subcommands.print_journal_path,
     "robot": describe_robot,
-    "look": subcommands.look,
+    "look": look,
 }
 
 
