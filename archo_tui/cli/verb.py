@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import os
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
-from archo_tui.cli.options import SUBCOMMANDS, console_parser
+from archo_tui.cli.options import ENGINES, SUBCOMMANDS
 from archo_tui.cli.output import complain
 from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
@@ -18,11 +17,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-_ENGINES = ("embedded", "ros2")
 _ROBOT_OPTIONS = ("--engine", "--namespace", "--robot")  # Options that say which robot is meant.
 
 
-def send_verb(options: Namespace, words: Sequence[str]) -> int:
+def send_verb(options: Namespace, parser: ArgumentParser, words: Sequence[str]) -> int:
     """Send a verb that stands after options of the console, and print its result.
 
     Only `--engine` and `--namespace`, which say where a console is looked for, are allowed, and
@@ -30,41 +28,49 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
     options raise ArchoError, but a STOP is sent all the same.
     """
     typed = [*options.command, *options.verb_options]
-    of_the_console = _options_of_the_console(options)
-    parser = console_parser()
-    parser.set_defaults(engine="", namespace="")
-    given = parser.parse_args(words)
-    wrong = (
-        f"--{of_the_console[0]} is for the console, not for {typed[0]}" if of_the_console else ""
-    )
-    if options.engine not in _ENGINES:
-        wrong = f"--engine {options.engine}: there are {' and '.join(_ENGINES)}"
+    wrong = _wrong_option(options, parser)
     if wrong and is_stop_text(typed[0]):
-        return send_stop(typed, words[: -len(options.command)], wrong)
+        return send_stop(typed, words[: -len(options.command)], wrong, parser)
     if wrong:
         raise ArchoError(wrong)
-    return _send(typed, given, {"engine": given.engine, "to": given.namespace})
+    return _send(typed, options, {"engine": options.engine, "to": options.namespace})
 
 
-def send_stop(stop: Sequence[str], before: Sequence[str], wrong: str) -> int:
+def _wrong_option(options: Namespace, parser: ArgumentParser) -> str:
+    """Return why a verb cannot stand after the options that were typed, or ""."""
+    if options.engine and options.engine not in ENGINES:
+        return f"--engine {options.engine}: there are {' and '.join(ENGINES)}"
+    allowed = ["command", "verb_options", "namespace", "engine"]
+    if options.engine == "ros2":
+        allowed.append("robot")
+    for name, value in vars(options).items():
+        if name not in allowed and value != parser.get_default(name):
+            option = name.replace("_", "-")
+            return f"--{option} is for the console, not for {options.command[0]}"
+    return ""
+
+
+def send_stop(
+    stop: Sequence[str], before: Sequence[str], wrong: str, parser: ArgumentParser
+) -> int:
     """Send a STOP that stands behind wrong options, and print the result.
 
     A misspelt option counts as the nearest one that says which robot is meant, but only where no
     console confirms the STOP.
     """
     complain(f"{wrong}: trying to send STOP anyway")
-    known = [option for action in console_parser()._actions for option in action.option_strings]
+    known = [option for action in parser._actions for option in action.option_strings]
     corrected = []
     for word in before:
         name, equals, value = word.partition("=")
         near = nearest(name, _ROBOT_OPTIONS) if name[:2] == "--" and name not in known else ""
         corrected.append(f"{near}{equals}{value}" if near else word)
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    lenient = ArgumentParser(add_help=False, allow_abbrev=False)
     for option in _ROBOT_OPTIONS:
-        parser.add_argument(option, nargs="?", default="")
-    typed, given = (parser.parse_known_args(words)[0] for words in (before, corrected))
-    given.engine = nearest(given.engine or "", _ENGINES)
-    engine = typed.engine if typed.engine in _ENGINES else ""
+        lenient.add_argument(option, nargs="?", default="")
+    typed, given = (lenient.parse_known_args(words)[0] for words in (before, corrected))
+    given.engine = nearest(given.engine or "", ENGINES)
+    engine = typed.engine if typed.engine in ENGINES else ""
     return _send(stop, given, {"engine": engine, "to": typed.namespace})
 
 
@@ -84,19 +90,6 @@ def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> i
     there = Options(engine="ros2", namespace=given.namespace or "/", attach=True, robot=robot)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
     return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, lambda: helps(robot))
-
-
-def _options_of_the_console(options: Namespace) -> list[str]:
-    """Return the names of given options that are not their defaults and not a verb's."""
-    allowed = ["command", "verb_options", "namespace", "engine"]
-    if options.engine == "ros2":
-        allowed.append("robot")
-    defaults = console_parser().parse_args([])
-    return [
-        name.replace("_", "-")
-        for name, value in vars(options).items()
-        if name not in allowed and value != getattr(defaults, name)
-    ]
 
 
 def _domain() -> int:

@@ -29,7 +29,6 @@ _SEARCH_WORDS = {
     "release": "unlock resume clear reset stop",
     "send_goal": "action",
     "call": "request",
-    "look": "domain ROS_DOMAIN_ID find robots",
     "other_robot": "namespace switch robots restart",
     "keep_robot": "export write yaml",
     "describe_robot": "robot file new discover yaml",

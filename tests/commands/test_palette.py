@@ -27,7 +27,6 @@ TYPED = {
     "Save a robot file": ("keep", "robot file", "yaml"),
     "Describe this robot": ("describe", "new robot", "discover"),
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
-    "Look for nodes in the ROS 2 domains": ("look", "domain", "robots domain"),
     "Operate another robot": ("another robot", "namespace", "operate"),
     "List the diagnostics": ("diagnostics", "parts", "hardware"),
     "List the alarms": ("alarms", "shelve", "warnings"),
