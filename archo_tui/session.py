@@ -335,9 +335,9 @@ class Session:
 
     def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
         """Return the user's own files, each with what a change does: reload it, or restart."""
-        note, programs = self.robot.note, self.host.programs
+        note = self.robot.note
         watched: list[Watched] = [
-            WatchedFile(program.file, partial(programs.reload, program.file))
+            WatchedFile(program.file, partial(self.host.reload, program.file))
             for program in self._programs
         ]
         if self._launch_file is not None:
@@ -453,12 +453,12 @@ class Session:
         """
         for program in self._programs:
             try:
-                self.host.programs.add(program)
+                self.host.add_program(program)
             except UserFileError as error:
                 if self._launch_file is None:
                     raise
-                self.host.programs.add_failed(program, error)
-        if self._launch_file is not None and self.host.programs.all_have_crashed:
+                self.host.add_failed(program, error)
+        if self._launch_file is not None and self.host.all_have_crashed:
             from archo_tui.user_code.launch_file import NothingRunsError
 
             notes = [*self._launch_file.notes, *(self._early_events or ())]
@@ -474,7 +474,7 @@ class Session:
         output = NodeOutput(io.StringIO(), self.robot.note)
 
         def print_line(line: str) -> None:
-            threading.current_thread().name = self.host.programs.names()[0]
+            threading.current_thread().name = self.host.programs[0].name
             output.write(line)
 
         return print_line

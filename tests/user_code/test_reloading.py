@@ -16,7 +16,7 @@ from textual.widgets import Static
 from archo_tui.robot.state.events import Event
 from archo_tui.session import Session
 from archo_tui.session_options import Options
-from archo_tui.user_code.program import HostedProgram
+from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing
@@ -302,7 +302,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # while it is waited for it takes all of a core, from other tests too
-    monkeypatch.setattr(HostedProgram.stop, "__defaults__", (0.5, 0.5))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
     file = here / "talker.py"
     file.write_text(says("well"))
     async with running(file) as op:
@@ -328,7 +328,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
 async def test_what_hangs_in_one_of_several_threads_is_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(HostedProgram.stop, "__defaults__", (0.5, 0.5))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
     file = here / "talker.py"
     several = (
         "\n\ndef main():\n    import rclpy\n    from rclpy.executors import MultiThreadedExecutor\n"
