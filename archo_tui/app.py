@@ -32,8 +32,8 @@ from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.terminal.stop_marks import now
 from archo_tui.user_code.output import NodeOutput
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
+from archo_tui.verbs.verb import Values, Verb
 from archo_tui.widgets.notice_line import NoticeLine
 from archo_tui.widgets.notices import Notice, Notices
 from archo_tui.widgets.screen_state import ScreenState

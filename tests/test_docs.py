@@ -25,7 +25,7 @@ from archo_tui.embedded import parameter_files
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.station import alarms
 from archo_tui.verbs import verbs
-from archo_tui.verbs.parse import YES, named
+from archo_tui.verbs.verb import YES, named
 from archo_tui.yaml_text import bounded_yaml
 from tests import generated
 from tests.generated import ROOT, SCHEMA, anchor

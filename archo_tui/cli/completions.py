@@ -11,7 +11,7 @@ from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.verb_help import verbs_of_file
 from archo_tui.client.options import options_of
-from archo_tui.verbs.base import Argument
+from archo_tui.verbs.verb import Argument
 
 # The names of the functions have `file` in them where shtab shall complete file names.
 _BASH = f"""\

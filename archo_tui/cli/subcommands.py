@@ -92,19 +92,17 @@ def look(_options: Namespace) -> int:
     import asyncio
     import importlib.util
 
-    from archo_tui.domain_scan import DOMAINS, ScanError, find_nodes
-    from archo_tui.words.domains import domains_text
-
     if importlib.util.find_spec("rclpy") is None:
         raise ArchoError("look needs ROS 2: docs/ros2.md says how to install it")
-    try:
-        found = asyncio.run(find_nodes())
-    except ScanError as error:
-        complain(str(error))
-        return FAILED
-    for line in domains_text(found, DOMAINS[0], DOMAINS[-1]).splitlines():
-        print(safe(line))
-    return 0 if found else FAILED
+    from archo_tui.robot.outcome import Code
+    from archo_tui.verbs.topics import find_robots
+
+    outcome = asyncio.run(find_robots())
+    if outcome.code is Code.TIMEOUT:
+        complain(outcome.text)
+    else:
+        print(outcome.text)
+    return 0 if outcome.ok else FAILED
 
 
 def recordings(options: Namespace) -> int:

@@ -8,7 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from archo_tui.verbs.base import Verb
+    from archo_tui.verbs.verb import Verb
 
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:

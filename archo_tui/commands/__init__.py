@@ -19,9 +19,9 @@ from archo_tui.commands import (
 from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs import verbs as vocabulary
-from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go
 from archo_tui.verbs.services import Give
+from archo_tui.verbs.verb import Verb
 
 
 def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:

@@ -20,7 +20,7 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
-from archo_tui.verbs.base import Values, Verb
+from archo_tui.verbs.verb import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:

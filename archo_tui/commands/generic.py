@@ -18,12 +18,11 @@ from archo_tui.robot_file.model import CommandService, FormField, GoalKind
 from archo_tui.robot_file.propose import SeveralRobots
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
-from archo_tui.verbs.base import Verb
-from archo_tui.verbs.called import verbs_by_service
-from archo_tui.verbs.describe import LISTENING, robot_file_text
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
-from archo_tui.verbs.graph_names import type_of
-from archo_tui.verbs.services import refuse_transition
+from archo_tui.verbs.names import type_of
+from archo_tui.verbs.services import refuse_transition, verbs_by_service
+from archo_tui.verbs.topics import LISTENING, robot_file_text
+from archo_tui.verbs.verb import Verb
 
 if TYPE_CHECKING:
     from archo_tui.screens.choose import Choice

@@ -23,7 +23,7 @@ from archo_tui.screens.replay import ReplayScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import Values, Verb
+from archo_tui.verbs.verb import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
 _LIVE_ONLY = ("suspend",)  # It asks about the robot's goal, which is another one in the recording.

@@ -11,7 +11,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.verbs import goals, services
-from archo_tui.verbs.base import Verb
+from archo_tui.verbs.verb import Verb
 
 
 class GoKey(Command):

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 from archo_tui.client.protocol import words_of
-from archo_tui.console.waits import RequestTimedOut, timeout_of, until, wait_for
+from archo_tui.console.waits import RequestTimedOut, timeout_of, wait_for
 from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import parse_all, typed_text
@@ -16,10 +15,9 @@ from archo_tui.robot.state.goal import values_text
 from archo_tui.safe_text import harmless, is_deceptive
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.station import Station
-from archo_tui.verbs import as_data
-from archo_tui.verbs.base import ROBOT_TIMEOUT, Verb
+from archo_tui.verbs import as_json
 from archo_tui.verbs.goals import GOALS, Go
-from archo_tui.verbs.parse import parse, schema
+from archo_tui.verbs.verb import Verb, parse, prepare_when_found, run_when_ready, schema
 
 _LOOKS = ("status", "events", "history", "params", "get", "interface", "echo")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
@@ -55,8 +53,7 @@ class Assistants:
             return {"id": number, "code": Code.REFUSED.value, "text": text}
         verb = self._verbs[word]
         values, _ = parse(verb, self._station, rest)
-        values = await verb.prepare(self._station, values)
-        outcome = await verb.run(self._station, values)
+        outcome = await run_when_ready(self._station, verb, values)
         result = {"id": number, "code": outcome.code.value, "text": outcome.text}
         data = data_of(outcome)
         return result if data is None else {**result, "data": data}
@@ -87,13 +84,9 @@ class Assistants:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._checked_values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
-        left = ROBOT_TIMEOUT - self._station.age
-        ready = partial(verb.is_ready, self._station, goals)
-        await until(self._station, requester, ready, left)
-        await verb.prepare(self._station, goals)
-        refusal = verb.refusal(self._station)
-        if refusal:
-            return {"code": Code.REFUSED.value, "text": refusal}
+        prepared = await prepare_when_found(self._station, verb, goals)
+        if isinstance(prepared, Outcome):
+            return {"code": Code.REFUSED.value, "text": prepared.text}
         title = verb.title.lower()
         shown = {path: quoted(value) for path, value in values.items()}
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
@@ -166,7 +159,7 @@ class Assistants:
             return {"code": decided.status.name.lower(), "text": text.removesuffix(": ")}
         goal = decided.ended_goal
         result = {"code": outcome.code.value, "text": outcome.text}
-        return result if goal is None else {**result, "data": as_data.goal(goal, self._now)}
+        return result if goal is None else {**result, "data": as_json.goal(goal, self._now)}
 
     def _progress_text(self, request: ApprovalRequest) -> str:
         if request.status == ApprovalStatus.WAITING:

@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 from archo_tui.robot.clients.requester import Requester
 from archo_tui.station.station import Station
-from archo_tui.verbs.as_data import event, goal, state
-from archo_tui.verbs.base import Values
-from archo_tui.verbs.inspect import Echo, FollowedMessage
+from archo_tui.verbs.as_json import event, goal, state
+from archo_tui.verbs.topics import Echo, FollowedMessage
+from archo_tui.verbs.verb import Values
 
 Send = Callable[[dict[str, Any]], None]
 PERIOD = 0.2  # Seconds between two polls: five a second, as on the screen.

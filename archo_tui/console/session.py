@@ -16,24 +16,29 @@ from typing import Any, Protocol
 from archo_tui.client.protocol import GONE, LOST, RESTARTS, is_stop, words_of
 from archo_tui.console.assistants import Assistants
 from archo_tui.console.follow import follow_events, follow_goal, follow_topic
-from archo_tui.console.waits import POLL_PERIOD, RequestTimedOut, timeout_of, until, wait_for
+from archo_tui.console.waits import POLL_PERIOD, RequestTimedOut, timeout_of, wait_for
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.robot.clients.requester import ASSISTANT, YOU, Requester, on_behalf_of
-from archo_tui.robot.messages.text import as_json
+from archo_tui.robot.messages.text import as_json as message_as_json
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of, data_of
 from archo_tui.robot.stop.gate import NOT_SENT, RateLimit, Void
 from archo_tui.station.goal_driver import CALLED_OFF
 from archo_tui.station.station import Station
-from archo_tui.verbs import as_data, verbs
-from archo_tui.verbs.base import ROBOT_TIMEOUT, Question, Verb
-from archo_tui.verbs.called import choose_verb
-from archo_tui.verbs.candidates import candidates
+from archo_tui.verbs import as_json, verbs
 from archo_tui.verbs.goals import SendGoal
-from archo_tui.verbs.inspect import Echo
-from archo_tui.verbs.parse import YES, named, parse
-from archo_tui.verbs.run_when_ready import run_when_ready
-from archo_tui.verbs.services import TIMEOUT, Call
+from archo_tui.verbs.services import TIMEOUT, Call, choose_verb
+from archo_tui.verbs.topics import Echo
+from archo_tui.verbs.verb import (
+    YES,
+    Question,
+    Verb,
+    candidates,
+    named,
+    parse,
+    prepare_when_found,
+    run_when_ready,
+)
 
 _MAX_STOPS = 1000  # STOPs that are answered: of a flood the last ones.
 _REQUEST_INTERVAL = 0.02  # Seconds between two requests of one client.
@@ -364,8 +369,7 @@ class Session:
         by_reply = partial(self._ask, number, request.get("person") is True)
         ask = None if yes else self._client.ask or by_reply
         requester = self.requester
-        wait = partial(until, station, requester)
-        outcome = await run_when_ready(station, verb, values, wait, ask)
+        outcome = await run_when_ready(station, verb, values, ask)
         station.refresh()
         if requester is not YOU and requester.ends:
             self._sent = requester.ends
@@ -379,11 +383,11 @@ class Session:
         data = data_of(outcome)
         answer = answer_of(outcome)
         if answer is not None and word == "call" and requester is not YOU:
-            data = await in_daemon(as_json, answer)  # A map has a million values.
+            data = await in_daemon(message_as_json, answer)  # A map has a million values.
         if self._is_waiting and requester.goal is not None:
-            data = as_data.goal(requester.goal, station.clock.monotonic())
+            data = as_json.goal(requester.goal, station.clock.monotonic())
             if isinstance(verb, SendGoal) and requester.goal.result is not None:
-                data["result"] = await in_daemon(as_json, requester.goal.result)
+                data["result"] = await in_daemon(message_as_json, requester.goal.result)
                 result["tells"] = True
         return result if data is None else {**result, "data": data}
 
@@ -394,12 +398,13 @@ class Session:
             verb = self._handler.verbs["echo"]
             assert isinstance(verb, Echo)
             values, _ = parse(verb, station, words)
-            left = ROBOT_TIMEOUT - station.age
-            await until(station, self.requester, lambda: verb.is_ready(station, values), left)
+            prepared = await prepare_when_found(station, verb, values)
+            if isinstance(prepared, Outcome):
+                raise ArchoError(prepared.text)
             await follow_topic(
                 station,
                 verb,
-                values,
+                prepared,
                 client.reply,
                 number,
                 as_text=as_text,

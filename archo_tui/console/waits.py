@@ -6,14 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.client.protocol import is_valid_timeout
-from archo_tui.robot.clients.requester import Requester
 from archo_tui.robot.messages.typed import parse_number
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import DISCOVERY_TIME, Verb
+from archo_tui.verbs.verb import DISCOVERY_TIME, Verb
 from archo_tui.words.state import no_data_text
 
 WAITS = "idle, arrived, ready, stopped or battery N"
@@ -42,16 +41,6 @@ async def wait_for(
             raise RequestTimedOut("the robot still drives" if drives else "not yet")
         await clock.sleep(POLL_PERIOD)
     return outcome
-
-
-async def until(
-    station: Station, requester: Requester, holds: Callable[[], object], seconds: float
-) -> None:
-    """Wait until a condition holds, the requester has left, or so many seconds have passed."""
-    clock = station.clock
-    end = clock.monotonic() + seconds
-    while not (holds() or requester.has_left) and clock.monotonic() < end:
-        await clock.sleep(POLL_PERIOD)
 
 
 def timeout_of(request: Mapping[str, Any]) -> float | None:

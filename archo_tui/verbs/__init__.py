@@ -7,20 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
-from archo_tui.verbs.base import Verb
-from archo_tui.verbs.diagnostics import ForgetPart, ShowDiagnostics
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
-from archo_tui.verbs.inspect import Echo, Hz
-from archo_tui.verbs.interface import ShowInterface
-from archo_tui.verbs.keep import Keep
-from archo_tui.verbs.lifecycle import Lifecycle
-from archo_tui.verbs.look import Look
-from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
+from archo_tui.verbs.nodes import DuplicateNode, Lifecycle, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
-from archo_tui.verbs.status import Events, ShowHistory, Status
+from archo_tui.verbs.show import Events, ForgetPart, Keep, ShowDiagnostics, ShowHistory, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
-from archo_tui.verbs.topics import Topics
+from archo_tui.verbs.topics import Echo, Hz, Look, ShowInterface, Topics
+from archo_tui.verbs.verb import Verb
 
 
 def verbs(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> dict[str, Verb]:
@@ -47,16 +41,6 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (Status(ask, robot), ShowHistory(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics(), ForgetPart())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
-    yield from (
-        Nodes(),
-        Topics(),
-        Echo(),
-        Hz(),
-        ShowInterface(),
-        StartNode(),
-        StopNode(),
-        DuplicateNode(),
-        LogLevel(),
-        Lifecycle(),
-    )
+    yield from (Nodes(), Topics(), Echo(), Hz(), ShowInterface())
+    yield from (StartNode(), StopNode(), DuplicateNode(), LogLevel(), Lifecycle())
     yield from (SendGoal(), Call(), Look())

@@ -7,8 +7,8 @@ from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.station.alarm_board import SHELF_TIME
 from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.station.station import Station
-from archo_tui.verbs.as_data import state
-from archo_tui.verbs.base import Argument, Values, Verb
+from archo_tui.verbs.as_json import state
+from archo_tui.verbs.verb import Argument, Values, Verb
 from archo_tui.words.alarm import no_alarms_text, timeline
 from archo_tui.words.state import no_data_text
 
@@ -20,7 +20,8 @@ class Alarms(Verb):
     id, title, tells = "alarms", "Alarms", True
     help = "List the alarms"
 
-    def is_ready(self, station: Station, values: Values) -> bool:
+    def is_found(self, station: Station, values: Values) -> bool:
+        """Return True once there is one: most begin some seconds after their cause."""
         station.refresh()
         return bool(station.view.alarms)
 

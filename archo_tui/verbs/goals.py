@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Sequence
+import math
+from collections.abc import Awaitable, Iterable, Sequence
 
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
@@ -16,13 +17,13 @@ from archo_tui.ros_names import base_name
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.conditions import is_battery_low
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
-from archo_tui.verbs.parameters import is_reported
+from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
+from archo_tui.verbs.verb import Argument, Question, Values, Verb
 
 # The keys of these verbs' values: the kind; a mapping of values by dotted path for each goal; and
 # the goal that ran at the time.
 KIND, GOALS, RUNNING = "kind", "goals", "running"
+_MOST_NUMBERS = 1000  # Numbers of a range, such as shelves, that are offered for completion.
 
 
 def low_battery_question(station: Station, does: str) -> Question | None:
@@ -71,6 +72,11 @@ class Go(Verb):
         self.service = kind.action
         several = fields is not None and len(fields) == 1 and is_number(fields[0])
         self.arguments = tuple(_argument(kind, field, several) for field in fields or ())
+        if not several:
+            labels = [f"{argument.name.lower()}=" for argument in self.arguments]
+            self.arguments = tuple(
+                argument._replace(completer=lambda *_: labels) for argument in self.arguments
+            )
 
     @property
     def usage(self) -> str:
@@ -104,17 +110,12 @@ class Go(Verb):
         texts = [texts_by_path(self._fields, form, row) for row in rows]
         return {GOALS: [parse_all(self._fields, form, row) for row in texts]}
 
-    def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the action is offered, and the nodes with its limits have reported."""
+    def is_found(self, station: Station, values: Values) -> bool:
+        """Return True if the nodes with its limits, if any, have reported their parameters."""
         snapshot = station.robot.snapshot
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
-        # The node with the limits may be found later than its action.
-        heard = all(
-            is_reported(station, snapshot.full(limit.node))
-            for limit in limits
-            if isinstance(limit, ParameterRef)
-        )
-        return super().is_ready(station, values) and heard
+        nodes = {snapshot.full(limit.node) for limit in limits if isinstance(limit, ParameterRef)}
+        return nodes <= {parameter.node for parameter in snapshot.parameters}
 
     async def prepare(self, station: Station, values: Values) -> Values:
         form = station.robot.snapshot.form(self.kind)
@@ -132,8 +133,20 @@ class Go(Verb):
 
 def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
     given = kind.form.get(field.path, FormField())
-    label = given.label or field.path
-    return Argument(label, field.type, several, low=given.low, high=given.high, unit=given.unit)
+    low, high = given.low, given.high
+
+    def numbers(station: Station, _: Sequence[str]) -> Iterable[str]:
+        least, most = map(station.robot.snapshot.limit, (low, high))
+        if least is None or most is None or not 0 <= least <= most < math.inf:
+            return ()
+        return map(str, range(math.ceil(least), math.floor(most) + 1)[:_MOST_NUMBERS])
+
+    label, unit = given.label or field.path, given.unit
+    return Argument(label, field.type, several, low=low, high=high, unit=unit, completer=numbers)
+
+
+def _action_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    return station.robot.snapshot.actions
 
 
 class SendGoal(Verb):
@@ -145,16 +158,14 @@ class SendGoal(Verb):
 
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
-    arguments = (Argument("action"), Argument("field=value", many=True, optional=True))
+    arguments = (
+        Argument("action", completer=_action_names),
+        Argument("field=value", many=True, optional=True),
+    )
     acts = moves = has_goals = may_ask = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        found = station.robot.snapshot.actions
-        name = full_name(station.robot.snapshot, values["action"], found)
-        return is_known(station, name, found)
 
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot, found = station.robot.snapshot, station.robot.snapshot.actions
@@ -190,7 +201,7 @@ class Cancel(Verb):
     arguments = (Argument("--all", "boolean", optional=True),)
     acts = may_ask = survives_stop = True
 
-    def is_ready(self, station: Station, values: Values) -> bool:
+    def is_found(self, station: Station, values: Values) -> bool:
         """Return True once a goal runs, or enough was found to know of another client's."""
         found = station.robot.snapshot.offered or station.robot.snapshot.actions
         return station.running_goal is not None or bool(found)

@@ -1,30 +1,27 @@
-"""The verbs for nodes: list, start, halt and copy them, and set their log level."""
+"""The verbs for nodes: list, start, halt and copy them, set log level and lifecycle state."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.robot.state.audit_records import AuditRecord
-from archo_tui.robot.state.graph import LEVELS
-from archo_tui.robot.state.snapshot import Hosted
+from archo_tui.robot.state.graph import ACTION, LEVELS, SERVICE, NodeState
+from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import full_name, nearest_node_hint
+from archo_tui.verbs.names import full_name, hosted_names, nearest_node_hint, node_names
+from archo_tui.verbs.verb import Argument, NotOnGraphError, Question, Values, Verb
 from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
 
 
 class Nodes(Verb):
-    id, title, tells = "nodes", "Nodes", True
+    id, title, tells, lists = "nodes", "Nodes", True, True
     help = "List the nodes: the state of each, and which were started here"
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return bool(station.robot.snapshot.nodes)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
@@ -50,7 +47,7 @@ class Nodes(Verb):
 class _NodeVerb(Verb):
     """The base of the verbs that start, stop or copy one node of this process."""
 
-    arguments = (Argument("node"),)
+    arguments = (Argument("node", completer=hosted_names),)
     acts = True
     starts = False  # True if one more node is on the graph afterwards.
 
@@ -134,10 +131,17 @@ class DuplicateNode(_NodeVerb):
         return Question("Another copy", text, "No", "Run it")
 
 
+def _levels(_: Station, __: Sequence[str]) -> Iterable[str]:
+    return [level.lower() for level in LEVELS]
+
+
 class LogLevel(Verb):
     id, title, tells = "log_level", "Log level", True
     help = f"Show or set the log level of a node: {', '.join(LEVELS).lower()}"
-    arguments = (Argument("node"), Argument("level", optional=True))
+    arguments = (
+        Argument("node", completer=node_names),
+        Argument("level", optional=True, completer=_levels),
+    )
     acts = True
 
     def acts_with(self, values: Values) -> bool:
@@ -146,13 +150,11 @@ class LogLevel(Verb):
     def tells_with(self, values: Values) -> bool:
         return not self.acts_with(values)
 
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return self._name(station, values) in self._nodes(station) or station.age >= ROBOT_TIMEOUT
-
     async def prepare(self, station: Station, values: Values) -> Values:
-        name, nodes = self._name(station, values), self._nodes(station)
+        nodes = [node.name for node in station.robot.snapshot.nodes]
+        name = full_name(station.robot.snapshot, values["node"], nodes)
         if name not in nodes:
-            raise ArchoError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
+            raise NotOnGraphError(f"no node {name} is on the graph{nearest_node_hint(name, nodes)}")
         given = {"node": name}
         if "level" in values:
             given["level"] = values["level"].upper()
@@ -166,13 +168,6 @@ class LogLevel(Verb):
             return await station.robot.set_log_level(values["node"], values["level"])
         return await station.robot.log_level(values["node"])
 
-    @staticmethod
-    def _nodes(station: Station) -> list[str]:
-        return [node.name for node in station.robot.snapshot.nodes]
-
-    def _name(self, station: Station, values: Values) -> str:
-        return full_name(station.robot.snapshot, values["node"], self._nodes(station))
-
 
 def _served_names(hosted: Hosted) -> list[str]:
     return [base_name(name) for name in hosted.serves]
@@ -181,3 +176,103 @@ def _served_names(hosted: Hosted) -> list[str]:
 def _stop_service(station: Station) -> str:
     stop = station.robot.file.stop
     return "" if stop is None else base_name(stop.service)
+
+
+_FINAL = "finalized"  # The state from which there is no transition.
+_TRANSITIONS = "configure", "activate", "deactivate", "cleanup", "shutdown"
+
+
+def _managed_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    return _managed(station.robot.snapshot)
+
+
+class Lifecycle(Verb):
+    """The verb `lifecycle`: show a managed node's state and its transitions, or request one.
+
+    A question comes before a shutdown, and before any transition of a node that serves STOP or the
+    running goal.
+    """
+
+    id, title, tells = "lifecycle", "Lifecycle", True
+    help = "Show the state of a managed node, or change it: configure, activate, ..."
+    arguments = (
+        Argument("node", completer=_managed_names),
+        Argument("transition", optional=True, completer=lambda *_: _TRANSITIONS),
+    )
+    acts = may_ask = True
+
+    def acts_with(self, values: Values) -> bool:
+        return "transition" in values
+
+    def tells_with(self, values: Values) -> bool:
+        return not self.acts_with(values)
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        snapshot = station.robot.snapshot
+        managed, nodes = _managed(snapshot), [node.name for node in snapshot.nodes]
+        name = full_name(snapshot, values["node"], nodes)
+        near = nearest_node_hint(name, managed)
+        if name not in nodes:
+            raise NotOnGraphError(f"no node {name} is on the graph{near}")
+        if name not in managed:
+            raise NotOnGraphError(f"{name} is not a managed node{near}")  # Its services may come.
+        given = {"node": name}
+        if "transition" in values:
+            given["transition"] = values["transition"].lower()
+        return given
+
+    def question(self, station: Station, values: Values) -> Question | None:
+        if "transition" not in values:
+            return None
+        node, transition = values["node"], values["transition"]
+        reasons = list(_objections(station.robot.snapshot, node))
+        if transition == "shutdown":
+            reasons.append("a node that was shut down must be started anew")
+        if not reasons:
+            return None
+        text = f"{'; '.join(reasons)}. {transition.capitalize()} {node}?"
+        title = f"{transition.capitalize()} a node"
+        return Question(title, text[0].upper() + text[1:], "Leave it", transition.capitalize())
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        node, outcome = values["node"], await self._run(station, values)
+        managed = _managed(station.robot.snapshot).get(node)
+        data = {"node": node, "state": None if managed is None else managed.lifecycle}
+        return Report.of(outcome.text, data) if outcome.ok else outcome
+
+    async def _run(self, station: Station, values: Values) -> Outcome:
+        node = values["node"]
+        if "transition" in values:
+            return await station.robot.change_lifecycle(node, values["transition"])
+        managed = _managed(station.robot.snapshot)
+        if node not in managed:
+            return Outcome(Code.NOT_OFFERED, f"{node} has left")
+        state = managed[node].lifecycle
+        possible = ", ".join(await station.robot.lifecycle_transitions(node))
+        if not possible and state != _FINAL:
+            return Outcome(Code.TIMEOUT, f"no answer from {node.lstrip('/')}; shown is {state}")
+        can = f": it can {possible}" if possible else ""
+        return Outcome(Code.DONE, f"{node.lstrip('/')} is {state}{can}")
+
+
+def _managed(snapshot: Snapshot) -> dict[str, NodeState]:
+    return {node.name: node for node in snapshot.nodes if node.lifecycle}
+
+
+def _objections(snapshot: Snapshot, node: str) -> list[str]:
+    """Return the reasons why a transition of a node needs a question.
+
+    Where the graph has a service or action but not its node, any node may be the one.
+    """
+    reasons, stop, goal = [], snapshot.file.stop, snapshot.running_goal
+    if stop is not None and _may_serve(snapshot, node, SERVICE, snapshot.full(stop.service)):
+        reasons.append(f"{node} serves STOP ({stop.service})")
+    if goal is not None and _may_serve(snapshot, node, ACTION, snapshot.full(goal.kind.action)):
+        reasons.append(f"the robot is {activity(goal)}, and {node} serves {goal.kind.action}")
+    return reasons
+
+
+def _may_serve(snapshot: Snapshot, node: str, kind: str, name: str) -> bool:
+    found = [r for r in snapshot.resources if (r.kind, r.name) == (kind, name)]
+    nodes = [server for resource in found for server in resource.nodes]
+    return node in nodes or (bool(found) and not nodes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os.path
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,80 +22,94 @@ from archo_tui.robot.state.graph import NOT_REPORTED, Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.safe_text import safe
 from archo_tui.station.station import Station
-from archo_tui.verbs import as_data
-from archo_tui.verbs.base import ROBOT_TIMEOUT, Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import full_name, nearest_node_hint
+from archo_tui.verbs import as_json
+from archo_tui.verbs.names import full_name, nearest_node_hint
+from archo_tui.verbs.verb import (
+    Argument,
+    NotOnGraphError,
+    NotPossible,
+    Question,
+    Values,
+    Verb,
+)
 
-_NODE, _NAME = Argument("node"), Argument("name")
-_FILE = Argument("file")
 CHANGE = "change"  # The key of `undo`'s value: the change to undo.
 SAME = "All parameters already have the values in the file."
 NOBODY = "no node has reported its parameters yet"
-
-
-def are_reported(station: Station) -> bool:
-    """Return True once each node has reported its parameters, or the time for that is over."""
-    snapshot = station.robot.snapshot
-    found = bool(snapshot.nodes)
-    return (found and not snapshot.unreported) or station.age >= ROBOT_TIMEOUT
 
 
 def _unreported_lines(snapshot: Snapshot) -> list[str]:
     return [f"{node.lstrip('/')} {why}" for node, why in sorted(snapshot.unreported.items())]
 
 
-def is_reported(station: Station, node: str) -> bool:
-    """Return True once a node has reported its parameters, or the time for that is over."""
-    reported = (parameter.node for parameter in station.robot.snapshot.parameters)
-    return node in reported or station.age >= ROBOT_TIMEOUT
+def _owners(station: Station, _: Sequence[str]) -> Iterable[str]:
+    return [parameter.node for parameter in station.robot.snapshot.parameters]
+
+
+def _names(station: Station, words: Sequence[str]) -> Iterable[str]:
+    return [parameter.name for parameter in _parameters_of(station, words[0])]
+
+
+def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
+    """Return `true` and `false` for a boolean parameter, nothing for others."""
+    kinds = [p.type for p in _parameters_of(station, words[0]) if p.name == words[1]]
+    return ("true", "false") if kinds == ["bool"] else ()
+
+
+def _parameters_of(station: Station, node: str) -> list[Parameter]:
+    known = station.robot.snapshot.parameters
+    name = full_name(station.robot.snapshot, node, {p.node for p in known})
+    return [parameter for parameter in known if parameter.node == name]
 
 
 class _ParameterVerb(Verb):
     """The base of the verbs that show or set one parameter."""
 
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return is_reported(station, self.node_name(station, values))
+    arguments: tuple[Argument, ...] = (
+        Argument("node", completer=_owners),
+        Argument("name", completer=_names),
+    )
 
-    def node_name(self, station: Station, values: Values) -> str:
-        snapshot = station.robot.snapshot
-        return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
+    def find_parameter(self, station: Station, values: Values) -> Parameter:
+        """Return the parameter that the values name.
 
-    def find_parameter(self, station: Station, values: Values) -> Parameter | None:
-        """Return the parameter that the values name; None if its node has not reported it."""
-        wanted = self.node_name(station, values), values["name"]
-        known = station.robot.snapshot.parameters
-        return next((p for p in known if (p.node, p.name) == wanted), None)
-
-    def missing_outcome(self, station: Station, values: Values) -> Outcome:
-        node, name = self.node_name(station, values), values["name"]
-        snapshot = station.robot.snapshot
-        nodes = {n.name for n in snapshot.nodes} | {p.node for p in snapshot.parameters}
-        if node not in nodes:
-            near = nearest_node_hint(node, nodes)
-            return Outcome(Code.MISUSE, f"no node {node} is on the graph{near}")
+        Raises ArchoError, and NotPossible if its node has not reported its parameters.
+        """
+        snapshot, name = station.robot.snapshot, values["name"]
+        of_node = _parameters_of(station, values["node"])
+        found = next((parameter for parameter in of_node if parameter.name == name), None)
+        if found is not None:
+            return found
+        owners = {p.node for p in snapshot.parameters}
+        node, nodes = full_name(snapshot, values["node"], owners), {n.name for n in snapshot.nodes}
+        if node not in nodes | owners:
+            near = nearest_node_hint(node, nodes | owners)
+            raise NotOnGraphError(f"no node {node} is on the graph{near}")
         if node in snapshot.unreported:
-            return Outcome(Code.REFUSED, f"{node} {snapshot.unreported[node]}")
-        near = nearest_hint(name, [p.name for p in snapshot.parameters if p.node == node])
-        return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")
+            raise NotPossible(f"{node} {snapshot.unreported[node]}")
+        near = nearest_hint(name, [parameter.name for parameter in of_node])
+        raise ArchoError(f"{node} has no parameter {name}{near}")
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        return {**values, "parameter": self.find_parameter(station, values)}
 
 
 class Get(_ParameterVerb):
     id, title, tells = "get", "Get a parameter", True
     help = "Show a parameter"
-    arguments = (_NODE, _NAME)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        parameter = self.find_parameter(station, values)
-        if parameter is None:
-            return self.missing_outcome(station, values)
-        shown = _for_requester(parameter)
-        return Report.of(parameter_line(shown), as_data.parameter(shown))
+        shown = _for_requester(values["parameter"])
+        return Report.of(parameter_line(shown), as_json.parameter(shown))
 
 
 class Set(_ParameterVerb):
     id, title, acts = "set", "Set a parameter", True
     help = "Set a parameter; quotes work as in a shell, and empty text is ''"
-    arguments = (_NODE, _NAME, Argument("value", rest=True))
+    arguments = (
+        *_ParameterVerb.arguments,
+        Argument("value", rest=True, completer=_values),
+    )
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
         """Return `: set NODE NAME VALUE` for the words NAME VALUE if one node has the parameter."""
@@ -105,8 +119,6 @@ class Set(_ParameterVerb):
 
     async def prepare(self, station: Station, values: Values) -> Values:
         parameter = self.find_parameter(station, values)
-        if parameter is None:
-            return values
         try:
             value = parse(parameter, values["value"])
         except ValueError as error:
@@ -115,10 +127,7 @@ class Set(_ParameterVerb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         parameter = self.find_parameter(station, values)
-        if parameter is None:
-            return self.missing_outcome(station, values)
-        changed = {parameter.name: values["value"]}
-        return await station.set_parameters(parameter.node, changed)
+        return await station.set_parameters(parameter.node, {parameter.name: values["value"]})
 
 
 class Undo(Verb):
@@ -152,17 +161,14 @@ class Undo(Verb):
 
 
 class Params(Verb):
-    id, title, tells = "params", "Parameters", True
+    id, title, tells, lists = "params", "Parameters", True, True
     help = "List the parameters"
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return are_reported(station)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot = station.robot.snapshot
         shown = [_for_requester(found) for found in snapshot.parameters]
         lines = [*map(parameter_line, shown), *_unreported_lines(snapshot)]
-        return Report.of("\n".join(lines), [*map(as_data.parameter, shown)])
+        return Report.of("\n".join(lines), [*map(as_json.parameter, shown)])
 
 
 def _for_requester(parameter: Parameter) -> Parameter:
@@ -191,14 +197,11 @@ def parameter_line(parameter: Parameter) -> str:
 class _FileVerb(Verb):
     """The base of `save` and `load`, disabled until a node has reported its parameters."""
 
-    arguments = (_FILE,)
-    may_ask = True
+    arguments = (Argument("file"),)
+    may_ask = lists = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.parameters else NOBODY
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return are_reported(station)
 
     def path(self, values: Values) -> Path:
         return typed_path(values["file"])

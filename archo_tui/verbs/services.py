@@ -1,16 +1,24 @@
-"""The verbs for the commands of the robot file, and for any service."""
+"""The verbs for the commands of the robot file, and for any service.
+
+`call` on a service of the robot file runs the verb that stands for it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
+from archo_tui.robot.messages.typed import as_typed, typed_request
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import CommandService, Scalar
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Argument, Question, Values, Verb
-from archo_tui.verbs.graph_names import fields_of, full_name, is_elsewhere, is_known, type_of
+from archo_tui.verbs.goals import Go, kind_of
+from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
+from archo_tui.verbs.stop import ReleaseStop, StopNow
+from archo_tui.verbs.verb import YES, Argument, Question, Values, Verb, named
 from archo_tui.words.goal import activity
 
+_ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 _CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"
 TIMEOUT = "--timeout"  # The key of `call`'s longest wait in s, if more than the default.
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
@@ -50,21 +58,23 @@ class Give(Verb):
         return await station.robot.command(self.given, self.is_on)
 
 
+def _service_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    return station.robot.snapshot.services
+
+
 class Call(Verb):
     """The verb `call`: call any service on the graph; its outcome is the response."""
 
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
-    arguments = (Argument("service"), Argument("field=value", many=True, optional=True))
+    arguments = (
+        Argument("service", completer=_service_names),
+        Argument("field=value", many=True, optional=True),
+    )
     acts = moves = tells = True
 
     def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.services else "no service is on the graph"
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        snapshot = station.robot.snapshot
-        name = full_name(snapshot, values["service"], snapshot.services)
-        return is_known(station, name, snapshot.services)
 
     def tells_with(self, values: Values) -> bool:
         """Return False, since an event shows the response on the screen and in `--plain`.
@@ -93,3 +103,78 @@ def refuse_transition(service: str, type_name: str) -> None:
     if type_name == _CHANGE_STATE:
         node = service.rpartition("/")[0]
         raise ValueError(f"{service} is a part of the lifecycle of {node}: type lifecycle {node}")
+
+
+Called = StopNow | ReleaseStop | Give  # Verbs that call a service of the robot file.
+
+
+def choose_verb(
+    verbs: Mapping[str, Verb], station: Station, word: str, words: Sequence[str]
+) -> tuple[Verb, list[str]]:
+    """Return the verb for a typed word, and the words that are left for that verb.
+
+    `call SERVICE` on a service of the robot file gives the verb that calls this service, so that it
+    asks, refuses and checks as that verb does. Raises ValueError if no single verb is meant.
+    """
+    verb, rest = named(verbs, word), list(words)
+    without_yes = [each for each in rest if each != YES]
+    if not isinstance(verb, Call) or not without_yes:
+        return verb, rest
+    service, *fields = without_yes
+    snapshot = station.robot.snapshot
+    own = verbs_by_service(verbs, snapshot)
+    service = full_name(snapshot, service, {*snapshot.services, *own})
+    _refuse_part_of_action(verbs, snapshot, service)
+    if service not in own or fields == ["--help"]:  # `call` itself refuses it, and calls nothing.
+        return verb, rest
+    meant = _pick(own[service], service, fields)
+    return meant, [YES] if meant.may_ask and YES in rest else []
+
+
+def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Called]]:
+    """Return `stop`, `release` and the robot file's commands by their service's full name."""
+    found: dict[str, list[Called]] = {}
+    for verb in verbs.values():
+        if isinstance(verb, (StopNow, ReleaseStop, Give)) and verb.service:
+            found.setdefault(snapshot.full(verb.service), []).append(verb)
+    return found
+
+
+def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
+    """Return the verb whose request has the fields that were typed; ValueError unless one has.
+
+    A STOP without fields is returned whatever was typed; one with fields comes before other verbs
+    with the same request.
+    """
+    stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
+    if stop is not None and not stop.request:  # Whatever fields were typed.
+        return stop
+    asked = next((verb.request for verb in found if verb.request), {})
+    if not asked and any(field != "{}" for field in fields):
+        raise ValueError(f"{service} takes no field, not {' '.join(fields)}")
+    given = typed_request(service, fields, asked)
+    meant = [verb for verb in found if verb.request == given]
+    if stop is not None and stop in meant:
+        return stop
+    if len(meant) > 1:
+        raise ValueError(f"{service} is called by several: type {_either(meant)}")
+    if not meant:
+        ways = " or ".join(f"{as_typed(verb.request)} ({verb.id})" for verb in found)
+        raise ValueError(f"{service} needs {ways}")
+    return meant[0]
+
+
+def _either(found: Sequence[Verb]) -> str:
+    return " or ".join(verb.id for verb in found)
+
+
+def _refuse_part_of_action(verbs: Mapping[str, Verb], snapshot: Snapshot, service: str) -> None:
+    """Raise ValueError for a service by which an action takes or cancels goals."""
+    action, _, part = service.partition(_ACTION_PART)
+    if part == "cancel_goal":
+        raise ValueError(f"{service} is a part of the action {action}: type cancel")
+    if part == "send_goal":
+        kind = kind_of(snapshot, action)
+        goals = [verb for verb in verbs.values() if isinstance(verb, Go) and verb.kind == kind]
+        ways = goals[0].id if goals else f"send_goal {action}"
+        raise ValueError(f"{service} is a part of the action {action}: type {ways}")

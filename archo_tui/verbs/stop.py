@@ -6,7 +6,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file import model
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Question, Values, Verb
+from archo_tui.verbs.verb import Question, Values, Verb
 
 
 class StopNow(Verb):
@@ -51,17 +51,11 @@ class ReleaseStop(Verb):
         unavailable = "" if snapshot.stop_held_by_nobody else super().disabled_reason(station)
         return unavailable or ("the robot is not stopped" if released else "")
 
-    def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True if the release is offered, and the robot's report of a stop has come.
-
-        If every node that held the STOP has ended, return True at once: a release then only forgets
-        the STOP.
-        """
-        stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
-        is_awaited = stopped is None and described is not None and described.reports_stop
-        if station.robot.snapshot.stop_held_by_nobody:
-            return True
-        return super().is_ready(station, values) and not is_awaited
+    def is_found(self, station: Station, values: Values) -> bool:
+        """Return True once the robot has reported whether it is stopped, if it does report it."""
+        snapshot, described = station.robot.snapshot, station.robot.file.motion
+        is_awaited = described is not None and described.reports_stop
+        return not is_awaited or snapshot.motion.stopped is not None or snapshot.stop_held_by_nobody
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.release()

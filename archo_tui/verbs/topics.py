@@ -1,21 +1,51 @@
-"""The verb for what is on the graph: topics, services and actions."""
+"""The verbs for what is on the graph: topics, their messages and types, and other domains."""
 
 from __future__ import annotations
 
-from archo_tui.robot.outcome import Outcome, Report
+import time
+from collections.abc import Callable, Sequence
+from contextlib import asynccontextmanager, suppress
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.domain_scan import DOMAINS, ScanError, find_nodes
+from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
+from archo_tui.robot.messages.definitions import definition_text, names_in
+from archo_tui.robot.messages.text import as_data, as_text
+from archo_tui.robot.messages.types import load_class
+from archo_tui.robot.outcome import Code, Outcome, Report
+from archo_tui.robot.state.graph import TopicInfo
+from archo_tui.robot_file.check import not_installed
+from archo_tui.robot_file.propose import Sighting, propose, text_of
+from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
+from archo_tui.safe_text import harmless
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Values, Verb
+from archo_tui.verbs.names import full_name, topic_names
+from archo_tui.verbs.verb import Argument, NotOnGraphError, Values, Verb
+from archo_tui.words.domains import domains_text
 from archo_tui.words.graph import SILENT, resource_rows
+from archo_tui.words.inspect import rate_text
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from archo_tui.robot.topics.inspect import Inspection
+
+WAIT = 5.0  # Seconds to wait for a message.
+LISTEN = 5.0  # Seconds in which messages are counted.
+FOLLOW = "--follow"
+PERIOD = 0.2  # Seconds between two messages that are shown: five a second, as on the screen.
+_REFIT = 2.0  # Seconds between two polls of the QoS of the publishers.
+_POLL_PERIOD = 0.05  # Seconds between two polls for a message.
+LISTENING = 5.0  # Seconds: enough for two messages of a battery that is published every 2 s.
 
 
 class Topics(Verb):
     """The verb `topics`: list topics, services and actions, as the Graph panel does."""
 
-    id, title, tells = "topics", "Topics", True
+    id, title, tells, lists = "topics", "Topics", True, True
     help = "List topics, services and actions: type, nodes, rate, and who receives nothing"
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        return bool(station.robot.snapshot.resources)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.refresh()
@@ -34,3 +64,282 @@ class Topics(Verb):
         ]
         lines = [row.as_line for row in rows]
         return Report.of("\n".join(lines) or "nothing on the graph", data)
+
+
+class FollowedMessage(NamedTuple):
+    """A message of a topic that is followed."""
+
+    text: str  # As YAML; "" for a program.
+    data: Any  # As JSON has it; None for a person.
+    left_out: int  # Messages before it that were not shown.
+
+
+class _TopicVerb(Verb):
+    """The base of the verbs `echo` and `hz`, which subscribe to a topic while they run."""
+
+    tells = True
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        """Complete the topic's name, and load its message class, as `class`."""
+        snapshot = station.robot.snapshot
+        topics = [*topic_names(station, ())]
+        name = full_name(snapshot, values["topic"], topics)
+        info = await _topic_info(station, name)
+        if not (info.publishers or info.subscriptions):
+            raise NotOnGraphError(f"no topic {name} is on the graph{nearest_hint(name, topics)}")
+        kinds = sorted({end.type for end in info.publishers or info.subscriptions})
+        if len(kinds) > 1:
+            raise ArchoError(f"{name} has several types: {', '.join(kinds)}")
+        message_class = await in_daemon(load_class, kinds[0])
+        if message_class is None:
+            raise ArchoError(not_installed(name, kinds[0]))
+        return {**values, "topic": name, "class": message_class}
+
+    @asynccontextmanager
+    async def inspect(self, station: Station, values: Values) -> AsyncIterator[Inspection]:
+        """Subscribe to a topic inside the block, whose value counts the messages; or ArchoError."""
+        try:
+            async with station.robot.inspect(values["topic"], values["class"]) as inspection:
+                yield inspection
+        except TimeoutError:
+            raise ArchoError("the console's own node does not answer") from None
+
+
+class Echo(_TopicVerb):
+    """The verb `echo`: show the last message of a topic, or some of its fields.
+
+    With `--follow` it shows each new message, until it is cancelled. If none comes within WAIT
+    seconds, the outcome is TIMEOUT, or NOT_OFFERED without a publisher. A message too large for a
+    program is text only.
+    """
+
+    id, title = "echo", "Echo"
+    help = f"Show the last message of a topic, or fields of it; waits {WAIT:g} s for one"
+    arguments = (
+        Argument("topic", completer=topic_names),
+        Argument("field", many=True, optional=True),
+        Argument(FOLLOW),
+    )
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        async with self.inspect(station, values) as inspection:
+            end = station.clock.monotonic() + WAIT
+            while not inspection.count and station.clock.monotonic() < end:
+                await station.clock.sleep(_POLL_PERIOD)
+            if not inspection.count:
+                return await _silence_outcome(station, inspection.topic, WAIT)
+            return await in_daemon(_last_message, inspection, values.get("field", ()))
+
+    async def follow(
+        self,
+        station: Station,
+        values: Values,
+        show: Callable[[FollowedMessage], None],
+        note: Callable[[str], None],
+        *,
+        for_program: bool,
+        has_room: Callable[[], bool],
+    ) -> NoReturn:
+        """Show each new message of a topic, at most one every PERIOD seconds, until cancelled.
+
+        Messages in between, or while the reader has no room, are left out and counted. `note` gets
+        the reason why none has come for WAIT seconds, once for each silence. Raises ArchoError.
+        """
+        clock, fields = station.clock, values.get("field", ())
+        async with self.inspect(station, values) as inspection:
+            seen, is_noted = 0, False
+            silent_since = clock.monotonic()
+            refit_at = silent_since + _REFIT
+            while True:
+                number, data = inspection.newest
+                if number != seen and has_room():
+                    text, json_data = await in_daemon(
+                        _text_or_data, inspection, data, fields, for_program
+                    )
+                    show(FollowedMessage(text, json_data, number - seen - 1))
+                    seen, is_noted, silent_since = number, False, clock.monotonic()
+                now = clock.monotonic()
+                if not is_noted and number == seen and now - silent_since >= WAIT:
+                    is_noted = True
+                    why = await _silence_outcome(station, inspection.topic, WAIT)
+                    if not seen or why.code == Code.NOT_OFFERED:  # Otherwise it is a rare one.
+                        note(why.text)
+                if now >= refit_at:
+                    station.robot.resubscribe_if_needed(inspection)
+                    refit_at = now + _REFIT
+                await clock.sleep(PERIOD)
+
+
+class Hz(_TopicVerb):
+    """The verb `hz`: listen to a topic for LISTEN seconds, and tell rate, intervals and bytes/s.
+
+    If no message comes, the outcome is TIMEOUT, or NOT_OFFERED without a publisher.
+    """
+
+    id, title = "hz", "Rate"
+    help = f"Listen to a topic for {LISTEN:g} s: rate, shortest and longest interval, bytes/s"
+    arguments = (Argument("topic", completer=topic_names),)
+    started_text = f"listening for {LISTEN:g} s"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        async with self.inspect(station, values) as inspection:
+            await station.clock.sleep(LISTEN)
+            if not inspection.count:
+                return await _silence_outcome(station, inspection.topic, LISTEN)
+            known = station.robot.snapshot.message_rates.get(inspection.topic)
+            hertz = None if known is None else known.hertz_at(station.clock.monotonic())
+            text, data = rate_text(inspection, LISTEN, hertz)
+            return Report.of(f"{inspection.topic}: {text}", data)
+
+
+def _last_message(inspection: Inspection, paths: Sequence[str]) -> Outcome:
+    """Return an outcome with the last message, or fields of it; slow: not for the UI thread."""
+    message = inspection.decode(inspection.newest[1])
+    text = as_text(message, paths)
+    with suppress(ArchoError):  # It is too large for a program, which gets the text only.
+        return Report.of(text, as_data(message, paths))
+    return Outcome(Code.DONE, text)
+
+
+def _text_or_data(
+    inspection: Inspection, data: bytes, paths: Sequence[str], for_program: bool
+) -> tuple[str, Any]:
+    """Return a message as text and None, or as "" and data; slow: not for the UI thread."""
+    message = inspection.decode(data)
+    if for_program:
+        return "", as_data(message, paths)
+    return as_text(message, paths), None
+
+
+async def _topic_info(station: Station, topic: str) -> TopicInfo:
+    info = await station.robot.topic_info(topic)
+    if isinstance(info, Outcome):
+        raise ArchoError(info.text)
+    return info
+
+
+async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outcome:
+    """Return NOT_OFFERED for a topic without a publisher, else TIMEOUT, with the reason."""
+    info = await _topic_info(station, topic)
+    nodes = {end.node.lstrip("/") for end in info.publishers if "/_" not in end.node}
+    names = ", ".join(sorted(nodes))
+    text = f"no message on {topic} in {seconds:g} s"
+    if not info.publishers:
+        return Outcome(Code.NOT_OFFERED, f"{text}: it has no publisher")
+    return Outcome(Code.TIMEOUT, f"{text}: nothing arrived from {names or 'its publisher'}")
+
+
+class ShowInterface(Verb):
+    """The verb `interface`: show the definition of a type, as `ros2 interface show` does.
+
+    A type without its package is looked for on the graph, any other among those installed.
+    """
+
+    id, title, tells = "interface", "Interface", True
+    help = "Show the definition of a message, service or action type, with its comments"
+    arguments = (Argument("type", completer=lambda station, _: _types_on_graph(station)),)
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        name, text = await in_daemon(_find, values["type"], _types_on_graph(station))
+        return {"type": name, "definition": text}
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return Report.of(values["definition"], dict(values))
+
+
+def _types_on_graph(station: Station) -> list[str]:
+    found = station.robot.snapshot.resources
+    return sorted({kind for resource in found for kind in resource.types})
+
+
+def _find(typed: str, known: list[str]) -> tuple[str, str]:
+    """Return the full name and the definition of a typed type; ArchoError unless one fits."""
+    meant = _possible_names(typed, known)
+    found = {name: text for name in meant if (text := definition_text(name)) is not None}
+    if len(found) == 1:
+        return next(iter(found.items()))
+    if len(found) > 1:
+        raise ArchoError(f"{typed} has several meanings: {', '.join(found)}")
+    absent = next((name for name in meant if name in known), "")
+    if absent:
+        raise ArchoError(f"{absent} is on the graph, and not installed here")
+    package = package_of(typed) if "/" in typed else ""
+    others = names_in(package) if parse_type(f"{package}/msg/A") else []
+    if package and not others and not any(package_of(name) == package for name in known):
+        near = nearest_hint(package, map(package_of, known))
+        raise ArchoError(f"no package of interfaces {package} is installed here{near}")
+    near = _nearest(typed, [*known, *others])
+    raise NotOnGraphError(
+        f"no type {typed} is {'installed here' if package else 'on the graph'}{near}"
+    )
+
+
+def _possible_names(typed: str, known: list[str]) -> list[str]:
+    """Return the full names `package/kind/Name` that a type may stand for, existing or not."""
+    if "/" not in typed:
+        return [name for name in known if base_name(name) == typed]
+    if typed.count("/") == 1:
+        package, name = typed.split("/")
+        return [f"{package}/{kind}/{name}" for kind in KINDS]
+    return [typed]
+
+
+def _nearest(typed: str, known: list[str]) -> str:
+    """Return ` (nearest: TYPE)`, with as many parts as were typed, for a misspelt type, or ""."""
+    if "/" in typed:
+        parts = [name.split("/") for name in known]
+        short = [f"{package}/{name}" for package, _, name in filter(lambda p: len(p) == 3, parts)]
+        return nearest_hint(typed, known if typed.count("/") > 1 else short)
+    return nearest_hint(typed, map(base_name, known))
+
+
+async def find_robots() -> Outcome:
+    """Look for nodes in other ROS 2 domains, by a process of its own, and list them."""
+    try:
+        found = await find_nodes()
+    except ScanError as error:
+        return Outcome(Code.TIMEOUT, str(error))
+    lines = domains_text(found, DOMAINS[0], DOMAINS[-1]).splitlines()
+    return Outcome(Code.DONE if found else Code.REFUSED, "\n".join(map(harmless, lines)))
+
+
+class Look(Verb):
+    id, title, tells = "look", "Look", True
+    help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"
+    started_text = f"looking for nodes in the domains {DOMAINS[0]} to {DOMAINS[-1]} ..."
+
+    def disabled_reason(self, station: Station) -> str:
+        return "" if station.attached else "only a console with --attach has other domains"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        outcome = await find_robots()
+        return outcome._replace(code=Code.DONE) if outcome.code is Code.REFUSED else outcome
+
+
+async def robot_file_text(station: Station) -> str:
+    """Listen for LISTENING seconds, and return the text of a robot file for what is on the graph.
+
+    Nothing of it is tried on the robot. Raises SeveralRobots, or TimeoutError if ROS does not
+    answer.
+    """
+    seen = await station.robot.take_sightings(LISTENING)
+    view = station.view
+    attach = " --engine ros2 --attach" if station.attached else ""
+    # The more names are on the graph, the longer this takes.
+    return await in_daemon(
+        _file_text, seen, view.namespace, view.engine, station.clock.now(), attach
+    )
+
+
+def _file_text(
+    seen: Sequence[Sighting], namespace: str, engine: str, now: float, attach: str
+) -> str:
+    proposal = propose(seen, namespace)
+    day = time.strftime("%Y-%m-%d", time.localtime(now))
+    option = "" if proposal.namespace == "/" else f" --namespace {proposal.namespace}"
+    head = (
+        f"Written by archo-tui from what was on the graph, {engine}, {day}.\n"
+        "Check every line: nothing here was tried. docs/own_robot.md explains the words.\n"
+        f"archo-tui{attach}{option} --robot THIS_FILE"
+    )
+    return text_of(proposal, head)

@@ -501,7 +501,7 @@ async def test_a_request_waits_for_limits_that_were_not_reported_yet(
     async with beside(*FAST) as (op, assistant):
         await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
         known = threading.Event()
-        monkeypatch.setattr(Go, "is_ready", lambda *_: known.is_set())
+        monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())
         assistant.send({"id": 1, "assistant": True, "ask": GO})
         other = await raw()
         assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"

@@ -14,8 +14,8 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
 from archo_tui.robot.state.snapshot import Latch
-from archo_tui.verbs import look
-from archo_tui.verbs.status import ShowHistory
+from archo_tui.verbs import topics
+from archo_tui.verbs.show import ShowHistory
 from tests.client.test_waits import waited
 from tests.support import clock
 from tests.support.console import FAST
@@ -43,8 +43,8 @@ async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(
     async def find_nodes() -> None:
         await asyncio.sleep(DEADLINE)
 
-    monkeypatch.setattr(look, "find_nodes", find_nodes)
-    monkeypatch.setattr(look.Look, "disabled_reason", lambda *_: "")
+    monkeypatch.setattr(topics, "find_nodes", find_nodes)
+    monkeypatch.setattr(topics.Look, "disabled_reason", lambda *_: "")
     async with operated(ros_args=FAST, at_terminal=True) as person:
         person.type("status\n")
         await person.until("battery")

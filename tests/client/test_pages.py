@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from archo_tui.client.protocol import EXITS
-from archo_tui.verbs import inspect
+from archo_tui.verbs import topics
 from tests.support import chosen
 from tests.support.console import FAST
 from tests.support.shells import heard, raw, served
@@ -107,7 +107,7 @@ PRINTED = [
 async def test_the_examples_in_python_do_what_they_say(
     code: str, lines: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(inspect, "LISTEN", 2.0)
+    monkeypatch.setattr(topics, "LISTEN", 2.0)
     code = code.replace("timeout=5", "timeout=1")
 
     def run() -> str:

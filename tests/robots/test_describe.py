@@ -14,7 +14,7 @@ pytest.importorskip("depot_interfaces")
 from std_msgs.msg import Float32
 
 from archo_tui.robot_file.load import load
-from archo_tui.verbs import describe
+from archo_tui.verbs import topics
 from tests.robots.cart import Cart
 from tests.robots.test_rover import rover
 from tests.support.console import console
@@ -22,7 +22,7 @@ from tests.support.console import console
 
 @pytest.fixture(autouse=True)
 def _short(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(describe, "LISTENING", 0.3)
+    monkeypatch.setattr(topics, "LISTENING", 0.3)
 
 
 async def test_the_palette_writes_a_file_that_shows_the_robots_data(here: Path) -> None:
@@ -52,7 +52,7 @@ async def test_goals_of_types_that_it_never_saw_get_their_forms(tmp_path: Path) 
     async with rover() as (op, _):
         await op.until(lambda: "/dock" in op.app.view.snapshot.actions)
         path = tmp_path / "rover.yaml"
-        text = asyncio.create_task(describe.robot_file_text(op.session.station))
+        text = asyncio.create_task(topics.robot_file_text(op.session.station))
         await op.until(text.done)
         path.write_text(text.result())
     made = load(path)

@@ -13,7 +13,7 @@ pytest.importorskip("irobot_create_msgs")
 pytest.importorskip("nav2_msgs")
 
 from archo_tui.robot_file.load import load
-from archo_tui.verbs import describe
+from archo_tui.verbs import topics
 from tests.robots import makes
 from tests.support.plain import operated
 from tests.support.quiet import until
@@ -65,13 +65,13 @@ def with_stop(text: str) -> str:
 async def test_each_robot_is_described_driven_and_stopped(
     robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(describe, "LISTENING", 1.5)
+    monkeypatch.setattr(topics, "LISTENING", 1.5)
     file = tmp_path / "mine.yaml"
     async with operated(*ROBOTS[robot]) as person:
         station = person._plain._station
         await until(lambda: len(station.robot.snapshot.nodes) == len(ROBOTS[robot]))
         await until(lambda: station.robot.snapshot.actions)
-        text = asyncio.ensure_future(describe.robot_file_text(station))
+        text = asyncio.ensure_future(topics.robot_file_text(station))
         await until(text.done)
         file.write_text(with_stop(text.result()))
         for shown in blocks(robot, "yaml"):

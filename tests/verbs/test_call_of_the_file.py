@@ -13,7 +13,7 @@ from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.words import shell_words
 from archo_tui.robot_file.model import CommandService, StopServices
 from archo_tui.verbs import verbs
-from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.services import choose_verb
 from tests.support.archo import ARCHO, FORMS
 from tests.support.console import LONG, console
 from tests.support.plain import operated

@@ -9,7 +9,7 @@ import pytest
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.verbs import verbs
-from archo_tui.verbs.candidates import candidates
+from archo_tui.verbs.verb import candidates
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station
 

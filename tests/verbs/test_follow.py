@@ -12,7 +12,9 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, Header
 
 import archo_tui
-from archo_tui.verbs.inspect import Echo, FollowedMessage
+from archo_tui.robot.outcome import Outcome
+from archo_tui.verbs.topics import Echo, FollowedMessage
+from archo_tui.verbs.verb import prepare_when_found
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
 from tests.support.shells import heard, raw, served, typed
@@ -186,10 +188,12 @@ async def test_whoever_is_behind_is_shown_the_newest_with_a_count() -> None:
         station = person._plain._station
         echo = person._plain._verbs["echo"]
         assert isinstance(echo, Echo)
+        values = await prepare_when_found(station, echo, {"topic": "/fast"})
+        assert not isinstance(values, Outcome)
         following = asyncio.ensure_future(
             echo.follow(
                 station,
-                {"topic": "/fast"},
+                values,
                 shown.append,
                 lambda _: None,
                 for_program=True,

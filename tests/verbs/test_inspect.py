@@ -63,7 +63,7 @@ async def test_why_nothing_is_shown_is_one_line(line: str, why: str) -> None:
 
 
 async def test_a_type_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("archo_tui.verbs.inspect.load_class", lambda _: None)
+    monkeypatch.setattr("archo_tui.verbs.topics.load_class", lambda _: None)
     code, said = await plain("echo fast\n", Talker)
     assert code == 1
     assert "std_msgs/msg/Float32" in said

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.types import INTEGERS, TypedField
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go
-from archo_tui.verbs.parse import named, parse, schema
+from archo_tui.verbs.verb import named, parse, prepare_when_found, schema
 from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.states import NORMAL, board
 from tests.support.stub import StandingClock, StubRobot, stub_station
@@ -164,18 +169,51 @@ async def test_a_shelf_beyond_what_the_robot_holds_now_is_misuse(verb: str) -> N
 
 
 async def test_a_goal_waits_for_the_limits_that_the_robot_has_not_reported_yet() -> None:
-    robot, clock = StubRobot(NORMAL._replace(parameters=())), StandingClock()
-    station = stub_station(robot, clock)
-    go = VERBS["go"]
-    assert not go.is_ready(station, {})
-    robot.snapshot = board(40)
-    assert go.is_ready(station, {})
-    others = tuple(p for p in NORMAL.parameters if p.node != "/motor_controller")
-    robot.snapshot = NORMAL._replace(nodes=NORMAL.nodes[:1], parameters=others)
+    known = NORMAL._replace(offered=NORMAL.offered | {"move_to_shelf"})
+    others = tuple(p for p in known.parameters if p.node != "/motor_controller")
     assert others
-    assert not go.is_ready(station, {})  # who holds it is not found yet
+    robot, clock = StubRobot(known._replace(parameters=())), StandingClock()
+    station, go = stub_station(robot, clock), VERBS["go"]
+    waits = asyncio.ensure_future(prepare_when_found(station, go, {GOALS: [{"shelf_number": 41}]}))
+    await asyncio.sleep(0)
+    assert not waits.done()
+    waits.cancel()
+    robot.snapshot = known._replace(nodes=known.nodes[:1], parameters=others)
+    assert not go.is_found(station, {})  # who holds it is not found yet
     clock.passed = 5.0
-    assert go.is_ready(station, {})
+    assert await prepare_when_found(station, go, {GOALS: [{"shelf_number": 41}]})
+    robot.snapshot, clock.passed = board(40)._replace(offered=known.offered), 0.0
+    assert go.is_found(station, {})
+
+
+async def test_what_is_refused_is_tried_again_until_the_robot_is_found() -> None:
+    robot, clock = StubRobot(Snapshot(file=ARCHO)), VirtualSleep()
+    station = stub_station(robot, clock)
+    get, speed = VERBS["get"], {"node": "motor_controller", "name": "max_speed"}
+    clock.at(1.0, lambda: setattr(robot, "snapshot", NORMAL))
+    prepared = await prepare_when_found(station, get, speed)
+    assert not isinstance(prepared, Outcome)
+    assert prepared["parameter"].value == 0.5
+    assert clock.passed == pytest.approx(1.0, abs=0.1)
+    with pytest.raises(ArchoError, match="no parameter nosuch"):
+        await prepare_when_found(station, get, {**speed, "name": "nosuch"})
+    assert clock.passed <= 2.2  # What no node has by then is not expected any more.
+
+
+class VirtualSleep(StandingClock):
+    """A clock that moves when somebody sleeps."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._due = (float("inf"), lambda: None)
+
+    def at(self, passed: float, do: Callable[[], None]) -> None:
+        self._due = passed, do
+
+    async def sleep(self, seconds: float) -> None:
+        self.passed += seconds
+        if self.passed >= self._due[0]:
+            self._due[1]()
 
 
 def test_the_schema_of_texts_and_flags_says_which_are_needed() -> None:

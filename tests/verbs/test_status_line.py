@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
-from archo_tui.verbs.as_data import in_line
+from archo_tui.verbs.as_json import in_line
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 

@@ -1,4 +1,4 @@
-"""The names, types and fields of actions and services that no robot file names."""
+"""The names on the graph that a person types, and those that a shell offers."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.typed import mapping, parse_all, texts_by_path
-from archo_tui.robot.state.graph import in_namespace
+from archo_tui.robot.state.graph import TOPIC, in_namespace
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import DISCOVERY_TIME
+from archo_tui.verbs.verb import NotOnGraphError
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
@@ -37,21 +37,11 @@ def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
     return not name.startswith(in_namespace(snapshot.namespace, ""))
 
 
-def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return True if a full name was found, or if it may be tried without having been found.
-
-    A name outside of the robot's namespace may be, from DISCOVERY_TIME seconds after the start: the
-    snapshot never has such names.
-    """
-    is_out = is_elsewhere(station.robot.snapshot, name)
-    return name in found or (is_out and station.age >= DISCOVERY_TIME)
-
-
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
-    """Return the type that a name has on the graph; ValueError if it has none or several."""
+    """Return the one type of a name on the graph; raise ValueError."""
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
-        raise ValueError(f"no {what} {name} is on the graph{near}")
+        raise NotOnGraphError(f"no {what} {name} is on the graph{near}")
     kinds = found[name]
     if len(kinds) != 1:
         raise ValueError(f"{name} has several types: {', '.join(kinds)}")
@@ -72,3 +62,18 @@ async def fields_of(
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
     return parse_all(fields, {}, texts_by_path(fields, {}, words, partial=True))
+
+
+def hosted_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    """Return the nodes of this process; a `Completer`, as those below."""
+    return [hosted.name for hosted in station.host.states()]
+
+
+def node_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    """Return the nodes on the graph."""
+    return [node.name for node in station.robot.snapshot.nodes]
+
+
+def topic_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    """Return the topics on the graph."""
+    return [found.name for found in station.robot.snapshot.resources if found.kind == TOPIC]

@@ -1,21 +1,28 @@
-"""The verbs that show the state, events, and the last hour."""
+"""The verbs that show the state, events, the last hour and diagnostics, and record it."""
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Iterator
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.outcome import Code, Outcome, Report
+from archo_tui.errors import ArchoError
+from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER
+from archo_tui.recordings.ring import SPAN
+from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
+from archo_tui.robot.state.readings import GONE, Diagnostic
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
+from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.station import Station
-from archo_tui.verbs.as_data import event, state
-from archo_tui.verbs.as_data import goal as goal_data
-from archo_tui.verbs.base import DISCOVERY_TIME, ROBOT_TIMEOUT, Argument, Values, Verb
+from archo_tui.verbs.as_json import event, state
+from archo_tui.verbs.as_json import goal as goal_data
+from archo_tui.verbs.verb import Argument, Values, Verb
 from archo_tui.words.alarm import state_word
+from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 from archo_tui.words.event import event_text
 from archo_tui.words.line_by_line import (
     battery_text,
@@ -31,7 +38,7 @@ _EVENTS = 20
 
 
 class Status(Verb):
-    id, title, tells = "status", "Status", True
+    id, title, tells, lists = "status", "Status", True, True
     help = "Show the state of the robot"
 
     def __init__(self, ask: str, robot: RobotFile) -> None:
@@ -43,22 +50,6 @@ class Status(Verb):
     def advice(self, alarm: Alarm, snapshot: Snapshot) -> str:
         """Return the text of an alarm, followed by the verb to type if one helps now."""
         return advice(alarm, remedy_hints(snapshot, self._typed))
-
-    def is_ready(self, station: Station, values: Values) -> bool:
-        """Return True once battery and motion were received, as far as the robot file has them.
-
-        Topics without a publisher are waited for until DISCOVERY_TIME seconds after the start,
-        others until ROBOT_TIMEOUT seconds after it.
-        """
-        snapshot, robot = station.robot.snapshot, station.robot.file
-        missing = []
-        if robot.battery is not None and snapshot.battery.received is None:
-            missing.append(robot.battery.topic)
-        if robot.motion is not None and snapshot.motion.received is None:
-            missing.append(robot.motion.topic)
-        there = station.age >= DISCOVERY_TIME  # What is missing by then may never come.
-        comes = any(topic in snapshot.offered or not there for topic in missing)
-        return not comes or station.age >= ROBOT_TIMEOUT
 
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
@@ -160,3 +151,93 @@ def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
         return "m"
     units = {kind.remaining.unit for kind in snapshot.file.goals if kind.remaining}
     return units.pop() if len(units) == 1 else ""
+
+
+class ShowDiagnostics(Verb):
+    """The verb `diagnostics`: list what the robot reports of its parts, the worst first."""
+
+    id, title, tells = "diagnostics", "Diagnostics", True
+    help = "List the diagnostics: what the robot reports of its parts, the worst first"
+
+    def is_found(self, station: Station, values: Values) -> bool:
+        snapshot = station.robot.snapshot
+        return bool(snapshot.diagnostics) or not snapshot.file.diagnostics
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        snapshot, now = station.robot.snapshot, station.clock.monotonic()
+        found = diagnostics_worst_first(snapshot, now)
+        lines = [diagnostic_line(status, now) for status in found]
+        data = [
+            {
+                "name": status.name,
+                "hardware_id": status.hardware_id,
+                "level": status.level.value,
+                "message": status.message,
+                "age": now - status.received,  # In s.
+            }
+            for status in found
+        ]
+        return Report.of("\n".join(lines) or no_diagnostics_text(snapshot), data)
+
+
+class ForgetPart(Verb):
+    """The verb `forget`: drop a part that has been silent for GONE seconds."""
+
+    id, title, tells = "forget", "Forget a part", True
+    acts = True
+    help = f"Forget a part of the diagnostics that has reported nothing for {GONE:g} s"
+    arguments = (Argument("part", rest=True),)
+
+    def disabled_reason(self, station: Station) -> str:
+        snapshot, now = station.robot.snapshot, station.clock.monotonic()
+        if any(status.is_gone_at(now) for status in snapshot.diagnostics):
+            return ""
+        return f"no part has been silent for {GONE:g} s"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return forget(station, _find_part(station, values["part"]))
+
+
+def forget(station: Station, part: Diagnostic) -> Outcome:
+    """Forget a part, unless it reported in the last GONE seconds or the console only watches."""
+    if station.robot.watching:
+        return Outcome(Code.WATCHING, WATCHING)
+    if not part.is_gone_at(station.clock.monotonic()):
+        text = f"{part.part}: only a part that has been silent for {GONE:g} s can be forgotten"
+        return Outcome(Code.REFUSED, text)
+    station.robot.forget_diagnostic(part)
+    return Outcome(Code.DONE, f"{part.part} was forgotten")
+
+
+def _find_part(station: Station, name: str) -> Diagnostic:
+    """Return the only part with a name, with or without its hardware id; raise ArchoError."""
+    parts = station.robot.snapshot.diagnostics
+    fitting = [status for status in parts if status.part == name]
+    fitting = fitting or [status for status in parts if status.name == name]
+    if len(fitting) == 1:
+        return fitting[0]
+    names = ", ".join(status.part for status in fitting or parts)
+    if fitting:
+        raise ArchoError(f"several parts are called {name!r}: {names}")
+    raise ArchoError(f"no part is called {name!r}; there is: {names}")
+
+
+class Keep(Verb):
+    """The verb `keep`: record the last minute and the next seconds, and wait for the disk."""
+
+    id, title, tells = "keep", "Keep the last minute", True
+    survives_stop = True  # A STOP is what it may record.
+    help = f"Keep the last minute: record the last {SPAN:g} s and the next {SECONDS_AFTER:g} s"
+    started_text = BEGUN
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        written: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()
+
+        def on_disk(outcome: Outcome) -> None:
+            if not written.done():  # Unless the caller has given up.
+                written.set_result(outcome)
+
+        begun = station.recorder.keep(on_disk)
+        outcome = await written if begun.ok else begun
+        data = {"recording": station.recorder.kept}
+        return Report.of(outcome.text, data) if outcome.ok else outcome

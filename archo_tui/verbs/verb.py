@@ -1,0 +1,404 @@
+"""The base of verbs: one thing that an operator can do, through whichever frontend.
+
+A verb is parsed (`parse`), and run once the robot is found and a person agrees (`run_when_ready`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
+from archo_tui.robot.clients.requester import current_requester
+from archo_tui.robot.messages.types import INTEGERS, element_of
+from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.state.graph import NOT_REPORTED
+from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot_file.model import Limit
+from archo_tui.station.station import Station
+
+Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
+YES = "--yes"  # Answers a verb's question.
+DISCOVERY_TIME = 2.0  # Seconds after the start by which every server on the graph is found.
+ROBOT_TIMEOUT = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
+_ANSWER_TIMEOUT = 5.0  # Seconds to wait for answers to earlier requests, which have deadlines.
+_RETRY_PERIOD = 0.05  # Seconds between two tries.
+_TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
+# Returns if the answer is yes; raises ArchoError if it is not, or if nobody can be asked.
+Ask = Callable[["Question"], Awaitable[None]]
+# Gets the words between the verb and the argument that is completed.
+Completer = Callable[[Station, Sequence[str]], Iterable[str]]
+
+
+class Argument(NamedTuple):
+    """A value that a verb takes.
+
+    Attributes:
+        name: The name; with a leading `--`, as in `--all`, the argument is a flag.
+        type: The type as ROS names it: int32, double, string, sequence<int32>.
+        many: True if it takes all further words, each as a value.
+        rest: True if it takes all further words as one text.
+        optional: True if the words may end before it.
+        low: The least value, or the parameter that has it; None for no limit. `high` likewise.
+        unit: The unit for people, as `m/s`; "" for none.
+        completer: Returns the words that a shell offers for it; None for none.
+    """
+
+    name: str
+    type: str = "string"
+    many: bool = False
+    rest: bool = False
+    optional: bool = False
+    low: Limit = None
+    high: Limit = None
+    unit: str = ""
+    completer: Completer | None = None
+
+    @property
+    def is_flag(self) -> bool:
+        return self.name.startswith("--")
+
+
+class Question(NamedTuple):
+    """A question that a person answers before something is done.
+
+    Attributes:
+        text: The question; the lines after the first one are details.
+        safe: The answer that changes nothing, as `Stay stopped`.
+        go: The answer that runs the verb, as `Release`; "" if the verb cannot run.
+    """
+
+    title: str
+    text: str
+    safe: str
+    go: str
+
+
+def split_options(words: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
+    """Return the words before the first `--` and those behind it, which are no options."""
+    if "--" not in words:
+        return words, ()
+    end = list(words).index("--")
+    return words[:end], words[end + 1 :]
+
+
+class Verb:
+    """The base of all verbs; frontends run them, and decide nothing themselves.
+
+    Attributes:
+        id: The word that is typed.
+        title: The name on the screen.
+        help: The description of what it does, in one sentence.
+        arguments: The values that it takes, in the order in which they are typed.
+        acts: True if it changes something: it does not run while the console only watches.
+        moves: True if it may set the robot in motion.
+        urgent: True if it runs before verbs that wait.
+        survives_stop: True if it runs even if a STOP was read after it.
+        tells: True if the text of its outcome is what the person asked for, in lines.
+        lists: True if it shows all of something, and so waits until that is known.
+        may_ask: True if `question` may return one.
+        started_text: The text that is shown at once if the outcome takes seconds; "" for others.
+        has_goals: True if it sends goals, whose ends can be waited for.
+        service: The service or action that a node must offer, as the robot file names it; "" for
+            none.
+    """
+
+    id: str
+    title: str
+    help: str
+    arguments: tuple[Argument, ...] = ()
+    acts = False
+    moves = False
+    urgent = False
+    survives_stop = False
+    tells = False
+    lists = False
+    may_ask = False
+    started_text = ""
+    has_goals = False
+    service = ""
+
+    def values(self, words: Sequence[str]) -> Values:
+        """Return the values that the words after the verb mean, by the names of the arguments.
+
+        A value is the typed text; for `many` a list of texts; for a flag, which may stand anywhere
+        among the words, True. Arguments that were not typed are left out, but `many` is [] then.
+        Behind the word `--` nothing is a flag. Verbs for goals return parsed values instead.
+
+        Raises:
+            ValueError: The words are too few or too many; the message is one line.
+        """
+        typed, literal = split_options(words)
+        given: dict[str, Any] = {
+            a.name: True for a in self.arguments if a.is_flag and a.name in typed
+        }
+        words = [*(word for word in typed if word not in given), *literal]
+        wanted = [argument for argument in self.arguments if not argument.is_flag]
+        for number, argument in enumerate(wanted):
+            if argument.many:
+                given[argument.name] = list(words[number:])
+            elif argument.rest and number < len(words):
+                given[argument.name] = " ".join(words[number:])
+            elif number < len(words):
+                given[argument.name] = words[number]
+        needed = sum(not argument.optional for argument in wanted)
+        if len(words) < needed:
+            raise ValueError(f"needs {self.usage}")
+        if len(words) > len(wanted) and not (wanted and (wanted[-1].many or wanted[-1].rest)):
+            raise ValueError(f"takes only {self.usage}" if self.usage else "takes no values")
+        return given
+
+    def hint(self, station: Station, words: Sequence[str]) -> str:
+        """Return `: ` and the line that was probably meant by refused words, or ""."""
+        return ""
+
+    @property
+    def usage(self) -> str:
+        """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`; "" for none."""
+        return " ".join(map(_usage, self.arguments))
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The options that a shell may put after the verb: `--wait`, `--leave`, `--yes`."""
+        goals = ("--wait", "--leave") if self.has_goals else ()
+        return (*goals, "--yes") if self.may_ask else goals
+
+    @property
+    def help_line(self) -> str:
+        """The line of help: `get NODE NAME: Show a parameter`."""
+        return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
+
+    def acts_with(self, values: Values) -> bool:
+        """Return True if the verb changes something with these values; by default, `acts`."""
+        return self.acts
+
+    def tells_with(self, values: Values) -> bool:
+        """Return True if the text of the outcome must be printed, since no event shows it."""
+        return self.tells
+
+    def refusal(self, station: Station) -> str:
+        """Return the reason why the verb cannot run now, or "".
+
+        A console that only watches refuses every verb that acts; else `disabled_reason` decides.
+        """
+        if self.acts and station.robot.watching:
+            return WATCHING
+        return self.disabled_reason(station)
+
+    def disabled_reason(self, station: Station) -> str:
+        """Return the reason why the verb cannot run now, or "", for a console that may act.
+
+        By default, a verb with a `service` cannot run while no node offers it as the file says.
+        """
+        return station.robot.snapshot.unavailable(self.service) if self.service else ""
+
+    def is_found(self, station: Station, values: Values) -> bool:
+        """Return False while the verb needs more of the robot than is known and it may still come.
+
+        By default a verb that `lists` what is known needs all of it, and any other nothing. What
+        `refusal` and `prepare` look for needs no further word: `run_when_ready` tries them again.
+        """
+        return is_settled(station) if self.lists else True
+
+    def is_answered(self, station: Station) -> bool:
+        """Return False while the answer to an earlier request may still allow or forbid the verb.
+
+        Frontends wait for True, some seconds at most.
+        """
+        return True
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        """Complete and check the values, before a question is asked; by default, change nothing.
+
+        Returns:
+            The values for `question` and `run`: full names, the text of a file.
+
+        Raises:
+            ArchoError: A name means nothing, or a file is not valid.
+            ValueError: A value does not fit.
+            NotPossible: The robot cannot do it now.
+        """
+        return values
+
+    def question(self, station: Station, values: Values) -> Question | None:
+        """Return the question that must be answered before `run`; None, the default, for none."""
+        return None
+
+    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        """Run the verb, and return an awaitable of its outcome; nothing is asked any more.
+
+        The outcome of a verb with data for `--json` is a `Report`.
+
+        Raises:
+            ArchoError: A name means nothing; nothing has been done then.
+        """
+        raise NotImplementedError
+
+
+def _usage(argument: Argument) -> str:
+    shown = argument.name if argument.is_flag else argument.name.upper()
+    shown += " ..." if argument.many else ""
+    return f"[{shown}]" if argument.optional or argument.is_flag else shown
+
+
+class NotPossible(ArchoError):
+    """The error for what the robot does not allow now: refused, and no misuse."""
+
+
+class NotOnGraphError(ArchoError, ValueError):
+    """The error for a name that no node on the graph has, or has yet."""
+
+
+class UnknownVerbError(ValueError):
+    """The error for a word that is no verb; its text names the nearest verb, or `help`."""
+
+
+def named(verbs: Mapping[str, Verb], word: str) -> Verb:
+    """Return the verb with a word, which must be spelled exactly; raise UnknownVerbError."""
+    if word in verbs:
+        return verbs[word]
+    hint = nearest_hint(word.lower(), verbs) or " (help lists them)"
+    raise UnknownVerbError(f"no command {word!r}{hint}")
+
+
+def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
+    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint.
+
+    `--yes` may stand anywhere before `--`, if the verb may ask.
+    """
+    options, literal = split_options(words)
+    yes = verb.may_ask and YES in options
+    if yes:
+        kept = [word for word in options if word != YES]
+        words = [*kept, "--", *literal] if literal else kept
+    try:
+        return verb.values(words), yes
+    except ValueError as error:
+        raise ValueError(f"{error}{verb.hint(station, words)}") from None
+
+
+def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
+    """Return the words that may stand at the end of a line, each once; the last one is unfinished.
+
+    Names on the graph have their first `/` only if that has one. Numbers are sorted by value.
+    """
+    *before, unfinished = words
+    if not before:
+        return [verb for verb in verbs if verb.startswith(unfinished)]
+    verb, number = verbs.get(before[0]), len(before) - 1
+    arguments = [a for a in verb.arguments if not a.is_flag] if verb else []
+    at = number if number < len(arguments) or not arguments or not arguments[-1].many else -1
+    completer = arguments[at].completer if -1 <= at < len(arguments) and arguments else None
+    found = completer(station, before[1:]) if completer else ()
+    if not unfinished.startswith("/"):
+        found = (name.removeprefix("/") for name in found)
+    wanted = {name for name in found if name.startswith(unfinished)}
+    return sorted(wanted, key=lambda word: (0, int(word), "") if word.isdecimal() else (1, 0, word))
+
+
+def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
+    """Return the JSON Schema of a verb's values, as programs give them, or of one of many goals.
+
+    Limits that are parameters of the robot have their present numbers, and are left out while they
+    are not reported.
+    """
+    limit = snapshot.limit
+    arguments = [a._replace(low=limit(a.low), high=limit(a.high)) for a in verb.arguments]
+    return {
+        "type": "object",
+        "properties": {a.name.lstrip("-"): _schema_of(a) for a in arguments},
+        "required": [a.name for a in verb.arguments if not (a.optional or a.is_flag)],
+        "additionalProperties": False,
+    }
+
+
+def _schema_of(argument: Argument) -> dict[str, Any]:
+    element = element_of(argument.type)
+    if element is not None:
+        return {"type": "array", "items": _schema_of(Argument(argument.name, element))}
+    if argument.type in INTEGERS:
+        low, high = INTEGERS[argument.type]
+        found: dict[str, Any] = {"type": "integer", "minimum": low, "maximum": high}
+    else:
+        found = {"type": _TYPES.get(argument.type, "string")}
+    if argument.low is not None:
+        found["minimum"] = argument.low
+    if argument.high is not None:
+        found["maximum"] = argument.high
+    return {**found, "description": f"in {argument.unit}"} if argument.unit else found
+
+
+def is_settled(station: Station) -> bool:
+    """Return True once all that the robot file names is known, or is not expected any more.
+
+    What no node offers is waited for until DISCOVERY_TIME seconds after the start, and values that
+    a node has not sent, its parameters too, until ROBOT_TIMEOUT.
+    """
+    snapshot, robot = station.robot.snapshot, station.robot.file
+    if station.age >= ROBOT_TIMEOUT:
+        return True
+    readings = (robot.battery, snapshot.battery), (robot.motion, snapshot.motion)
+    missing = [named.topic for named, now in readings if named is not None and now.received is None]
+    if station.age < DISCOVERY_TIME:
+        stop = robot.stop
+        wanted = [*(kind.action for kind in robot.goals), *(c.service for c in robot.commands)]
+        wanted += [stop.service, stop.release] if stop is not None else []
+        missing += [name for name in wanted if name and name not in snapshot.offered]
+    else:
+        missing = [name for name in missing if name in snapshot.offered]
+    are_reported = NOT_REPORTED not in snapshot.unreported.values()
+    return bool(snapshot.nodes) and are_reported and not missing
+
+
+async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Values | Outcome:
+    """Return the values for a verb's `question` and `run`, or why it is refused.
+
+    What is refused is tried again until the robot is settled, and for a missing name at least until
+    DISCOVERY_TIME. Raises what `prepare` raises, and Void if a STOP was read meanwhile, unless the
+    verb changes nothing or survives a STOP.
+    """
+    acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
+    if acts and station.robot.watching:
+        return Outcome(Code.WATCHING, WATCHING)
+    is_void = acts and not verb.survives_stop
+    patience = station.clock.monotonic() + _ANSWER_TIMEOUT
+    while True:
+        if is_void:
+            gate()
+        is_last = station.age >= ROBOT_TIMEOUT or requester.has_left
+        is_due = verb.is_answered(station) or station.clock.monotonic() >= patience
+        if requester.has_left or (is_due and (is_last or verb.is_found(station, values))):
+            try:
+                if not (reason := verb.disabled_reason(station)):
+                    return await verb.prepare(station, values)
+                fault: Exception = NotPossible(reason)
+            except (ArchoError, ValueError) as error:
+                fault = error
+            # A node that the robot file does not name may be found after those that it names.
+            may_come = isinstance(fault, NotOnGraphError) and station.age < DISCOVERY_TIME
+            if is_last or (is_settled(station) and not may_come):
+                if isinstance(fault, NotPossible):
+                    return Outcome(Code.REFUSED, str(fault))
+                raise fault
+        await station.clock.sleep(_RETRY_PERIOD)
+
+
+async def run_when_ready(
+    station: Station, verb: Verb, values: Values, ask: Ask | None = None
+) -> Outcome:
+    """Run a verb once the robot is found, earlier requests are answered, and the person agrees.
+
+    `ask` is None if `--yes` has answered. Raises as `prepare_when_found` does.
+    """
+    is_void = verb.acts_with(values) and not verb.survives_stop
+    gate = station.robot.stops.gate()
+    prepared = await prepare_when_found(station, verb, values)
+    if isinstance(prepared, Outcome):
+        return prepared
+    question = verb.question(station, prepared)
+    if question is not None and question.go and ask is not None:
+        await ask(question)
+        if is_void:
+            gate()
+    return await verb.run(station, prepared)
