@@ -33,7 +33,7 @@ from archo_tui.station.journal import Journal, unreleased_stop
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 from archo_tui.user_code.output import NodeOutput
-from archo_tui.user_code.watch import FileWatcher, Watched, WatchedFile
+from archo_tui.user_code.watch import FileWatcher, Watched
 from archo_tui.user_code.workspace_nodes import found_in_workspaces
 
 if TYPE_CHECKING:
@@ -333,22 +333,21 @@ class Session:
 
         return attachments(self.file, journal_file(), begin, end)
 
-    def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
+    def _watched_files(
+        self, interfaces: dict[str, Path]
+    ) -> list[tuple[Watched, Callable[[], object]]]:
         """Return the user's own files, each with what a change does: reload it, or restart."""
-        note = self.robot.note
-        watched: list[Watched] = [
-            WatchedFile(program.file, partial(self.host.reload, program.file))
-            for program in self._programs
-        ]
+        restarts: list[LaunchFile | OwnInterfaces] = []
         if self._launch_file is not None:
-            from archo_tui.user_code.launch_file import HostedLaunchFile
-
-            watched.append(HostedLaunchFile(self._launch_file, note, self.station.restart))
+            restarts.append(self._launch_file)
         if interfaces:
             from archo_tui.user_code.interfaces import OwnInterfaces
 
-            watched.append(OwnInterfaces(interfaces, note, self.station.restart))
-        return watched
+            restarts.append(OwnInterfaces(interfaces))
+        return [
+            *((p.file, partial(self.host.reload, p.file)) for p in self._programs),
+            *((f, partial(f.reload, self.robot.note, self.station.restart)) for f in restarts),
+        ]
 
     def _undo_init(self) -> None:
         """End what the constructor has begun so far, before it raises."""
