@@ -13,14 +13,14 @@ from archo_tui.errors import ArchoError
 from archo_tui.user_code.watch import Stamps, stamps
 
 
-class Found(NamedTuple):
+class InterfacePackages(NamedTuple):
     """The interface packages that were found in folders."""
 
     packages: dict[str, Path]  # The folders of the packages, by name.
     warnings: list[str]  # A line for each package with a mistake, which names file and line.
 
 
-def find_all(folders: Sequence[Path], engine_name: str) -> Found:
+def find_all(folders: Sequence[Path], engine_name: str) -> InterfacePackages:
     """Find the packages in several folders; of one name the last counts. Raises as `find`."""
     packages: dict[str, Path] = {}
     warnings: list[str] = []
@@ -28,12 +28,12 @@ def find_all(folders: Sequence[Path], engine_name: str) -> Found:
         found = find(folder, engine_name, packages)
         packages |= found.packages
         warnings += found.warnings
-    return Found(packages, warnings)
+    return InterfacePackages(packages, warnings)
 
 
 def find(
     folder: Path, engine_name: str, others: Mapping[str, Path] = MappingProxyType({})
-) -> Found:
+) -> InterfacePackages:
     """Find the packages in a folder, and read their interfaces.
 
     They may use the types of `others`. A package with a mistake is found, too: importing that
@@ -59,7 +59,7 @@ def find(
     if len(wrong) == len(packages):
         nothing = f"{folder}: no interface package: a folder with msg/, srv/ or action/"
         raise ArchoError(warnings[0] if warnings else nothing)
-    return Found(packages, warnings)
+    return InterfacePackages(packages, warnings)
 
 
 def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
