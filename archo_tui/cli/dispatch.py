@@ -10,10 +10,10 @@ from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.launch import launch
 from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
-from archo_tui.cli.output import complain, report_lost_output
+from archo_tui.cli.output import report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.replay import replay
-from archo_tui.cli.verb import send_verb
+from archo_tui.cli.verb import send_stop, send_verb
 from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
@@ -63,11 +63,8 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
         if at is None:
             raise
-        from archo_tui.client import shell
-
         report_lost_output()
-        complain(f"{error}: STOP is sent anyway")
-        return shell.run(words[at:], SUBCOMMANDS, helps=helps)
+        return send_stop(words[at:], words[:at], str(error))
     if not options.command:
         options.program_arguments = arguments
         return run_console(options, ros_args)

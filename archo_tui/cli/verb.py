@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from archo_tui.cli.options import SUBCOMMANDS, console_parser
 from archo_tui.cli.output import complain
 from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest
 from archo_tui.robot.stop.words import is_stop_text
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+_ENGINES = ("embedded", "ros2")
+_ROBOT_OPTIONS = ("--engine", "--namespace", "--robot")  # Options that say which robot is meant.
 
 
 def send_verb(options: Namespace, words: Sequence[str]) -> int:
@@ -20,34 +29,59 @@ def send_verb(options: Namespace, words: Sequence[str]) -> int:
     `--robot` with `--engine ros2`: if no console runs, the verb goes to the robot itself. Other
     options raise ArchoError, but a STOP is sent all the same.
     """
-    from pathlib import Path
-
-    from archo_tui.client.shell import run
-
     typed = [*options.command, *options.verb_options]
     of_the_console = _options_of_the_console(options)
     parser = console_parser()
     parser.set_defaults(engine="", namespace="")
-    without_defaults = parser.parse_args(words)
-    meant = {"engine": without_defaults.engine, "to": without_defaults.namespace}
+    given = parser.parse_args(words)
     wrong = (
         f"--{of_the_console[0]} is for the console, not for {typed[0]}" if of_the_console else ""
     )
-    if options.engine not in ("embedded", "ros2"):
-        wrong = f"--engine {options.engine}: there are embedded and ros2"
-        meant["engine"] = ""
-    if wrong and not is_stop_text(typed[0]):
-        raise ArchoError(wrong)
+    if options.engine not in _ENGINES:
+        wrong = f"--engine {options.engine}: there are {' and '.join(_ENGINES)}"
+    if wrong and is_stop_text(typed[0]):
+        return send_stop(typed, words[: -len(options.command)], wrong)
     if wrong:
-        complain(f"{wrong}: STOP is sent anyway")
-    if options.engine != "ros2":
+        raise ArchoError(wrong)
+    return _send(typed, given, {"engine": given.engine, "to": given.namespace})
+
+
+def send_stop(stop: Sequence[str], before: Sequence[str], wrong: str) -> int:
+    """Send a STOP that stands behind wrong options, and print the result.
+
+    A misspelt option counts as the nearest one that says which robot is meant, but only where no
+    console confirms the STOP.
+    """
+    complain(f"{wrong}: trying to send STOP anyway")
+    known = [option for action in console_parser()._actions for option in action.option_strings]
+    corrected = []
+    for word in before:
+        name, equals, value = word.partition("=")
+        near = nearest(name, _ROBOT_OPTIONS) if name[:2] == "--" and name not in known else ""
+        corrected.append(f"{near}{equals}{value}" if near else word)
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    for option in _ROBOT_OPTIONS:
+        parser.add_argument(option, nargs="?", default="")
+    typed, given = (parser.parse_known_args(words)[0] for words in (before, corrected))
+    given.engine = nearest(given.engine or "", _ENGINES)
+    engine = typed.engine if typed.engine in _ENGINES else ""
+    return _send(stop, given, {"engine": engine, "to": typed.namespace})
+
+
+def _send(typed: Sequence[str], given: Namespace, meant: Mapping[str, Any]) -> int:
+    """Send a verb to a console, and with `--engine ros2` to the robot itself if none runs."""
+    from pathlib import Path
+
+    from archo_tui.client.shell import run
+
+    if given.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant, helps=helps)
     from archo_tui.console.attached import attached
     from archo_tui.session import Session
     from archo_tui.session_options import Options
 
-    robot = Path(options.robot) if options.robot else None
-    there = Options(engine="ros2", namespace=options.namespace, attach=True, robot=robot)
+    robot = Path(given.robot) if given.robot else None
+    there = Options(engine="ros2", namespace=given.namespace or "/", attach=True, robot=robot)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
     return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, lambda: helps(robot))
 

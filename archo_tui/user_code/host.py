@@ -391,9 +391,11 @@ class Host:
             return None
         new = self._program_again(old, is_held=True)
         new.begin()
-        if not new.wait_for_init():
+        has_init = new.wait_for_init()
+        if not has_init or (new.state.life is Life.ENDED and not old.is_over):
             old.file.does_not_import = True
-            error = NodeFileError(new.crash, new.state.traceback)
+            crash = new.crash or f"{old.file}: it ends without a node"
+            error = NodeFileError(crash, new.state.traceback)
             self._say_not_restarted([old], old.file.path.name, error)
             return None
         if self._has_stop():  # It came while the new text began.

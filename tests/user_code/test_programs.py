@@ -228,6 +228,20 @@ def test_a_saved_program_is_restarted_unless_its_text_is_wrong() -> None:
         assert states(session)["/talker"].error.startswith("line 1: SyntaxError")
 
 
+@pytest.mark.parametrize("text", ["", "x = 1\n"])
+def test_a_saved_text_without_a_node_leaves_the_old_program_running(text: str) -> None:
+    with running(talker()) as session:
+        wait_until(lambda: said() == ["made"])
+        written("talker.py", text)
+        fault = "the saved text does not run: talker.py: it ends without a node"
+        wait_until(lambda: fault in texts(session))
+        assert life(session) is Life.UP
+        assert states(session)["/talker"].error == "it ends without a node"
+        talker("anew")
+        wait_until(lambda: said() == ["made", "interrupted", "left", "anew"])
+        assert sum("restarted" in text for text in texts(session)) <= 1
+
+
 GAIN = TALKER.replace(
     "self.create_service", 'self.declare_parameter("gain", 1.0)\n        self.create_service'
 )
