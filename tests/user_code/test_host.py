@@ -74,7 +74,7 @@ def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
     with Session(options, clock.current) as session, pytest.MonkeyPatch.context() as patch:
         patch.setattr(session.host.nodes[0], "stop", lambda: False)
         outcome = session.host.stop_node("/good")
-        assert outcome == (Code.TIMEOUT, "/good does not stop: its callback does not return")
+        assert outcome == (Code.TIMEOUT, "/good does not stop: its code does not return")
 
 
 def test_a_restarted_copy_keeps_its_own_name() -> None:
@@ -127,7 +127,7 @@ def test_a_program_of_several_threads_stops_each_time_it_is_told_to(here: Path) 
     session.start()
     try:
         for _ in range(6):
-            wait_until(lambda: session.host.programs.find("/idle") is not None)
+            wait_until(lambda: session.host.find("/idle") is not None)
             assert session.host.stop_node("/idle").text == "/idle stopped"
             assert session.host.start_node("/idle").text == "/idle started"
     finally:

@@ -32,7 +32,7 @@ from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
-from archo_tui.user_code.node import HostedNode
+from archo_tui.user_code.hosted import HostedThread
 from archo_tui.user_code.output import NodeOutput
 from tests.support import chosen
 from tests.support.shells import reached
@@ -409,7 +409,7 @@ def test_a_stop_while_a_saved_text_begins_leaves_the_one_before_running(
         wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
         written("talker.py", "print('begins')" + WAITS + TALKER.replace("{word}", "anew"))
         (program,) = session.host.programs
-        reload = threading.Thread(target=session.host.programs.reload, args=[program.file])
+        reload = threading.Thread(target=session.host.reload, args=[program.file])
         reload.start()
         wait_until(lambda: "begins" in texts(session))
         assert asyncio.run(session.robot.emergency_stop()).ok
@@ -434,8 +434,8 @@ def test_a_program_that_a_stop_keeps_from_running_is_not_called_restarted(
         wait_until(lambda: "emergency_stop" in session.robot.snapshot.offered)
         anew = TALKER.replace("{word}", "anew")
         written("talker.py", anew if is_slow_to_end else WAITS + anew)
-        file = session.host.programs.find("/talker").file  # type: ignore[union-attr]
-        reload = threading.Thread(target=session.host.programs.reload, args=[file])
+        file = session.host.find("/talker").file  # type: ignore[union-attr]
+        reload = threading.Thread(target=session.host.reload, args=[file])
         reload.start()
         before = ["made", "interrupted"] if is_slow_to_end else ["made", "interrupted", "left"]
         wait_until(lambda: said() == before)
@@ -528,7 +528,7 @@ class StuckMotor(Node):
 def test_a_stuck_node_of_the_robot_is_not_replaced_to_confirm_a_stop(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.3,))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.3, 0.1))
     StuckMotor.may_return.clear()
     text = f"import pathlib, time\nwhile not pathlib.Path('go').exists(): time.sleep(0.01)\n{MOTOR}"
     makers = {"only": False, "node_makers": (StuckMotor,)}
@@ -743,7 +743,7 @@ def test_an_error_that_has_no_text_is_a_crash_all_the_same() -> None:
 def test_nothing_of_an_ended_run_is_kept() -> None:
     with running(talker()) as session:
         wait_until(lambda: said().count("made") == 1)
-        first = weakref.ref(session.host.programs.find("/talker"))
+        first = weakref.ref(session.host.find("/talker"))
         assert session.host.stop_node("/talker").ok
         assert session.host.start_node("/talker").ok
         wait_until(lambda: gc.collect() >= 0 and first() is None)
@@ -817,7 +817,7 @@ while not Path("end").exists():
 
 def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hosted_program, "START_TIME", 0.2)
-    monkeypatch.setattr(hosted_program.HostedProgram.stop, "__defaults__", (0.3, 0.5))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.3, 0.5))
     with running(written("sleeper.py", SLEEPS)) as session:
         wait_until(lambda: said() == ["asleep"])  # else an interrupt before the loop ends it
         outcome = session.host.stop_node("/sleeper")
@@ -828,7 +828,7 @@ def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.Monke
         else:
             assert outcome == (Code.DONE, "/sleeper stopped")
         written("end", "")
-        program = session.host.programs.find("/sleeper")
+        program = session.host.find("/sleeper")
         assert program is not None
         wait_until(lambda: not program._thread.is_alive())
 
@@ -845,7 +845,7 @@ def test_many_programs_that_do_not_end_take_no_longer_than_one(
         session.host.stop()
         assert time.monotonic() - began < 2.3
         written("end", "")
-        programs = [session.host.programs.find(f"/{name}") for name in names]
+        programs = [session.host.find(f"/{name}") for name in names]
         wait_until(lambda: not any(p._thread.is_alive() for p in programs if p is not None))
 
 
