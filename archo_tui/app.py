@@ -34,8 +34,7 @@ from archo_tui.user_code.output import NodeOutput
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS
 from archo_tui.verbs.verb import Values, Verb
-from archo_tui.widgets.notice_line import NoticeLine
-from archo_tui.widgets.notices import Notice, Notices
+from archo_tui.widgets.notices import Notice, NoticeLine, Notices
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:

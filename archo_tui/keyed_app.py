@@ -34,7 +34,7 @@ from archo_tui.terminal.stop_marks import (
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Verb
 from archo_tui.widgets.field import Field
-from archo_tui.widgets.notice_line import NoticeLine
+from archo_tui.widgets.notices import NoticeLine
 from archo_tui.widgets.rows import Rows
 
 if TYPE_CHECKING:

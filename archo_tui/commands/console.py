@@ -41,7 +41,7 @@ class ShowAlarms(Command):
     help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 
     def run(self, console: Console) -> None:
-        from archo_tui.screens.alarms import AlarmList
+        from archo_tui.screens.lists import AlarmList
         from archo_tui.screens.request import AnswerRequest
 
         station, waiting = console.station, console.station.approvals.waiting
@@ -60,7 +60,7 @@ class ListDiagnostics(Command):
     help = ShowDiagnostics.help
 
     def run(self, console: Console) -> None:
-        from archo_tui.screens.diagnostics import DiagnosticList
+        from archo_tui.screens.lists import DiagnosticList
 
         console.open(DiagnosticList(console.view, partial(_forget, console)))
 

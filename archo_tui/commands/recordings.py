@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from archo_tui.clock import Clock
     from archo_tui.recordings.replay.player import Player
     from archo_tui.recordings.store import Recording
-    from archo_tui.screens.recordings import RecordingList
+    from archo_tui.screens.lists import RecordingList
 
 
 class ShowRecordings(Command):
@@ -24,7 +24,7 @@ class ShowRecordings(Command):
         return self._show(console)
 
     async def _show(self, console: Console) -> None:
-        from archo_tui.screens.recordings import RecordingList
+        from archo_tui.screens.lists import RecordingList
 
         with console.opening():
             found = await _list_recordings(console)
@@ -58,7 +58,7 @@ class ShowRecordings(Command):
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
         found = await _list_recordings(console)
         if found is not None and not dialog.is_dismissed:
-            dialog.show_recordings(found)
+            dialog.show_items(found)
 
 
 async def _open_replay(console: Console, recording: Recording, dialog: RecordingList) -> None:

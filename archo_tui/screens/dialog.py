@@ -16,7 +16,7 @@ from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.notice_line import NoticeLine
+from archo_tui.widgets.notices import NoticeLine
 
 _HEAD_FROM = 20  # Rows of the terminal from which the lines at the top are shown.
 DEFAULT_BUTTONS = ("submit", "send")  # The ids of buttons that enter presses in a field.

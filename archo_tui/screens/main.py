@@ -31,8 +31,7 @@ from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
-from archo_tui.widgets.notice_line import NoticeLine
-from archo_tui.widgets.notices import Notice
+from archo_tui.widgets.notices import Notice, NoticeLine
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows

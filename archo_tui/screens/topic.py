@@ -36,11 +36,10 @@ from archo_tui.widgets.field_lines import (
     topic_plots,
 )
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.line_widget import not_drawn
+from archo_tui.widgets.line_widget import TextLines, not_drawn
 from archo_tui.widgets.rows import Columns, Rows, Text
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
-from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.graph import topic_lines
 from archo_tui.words.state import WARN
 from archo_tui.words.topic import summary

@@ -6,11 +6,11 @@ from textual.app import ComposeResult
 
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import aligned
+from archo_tui.words import trend
 from archo_tui.words.state import (
     ACTIVE,
     OLD,

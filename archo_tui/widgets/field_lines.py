@@ -8,8 +8,8 @@ from collections.abc import Collection, Mapping, Sequence
 
 from archo_tui.robot.state.topic import Curve, FieldKind, FieldView
 from archo_tui.widgets.line_widget import not_drawn
-from archo_tui.widgets.plot import plot_lines
 from archo_tui.widgets.rows import QUIET, Columns, Text, column, crop, pad
+from archo_tui.words.plot import plot_lines
 from archo_tui.words.state import ACTIVE, OLD, STRONG, WARN, Spans
 from archo_tui.words.topic import range_text, sparkline, value_text
 

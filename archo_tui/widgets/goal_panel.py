@@ -18,9 +18,9 @@ from archo_tui.robot_file.model import GoalKind
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.line_widget import TextLines
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.text_lines import TextLines
 from archo_tui.words.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.words.state import BAD
 

@@ -1,15 +1,20 @@
-"""The base of widgets that draw their lines themselves."""
+"""The bases of widgets that draw their lines themselves, and redraw only what changes."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.segment import Segment
 from rich.style import Style
+from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.errors import in_one_line
 from archo_tui.safe_text import harmless
+from archo_tui.widgets.styled import rich_style
+from archo_tui.words.state import Spans
 
 
 def not_drawn(error: Exception) -> str:
@@ -34,3 +39,41 @@ class LineWidget(Widget):
                 *crop.column_span, self.base
             )
             return [line] * crop.height
+
+
+class TextLines(LineWidget):
+    """A widget with rows of text, such as a plot, of which only those that changed are redrawn."""
+
+    DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
+
+    def __init__(self, id: str | None = None) -> None:
+        super().__init__(id=id)
+        self._lines: Sequence[Spans] = ()
+
+    def show(self, lines: Sequence[Spans]) -> None:
+        """Show these lines in place of those before; the rows that differ are redrawn."""
+        before, self._lines = self._lines, lines
+        for y in range(max(len(before), len(lines))):
+            if list(before[y : y + 1]) != list(lines[y : y + 1]):
+                self.refresh(Region(0, y, self.size.width, 1))
+
+    def render_line(self, y: int) -> Strip:
+        base, variables = self.base, self.app.theme_variables
+        line = self._lines[y] if y < len(self._lines) else ()
+        segments = [Segment(text, base + rich_style(tone, variables)) for text, tone in line]
+        return Strip(segments).crop_extend(0, self.size.width, base)
+
+
+class QuietFocus(Widget):
+    """A widget that Textual does not redraw when it gets or loses the focus.
+
+    A subclass redraws what changes in `watch_has_focus`. List it last among the bases.
+    """
+
+    def on_focus(self, event: events.Focus) -> None:
+        event.prevent_default()  # Textual would redraw the widget and its children.
+        self.has_focus = True
+
+    def on_blur(self, event: events.Blur) -> None:
+        event.prevent_default()
+        self.has_focus = False

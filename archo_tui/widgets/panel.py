@@ -15,10 +15,10 @@ from textual.widget import Widget
 
 from archo_tui.station.view import View
 from archo_tui.widgets.button import Button
-from archo_tui.widgets.keys import click, key_content
-from archo_tui.widgets.quiet_focus import QuietFocus
+from archo_tui.widgets.line_widget import QuietFocus
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.styled import click, key_content
 
 _BORDERS = ("border_top", "border_right", "border_bottom", "border_left")
 FULL_SCREEN = "full screen"  # The word of keys that enlarge a panel.

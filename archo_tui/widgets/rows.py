@@ -16,8 +16,7 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.widgets.line_widget import LineWidget, not_drawn
-from archo_tui.widgets.quiet_focus import QuietFocus
+from archo_tui.widgets.line_widget import LineWidget, QuietFocus, not_drawn
 
 T = TypeVar("T")
 Text = tuple[str, str]  # A line and its Rich style, in which `$warn` is the theme's tone.

@@ -1,4 +1,4 @@
-"""The styles of the tones of a text."""
+"""The styles of the tones of a text, and a key with its word."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from rich.cells import cell_len
 from rich.style import Style
 from textual.color import Color
 from textual.content import Content
+from textual.style import Style as TextualStyle
 
 from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, marked_tone
 
@@ -51,3 +52,17 @@ def rich_style(tone: str, variables: Mapping[str, str]) -> Style:
     named = next((variables[word[1:]] for word in words if word.startswith("$")), None)
     colour = None if named is None else Color.parse(named).rich_color
     return Style(color=colour, bold="bold" in words)
+
+
+def key_content(command: str, key: str, word: str, *, blocked: bool) -> Content:
+    """Return a key and its word, as `c charge`; a click runs the command, or says why not."""
+    if blocked:
+        made = Content.styled(f"{key} {word}", "not bold $off")
+    else:
+        made = Content.assemble((key, "bold"), f" {word}")
+    return made.stylize(click(f"command('{command}')"))
+
+
+def click(action: str) -> TextualStyle:
+    """Return the style of a text that runs an app's action, as `command('stop')`, when clicked."""
+    return TextualStyle.from_meta({"@click": f"app.{action}"})

@@ -59,10 +59,10 @@ KEYS = {
         "escape": "leave_field",
     },
     "AlarmList": {
-        "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
-        "enter": "open_diagnostics",
+        "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "enter": "open_diagnostics",
     },
-    "DiagnosticList": {"f": "forget", "enter": "close", "escape": "close", "q": "close"},
+    "ListDialog": {"escape": "close", "q": "close"},
+    "DiagnosticList": {"f": "forget", "enter": "close"},
     "TopicDialog": {
         "enter": "fold", "i": "choose_element", "p": "plot", "space": "freeze", "slash": "narrow",
         "t": "show_type", "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)",
@@ -86,10 +86,7 @@ KEYS = {
         "escape": "close", "enter": "choose_topic", "q": "close",
         "left": "app.focus_previous", "right": "app.focus_next",
     },
-    "RecordingList": {
-        "enter": "play", "y": "copy", "d": "delete", "delete": "delete", "escape": "close",
-        "q": "close",
-    },
+    "RecordingList": {"enter": "play", "y": "copy", "d": "delete", "delete": "delete"},
     "ShowText": {"escape": "close", "enter": "close", "q": "close"},
 }  # fmt: skip
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from archo_tui.keyed_app import HELD
-from archo_tui.widgets.notice_line import NoticeLine
+from archo_tui.widgets.notices import NoticeLine
 from tests.support.clock import seconds
 from tests.support.console import FAST, Console, click, console
 

@@ -12,7 +12,7 @@ from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
-from archo_tui.screens.alarms import AlarmRow, alarm_lines
+from archo_tui.screens.lists import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
 from archo_tui.station.alarms import (

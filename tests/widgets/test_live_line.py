@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from rich.cells import cell_len
 
+from archo_tui.screens.replay import live_line
 from archo_tui.station.alarms import AlarmState
-from archo_tui.widgets.live_line import live_line
 from archo_tui.widgets.screen_state import ScreenState
 from tests.support.states import STATES
 from tests.support.stub import stub_app

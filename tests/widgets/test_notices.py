@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from rich.cells import cell_len
 
-from archo_tui.widgets.notice_line import notice_text
-from archo_tui.widgets.notices import Notice, Notices
+from archo_tui.widgets.notices import Notice, Notices, notice_text
 
 
 def texts(notices: Notices, *times: float) -> list[str | None]:

@@ -16,7 +16,7 @@ from textual.geometry import Region
 
 from archo_tui.app import ArchoApp
 from archo_tui.screens import topic
-from archo_tui.screens.alarms import AlarmList
+from archo_tui.screens.lists import AlarmList
 from archo_tui.widgets.rows import Rows
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet

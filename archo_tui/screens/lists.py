@@ -1,0 +1,276 @@
+"""The dialogs that list alarms, the robot's parts, and the recordings of the black box."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Awaitable, Callable, Iterable, Sequence
+from datetime import datetime
+from functools import partial
+from typing import ClassVar, Generic, NamedTuple, TypeVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Vertical
+from textual.content import Content
+from textual.widgets import Static
+
+from archo_tui.recordings.store import Recording, length_size_and_why
+from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
+from archo_tui.screens.dialog import Dialog, Form
+from archo_tui.station.alarm_board import SHELF_TIME
+from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
+from archo_tui.station.conditions import diagnostics_worst_first
+from archo_tui.station.view import View
+from archo_tui.terminal.app import start_worker
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, crop
+from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.words.alarm import no_alarms_text, timeline
+from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
+
+T = TypeVar("T")
+_INDENT = " " * 8
+_SHELF = f"{SHELF_TIME / 60:.0f} min"
+
+
+class ListDialog(Dialog[None], Generic[T]):
+    """The base of dialogs with a list, which are as high as its rows."""
+
+    BINDINGS = [Binding("escape,q", "close", "Close")]
+
+    keys_text: ClassVar[str] = "esc close"  # On the lower border.
+
+    def __init__(self, title: str, rows: Rows[T]) -> None:
+        super().__init__()
+        self.title, self.rows = title, rows
+        self.box = Vertical(rows, classes="dialog reading")
+
+    def body(self) -> ComposeResult:
+        self.box.border_title, self.box.border_subtitle = self.title, self.keys_text
+        yield self.box
+
+    def on_mount(self) -> None:
+        self.set_focus(self.rows)
+
+    def show_items(self, items: Sequence[T]) -> None:
+        """Show other items in place of those before."""
+        self.rows.show(items)
+        self.box.styles.height = max(self.rows.virtual_size.height, 1) + 2  # Two for the border.
+
+
+class AlarmRow(NamedTuple):
+    """A row of the list: an alarm, and its text with the key of its remedy."""
+
+    alarm: Alarm
+    text: str
+
+
+def alarm_lines(row: AlarmRow, width: int, _columns: Columns) -> list[Text]:
+    """Return a row such as `HIGH    since 12:04:31, unacknowledged`, with text and advice below."""
+    alarm = row.alarm
+    style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
+    head = f"{alarm.priority.value:<7} {timeline(alarm)}"
+    text = textwrap.wrap(row.text, max(width - len(_INDENT), 20))
+    return [(head, style), *((_INDENT + line, style) for line in text)]
+
+
+class AlarmList(ListDialog[AlarmRow]):
+    """The list of alarms: when each came and went, its state, and what to do."""
+
+    # With priority, so that what is typed right after `s` goes into the field for the reason.
+    BINDINGS = [
+        Binding("a", "acknowledge", "Acknowledge", priority=True),
+        Binding("A", "acknowledge_all", "Acknowledge all", priority=True),
+        Binding("s", "shelve", "Shelve", priority=True),
+        Binding("enter", "open_diagnostics", "Diagnostics"),
+    ]
+
+    keys_text = f"a acknowledge   A all   s shelve for {_SHELF} or unshelve   esc close"
+
+    def __init__(
+        self,
+        view: ScreenState,
+        acknowledge: Callable[[Iterable[Alarm]], None],
+        # With a reason (may be ""), or unshelves a shelved one.
+        shelve: Callable[[Alarm, str], None],
+        # Called after something was acknowledged, shelved or unshelved.
+        on_change: Callable[[], None],
+        forget: Callable[[Diagnostic], None],  # Or says why not.
+    ) -> None:
+        rows: Rows[AlarmRow] = Rows(
+            alarm_lines, lambda row: row.alarm.name, id="alarms", empty="", wraps=True
+        )
+        super().__init__("Alarms", rows)
+        self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
+        self._on_change, self._forget = on_change, forget
+
+    def on_mount(self) -> None:
+        self.show_view(self._view)
+
+    def show_view(self, view: ScreenState) -> None:
+        """Show the alarms of a new view."""
+        self._view = view
+        self.rows.empty = no_alarms_text(view.snapshot)
+        self.show_items([AlarmRow(alarm, view.advice(alarm)) for alarm in view.alarms])
+
+    def action_acknowledge(self) -> None:
+        if self.rows.item is not None:
+            self._acknowledge([self.rows.item.alarm])
+            self._on_change()
+
+    def action_acknowledge_all(self) -> None:
+        """Acknowledge all alarms that are shown."""
+        self._acknowledge(self._view.alarms)
+        self._on_change()
+
+    def action_open_diagnostics(self) -> None:
+        """List the robot's parts over this dialog, if the alarm under the cursor is about one."""
+        row = self.rows.item
+        if row is not None and is_diagnostic(row.alarm):
+            self.app.push_screen(DiagnosticList(self._view, self._forget))
+
+    def action_shelve(self) -> None:
+        """Shelve the alarm under the cursor, asking why if it is a high one, or unshelve it."""
+        if self.rows.item is None:
+            return
+        alarm = self.rows.item.alarm
+
+        def shelve(reason: str) -> None:
+            self._shelve(alarm, reason)
+            self._on_change()
+
+        if alarm.priority == Priority.HIGH and alarm.state != AlarmState.SHELVED:
+            self.app.push_screen(ShelveReason(alarm, shelve))
+        else:
+            shelve("")
+
+
+class ShelveReason(Form):
+    """A dialog that asks why an alarm is shelved, for the journal."""
+
+    submit_label = "Shelve"
+
+    def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
+        """Create the dialog; `shelve` gets the reason, stripped, not empty, before it closes."""
+        super().__init__("reason")
+        self._alarm, self._shelve = alarm, shelve
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = "Shelve"
+            box.border_subtitle = "enter shelve   esc cancel"
+            yield Static(Content(f"{self._alarm.text}\n\nWhy is it silenced for {_SHELF}?"))
+            yield self.field
+            yield from self.below_field()
+
+    def submit(self, typed: str) -> None:
+        if typed.strip():
+            self._shelve(typed.strip())
+            self.dismiss()
+        else:
+            self.show_message("type a reason: it goes into the journal")
+
+
+class _Part(NamedTuple):
+    status: Diagnostic
+    text: str
+
+
+class DiagnosticList(ListDialog[_Part]):
+    """A list of the robot's parts, the worst first, which changes with the robot's reports."""
+
+    BINDINGS = [
+        Binding("f", "forget", "Forget", priority=True),
+        Binding("enter", "close", "Close"),
+    ]
+
+    def __init__(self, view: View, forget: Callable[[Diagnostic], None]) -> None:
+        rows: Rows[_Part] = Rows(
+            _part_lines, lambda part: part.status.key, id="diagnostics", empty="", wraps=True
+        )
+        super().__init__("Diagnostics", rows)
+        self._view, self._forget = view, forget
+
+    def on_mount(self) -> None:
+        self.show_view(self._view)
+
+    def show_view(self, view: View) -> None:
+        """Show the parts of a new view."""
+        self.rows.empty = no_diagnostics_text(view.snapshot)
+        parts = diagnostics_worst_first(view.snapshot, view.now)
+        self.show_items([_Part(status, diagnostic_line(status, view.now)) for status in parts])
+        is_any_gone = any(status.is_gone_at(view.now) for status in parts)
+        keys = "f forget a silent part   " if is_any_gone else ""
+        self.box.border_subtitle = f"{keys}esc close"
+
+    def action_forget(self) -> None:
+        """Forget the part under the cursor."""
+        if self.rows.item is not None:
+            self._forget(self.rows.item.status)
+
+
+def _part_lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
+    style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.status.level, "")
+    wrapped = textwrap.wrap(part.text, max(width, 20), subsequent_indent=_INDENT)
+    return [(line, style) for line in wrapped]
+
+
+def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:
+    """Return `2026-11-22 03:12:07     65 s      212 kB  STOP, kept`, in local time."""
+    when = f"{datetime.fromtimestamp(recording.start):%Y-%m-%d %H:%M:%S}"
+    return [(crop(f"{when}  {length_size_and_why(recording)}", width), "")]
+
+
+class RecordingList(ListDialog[Recording]):
+    """A list of recordings: enter plays one, y copies the command that plays it, d deletes it."""
+
+    BINDINGS = [
+        Binding("enter", "play", "Play", priority=True),
+        Binding("y", "copy", "Copy the command", priority=True),
+        Binding("d,delete", "delete", "Delete", priority=True),
+    ]
+
+    keys_text = "enter play   y copy the command   d delete   esc close"
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],  # The newest first.
+        # Opens a recording; keys wait until that ends.
+        play: Callable[[Recording], Awaitable[None]],
+        copy: Callable[[Recording], None],  # Copies the command that plays it.
+        delete: Callable[[Recording], None],  # May ask first.
+    ) -> None:
+        rows: Rows[Recording] = Rows(
+            recording_lines,
+            lambda recording: recording.name,
+            id="recordings",
+            action="screen.play",
+            empty="No recordings.",
+        )
+        super().__init__("Recordings", rows)
+        self._recordings, self._play, self._copy, self._delete = recordings, play, copy, delete
+
+    def on_mount(self) -> None:
+        self.rows.show_cursor()
+        self.show_items(self._recordings)
+
+    def action_play(self) -> None:
+        """Open the recording under the cursor; keys wait, and a second call is ignored."""
+        if self.rows.item is not None and not self.is_asking:
+            self.is_asking = True
+            start_worker(self.app, partial(self._wait_for, self.rows.item), "replay")
+
+    async def _wait_for(self, recording: Recording) -> None:
+        try:
+            await self._play(recording)
+        finally:
+            self.is_asking = False
+
+    def action_copy(self) -> None:
+        """Copy the command that plays the recording under the cursor; nothing without one."""
+        if self.rows.item is not None:
+            self._copy(self.rows.item)
+
+    def action_delete(self) -> None:
+        """Pass the recording under the cursor to `delete`; nothing happens without one."""
+        if self.rows.item is not None:
+            self._delete(self.rows.item)
