@@ -1,4 +1,4 @@
-"""What this console runs: ARCHO's own nodes, and the user's programs.
+"""The host of what this console runs: ARCHO's own nodes, and the user's programs.
 
 One that crashes does not affect the others.
 """
