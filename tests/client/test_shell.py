@@ -57,18 +57,8 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
-        ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
-        ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
-        ("jmup", 2, "archo-tui: no command 'jmup' (archo-tui --help lists them)"),
-        ("relaese", 2, "archo-tui: no command 'relaese' (nearest: release)"),
-        ("cancel", 1, "archo-tui: cancel: no goal is running"),
-        ("release", 1, "archo-tui: release: the robot is not stopped"),
-        ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready, stopped or battery N"),
-        ("wait arrived", 1, "archo-tui: wait: no goal is running"),
         ("wait battery 100 --timeout 0", 4, "archo-tui: wait: not yet"),
-        ("wait battery 101", 2, "archo-tui: wait: battery: from 0 to 100 percent, not 101"),
         ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),
-        ("set motor_controller max_speed 9", 2, "archo-tui: set: motor_controller max_speed: "),
         ("status --jsn", 2, "archo-tui: status: takes no values (nearest to --jsn: --json)"),
         ("status --to 1", 3, "archo-tui: no console 1 runs here"),
         ("wait idle", 0, "idle"),

@@ -1,4 +1,7 @@
-"""The same stories by keys, by lines, from a shell and from Python: the outcomes are the same."""
+"""The same stories by keys, by lines, from a shell and from Python: the outcomes are the same.
+
+What is refused is said in the same words to lines, shell and Python.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,12 @@ from typing import NamedTuple
 import pytest
 
 import archo_tui
-from archo_tui.client.errors import NotDone
+from archo_tui.client.errors import ERRORS, NotDone, Refused
+from archo_tui.client.protocol import EXITS
 from archo_tui.station.station import Station
 from tests.support.console import FAST, console
 from tests.support.night import corners
-from tests.support.shells import own_socket, served, typed, until
+from tests.support.shells import heard, own_socket, served, typed, until
 
 pytestmark = pytest.mark.real_time
 
@@ -167,3 +171,63 @@ async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> No
                 await asyncio.to_thread(run, step)
 
             assert await told(person._plain._station, steps, do) == end
+
+
+SET = "set motor_controller"
+REFUSALS = [  # what is typed, the code of its outcome, and why
+    ("go 99", "misuse", "go: Shelf: at most 40, not 99"),
+    ("go there", "misuse", "go: Shelf: not a whole number: there"),
+    ("go 1_2", "misuse", "go: Shelf: not a whole number: 1_2"),
+    ("go", "misuse", "go: Shelf: type a value"),
+    ("jump", "misuse", "no command 'jump' ("),
+    ("gO 5", "misuse", "no command 'gO' (nearest: go)"),
+    ("relaese", "misuse", "no command 'relaese' (nearest: release)"),
+    ("cancel", "refused", "cancel: no goal is running"),
+    ("release", "refused", "release: the robot is not stopped"),
+    ("undo", "refused", "undo: nothing to undo"),
+    ("set", "misuse", "set: needs NODE NAME VALUE"),
+    ("set max_speed 1", "misuse", "set: needs NODE NAME VALUE"),
+    ("set nosuch max_speed 1", "misuse", "set: no node /nosuch is on the graph"),
+    (
+        "set motor_controler max_speed 1",
+        "misuse",
+        "set: no node /motor_controler is on the graph (nearest: motor_controller)",
+    ),
+    ("set battery_monitor drain_min 50", "refused", "set: drain_min 50"),
+    (f"{SET} max_speed 9", "misuse", "set: motor_controller max_speed: allowed 0.05 .. 2, not 9"),
+    (f"{SET} max_speed 1_0.5", "misuse", "set: motor_controller max_speed: not a number"),
+    (f"{SET} max_speed nan", "misuse", "set: motor_controller max_speed: not a finite number: nan"),
+    (
+        f"{SET} ticks_per_revolution 5",
+        "misuse",
+        "set: motor_controller ticks_per_revolution: ticks_per_revolution is read-only",
+    ),
+    (
+        "get motor_controller max_sped",
+        "misuse",
+        "get: /motor_controller has no parameter max_sped (nearest: max_speed)",
+    ),
+    ("wait", "misuse", "wait: wait needs idle, arrived, ready, stopped or battery N"),
+    ("wait arrived", "refused", "wait: no goal is running"),
+    ("wait battery 101", "misuse", "wait: battery: from 0 to 100 percent, not 101"),
+]
+
+
+async def test_what_cannot_be_done_is_said_alike_by_lines_shell_and_python() -> None:
+    async with served(ros_args=FAST) as person:
+        assert (await typed("wait", "ready")).code == 0
+        with await asyncio.to_thread(archo_tui.connect) as robot:
+            for words, code, why in REFUSALS:
+                person.type(f"{words}\n")
+                await heard(person, f"failed: {why}")
+                said = await typed(*words.split())
+                assert (said.code, said.out) == (EXITS.get(code, 1), ""), said
+                assert said.err.startswith("archo-tui: ")
+                assert why in said.err.replace("archo-tui --help", "help"), said
+                with pytest.raises(NotDone) as raised:
+                    await asyncio.to_thread(robot.do, *words.split())
+                assert type(raised.value) is ERRORS.get(code, Refused), words
+                assert raised.value.code == code
+                assert why.removeprefix(f"{words.split()[0]}: ") in str(raised.value)
+        assert "Traceback" not in person.said
+        assert await person.end() == 1
