@@ -165,7 +165,7 @@ def no_node_hint(name: str, context: Context) -> str:
     from rclpy.utilities import get_rmw_implementation_identifier
 
     reach, rmw = _discovery_range(), get_rmw_implementation_identifier()
-    tries = "start the robot, or match its ROS_DOMAIN_ID (`look` tries 0 to 20) and RMW"
+    tries = "start the robot, or match its ROS_DOMAIN_ID (`archo-tui look` tries 0 to 20) and RMW"
     if reach in ("LOCALHOST", "OFF"):
         tries = "for a robot elsewhere set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
         if os.environ.get(_LOCALHOST_ONLY) == "1":  # It has precedence.

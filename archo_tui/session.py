@@ -33,7 +33,7 @@ from archo_tui.station.journal import Journal, unreleased_stop
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 from archo_tui.user_code.output import NodeOutput
-from archo_tui.user_code.watch import FileWatcher, Watched, WatchedFile
+from archo_tui.user_code.watch import FileWatcher, Watched
 from archo_tui.user_code.workspace_nodes import found_in_workspaces
 
 if TYPE_CHECKING:
@@ -333,22 +333,21 @@ class Session:
 
         return attachments(self.file, journal_file(), begin, end)
 
-    def _watched_files(self, interfaces: dict[str, Path]) -> list[Watched]:
+    def _watched_files(
+        self, interfaces: dict[str, Path]
+    ) -> list[tuple[Watched, Callable[[], object]]]:
         """Return the user's own files, each with what a change does: reload it, or restart."""
-        note, programs = self.robot.note, self.host.programs
-        watched: list[Watched] = [
-            WatchedFile(program.file, partial(programs.reload, program.file))
-            for program in self._programs
-        ]
+        restarts: list[LaunchFile | OwnInterfaces] = []
         if self._launch_file is not None:
-            from archo_tui.user_code.launch_file import HostedLaunchFile
-
-            watched.append(HostedLaunchFile(self._launch_file, note, self.station.restart))
+            restarts.append(self._launch_file)
         if interfaces:
             from archo_tui.user_code.interfaces import OwnInterfaces
 
-            watched.append(OwnInterfaces(interfaces, note, self.station.restart))
-        return watched
+            restarts.append(OwnInterfaces(interfaces))
+        return [
+            *((p.file, partial(self.host.reload, p.file)) for p in self._programs),
+            *((f, partial(f.reload, self.robot.note, self.station.restart)) for f in restarts),
+        ]
 
     def _undo_init(self) -> None:
         """End what the constructor has begun so far, before it raises."""
@@ -453,12 +452,12 @@ class Session:
         """
         for program in self._programs:
             try:
-                self.host.programs.add(program)
+                self.host.add_program(program)
             except UserFileError as error:
                 if self._launch_file is None:
                     raise
-                self.host.programs.add_failed(program, error)
-        if self._launch_file is not None and self.host.programs.all_have_crashed:
+                self.host.add_failed(program, error)
+        if self._launch_file is not None and self.host.all_have_crashed:
             from archo_tui.user_code.launch_file import NothingRunsError
 
             notes = [*self._launch_file.notes, *(self._early_events or ())]
@@ -474,7 +473,7 @@ class Session:
         output = NodeOutput(io.StringIO(), self.robot.note)
 
         def print_line(line: str) -> None:
-            threading.current_thread().name = self.host.programs.names()[0]
+            threading.current_thread().name = self.host.programs[0].name
             output.write(line)
 
         return print_line

@@ -471,3 +471,11 @@ def test_every_invariant_of_stop_is_checked_in_the_explorations() -> None:
     named = [words for row in rows for words in re.findall(r"\*([^*|]+)\*", row.split("|")[0])]
     assert len(named) >= 15
     assert [words for words in named if f'"{words}"' not in explored] == []
+
+
+def test_the_functions_of_the_tour_are_in_its_files() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    stops = re.findall(r"\]\(\.\./(\S+\.py)\): `(\w+)`", page)
+    assert len(stops) == 7
+    for file, name in stops:
+        assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), (file, name)

@@ -73,7 +73,7 @@ def _check_nodes(
             from archo_tui.user_code.check.checks import run_checks
 
             end = time.monotonic() + _START_TIME[engine_name]
-            programs = session.host.programs
+            programs, clock = session.host.programs, session.station.clock
             while any(not (p.is_over or p.has_spun) for p in programs) and time.monotonic() < end:
                 time.sleep(0.02)
             for program in programs:
@@ -82,8 +82,8 @@ def _check_nodes(
                 late = program.ask({"ask": "constructor"}).get("constructor", "")
                 if late:
                     raise ArchoError(late)
-            clock = session.station.clock
-            run_checks(CheckRunner(programs, session.context, clock, _RADIUS, printed), report)
+            runner = CheckRunner(session.host, session.context, clock, _RADIUS, printed)
+            run_checks(runner, report)
 
 
 @contextlib.contextmanager

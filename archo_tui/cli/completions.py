@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import shtab
 
-from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
+from archo_tui.cli.options import COMPLETE, ENGINES, SUBCOMMANDS, console_parser
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.verb_help import verbs_of_file
 from archo_tui.client.options import options_of
@@ -62,8 +62,7 @@ def completion_script(shell: str) -> str:
         subparser = commands.add_parser(name, help=what, description=what)
         add_options(subparser)
         _add_completers(subparser)
-    verbs = {verb.id: verb for verb in verbs_of_file().values() if verb.id not in SUBCOMMANDS}
-    for name, verb in verbs.items():
+    for name, verb in verbs_of_file().items():
         subparser = commands.add_parser(name, help=verb.help, description=verb.help)
         _add_options(subparser, options_of(name, verb.options))
         for argument in verb.arguments:
@@ -96,7 +95,7 @@ def _add_completers(parser: argparse.ArgumentParser) -> None:
         elif action.metavar == "NAME":  # Of a recording to delete.
             action.complete = _ASK  # type: ignore[attr-defined]
         elif action.dest == "engine":
-            action.choices = "embedded", "ros2"
+            action.choices = ENGINES
 
 
 def _add_options(parser: argparse.ArgumentParser, options: Iterable[tuple[str, str]]) -> None:

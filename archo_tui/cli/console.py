@@ -9,6 +9,7 @@ from argparse import Namespace
 from io import StringIO
 
 from archo_tui import __version__
+from archo_tui.cli.options import ENGINES
 from archo_tui.cli.output import FAILED, complain
 from archo_tui.cli.restart import use_namespace
 from archo_tui.cli.terminal import require_terminal
@@ -34,6 +35,7 @@ def run_console(options: Namespace, ros_args: list[str], launch: Launch | None =
     The standard input and error of this process are replaced, so that a node cannot read keys or
     write escape sequences. Signals are ignored at the end.
     """
+    options.engine, options.namespace = options.engine or ENGINES[0], options.namespace or "/"
     if options.version:
         return _print_version(options.engine)
     from archo_tui.handover import take

@@ -9,11 +9,12 @@ from archo_tui.cli import subcommands
 from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.launch import launch
+from archo_tui.cli.look import look
 from archo_tui.cli.options import COMPLETE, SUBCOMMANDS, console_parser
-from archo_tui.cli.output import complain, report_lost_output
+from archo_tui.cli.output import report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.cli.replay import replay
-from archo_tui.cli.verb import send_verb
+from archo_tui.cli.verb import send_stop, send_verb
 from archo_tui.cli.verb_help import helps
 from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
@@ -29,7 +30,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "replay": replay,
     "journal": subcommands.print_journal_path,
     "robot": describe_robot,
-    "look": subcommands.look,
+    "look": look,
 }
 
 
@@ -53,8 +54,9 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         report_lost_output()
         _check_unused(ros_args, words)
         return shell.run(words, SUBCOMMANDS, helps=helps)
+    parser = console_parser()
     try:
-        options = console_parser().parse_args(words)
+        options = parser.parse_args(words)
         if options.verb_options and not options.command:
             raise ArchoError(
                 f"{options.verb_options[0]} is for a verb: archo-tui VERB --help says which"
@@ -63,11 +65,8 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
         if at is None:
             raise
-        from archo_tui.client import shell
-
         report_lost_output()
-        complain(f"{error}: STOP is sent anyway")
-        return shell.run(words[at:], SUBCOMMANDS, helps=helps)
+        return send_stop(words[at:], words[:at], str(error), parser)
     if not options.command:
         options.program_arguments = arguments
         return run_console(options, ros_args)
@@ -76,14 +75,14 @@ def run_words(words: list[str], ros_args: list[str]) -> int:
         report_lost_output()
     if name not in SUBCOMMANDS:
         _check_unused(ros_args, options.command)
-        return send_verb(options, words)
+        return send_verb(options, parser, words)
     what, add_options = SUBCOMMANDS[name]
-    parser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
-    add_options(parser)
+    subparser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
+    add_options(subparser)
     # Some of the console's options are the subcommand's too.
     before = words[: -len(options.command)]
     _check_unused(ros_args, options.command)
-    return _RUN[name](parser.parse_intermixed_args([*before, *rest]))
+    return _RUN[name](subparser.parse_intermixed_args([*before, *rest]))
 
 
 def _without_program_arguments(words: list[str]) -> tuple[list[str], list[str]]:

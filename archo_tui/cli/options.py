@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 COMPLETE = "__complete"  # The hidden command of completion scripts; cobra's has the same name.
+ENGINES = ("embedded", "ros2")
 
 _DESCRIPTION = """\
 Operate the warehouse robot ARCHO from a terminal.
@@ -105,15 +106,13 @@ def _robot_options(group: argparse._ArgumentGroup) -> None:
 
 
 def _ros_options(group: argparse._ArgumentGroup) -> None:
-    _engine_option(group)
+    _engine_option(group, default="")  # A verb goes to any console if none is typed.
     group.add_argument(
         "--attach",
         action="store_true",
         help="operate the robot on the ROS 2 graph, and host no nodes",
     )
-    group.add_argument(
-        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
-    )
+    _namespace_option(group, default="")
     group.add_argument(
         "--ros-args",
         metavar="...",
@@ -188,18 +187,18 @@ def _megabytes(text: str) -> int:
     return int(text)
 
 
-def _engine_option(parser: argparse._ActionsContainer) -> None:
+def _engine_option(parser: argparse._ActionsContainer, default: str = "embedded") -> None:
     parser.add_argument(
         "--engine",
-        default="embedded",
+        default=default,
         help="what `import rclpy` imports: embedded (default, needs no ROS) or ros2 (the installed "
         "ROS 2)",
     )
 
 
-def _namespace_option(parser: argparse._ActionsContainer) -> None:
+def _namespace_option(parser: argparse._ActionsContainer, default: str = "/") -> None:
     parser.add_argument(
-        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
+        "--namespace", metavar="NS", default=default, help="namespace of the nodes (default: /)"
     )
 
 

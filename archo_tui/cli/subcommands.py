@@ -87,24 +87,6 @@ def serve_assistant(options: Namespace) -> int:
     return 0
 
 
-def look(_options: Namespace) -> int:
-    """Print the nodes in the ROS 2 domains 0 to 20; return FAILED if there are none."""
-    import asyncio
-    import importlib.util
-
-    if importlib.util.find_spec("rclpy") is None:
-        raise ArchoError("look needs ROS 2: docs/ros2.md says how to install it")
-    from archo_tui.robot.outcome import Code
-    from archo_tui.verbs.topics import find_robots
-
-    outcome = asyncio.run(find_robots())
-    if outcome.code is Code.TIMEOUT:
-        complain(outcome.text)
-    else:
-        print(outcome.text)
-    return 0 if outcome.ok else FAILED
-
-
 def recordings(options: Namespace) -> int:
     """Print a line for each recording of the black box, or for each one that is deleted."""
     from archo_tui.recordings import store

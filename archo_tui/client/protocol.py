@@ -21,6 +21,7 @@ NOT_REACHED = "unreached"  # A client's own word, never on a socket.
 WATCHING = "watching"  # An outcome's code: the console sends no command.
 GONE = "the console is gone; the robot may still be moving"
 RESTARTS = "the console restarts; the robot may still be moving"
+YES_WORDS = ("y", "yes")  # What a person may type as an answer.
 GOOD = ("done", "accepted", "arrived")
 EXITS = {
     **dict.fromkeys(GOOD, DONE),

@@ -18,7 +18,9 @@ from archo_tui.client.protocol import (
     NOT_REACHED,
     UNREACHED,
     WATCHING,
+    YES_WORDS,
     is_stop,
+    is_valid_timeout,
 )
 from archo_tui.errors import ArchoError
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
@@ -109,7 +111,7 @@ class _CommandLine:
             seconds = None if text is None else float(text)
         except ValueError:
             seconds = -1.0
-        if seconds is not None and not 0 <= seconds < 1e9:
+        if seconds is not None and not is_valid_timeout(seconds):
             raise ValueError(f"--timeout: not a time in s: {text}")
         return seconds
 
@@ -269,7 +271,7 @@ def _stop(
                 raise
             _print_to_stderr(str(error))
     elif unreached:
-        raise Unreached(unreached)
+        raise Unreached(f"STOP was not sent: {unreached}")
     return max(codes)
 
 
@@ -381,7 +383,7 @@ def _failure_text(result: dict[str, Any], words: Sequence[str], others: Iterable
     if result["code"] == "misuse" and option:
         from archo_tui.client.options import every_option
 
-        near = _nearest(option, every_option())
+        near = "" if option in every_option() else _nearest(option, every_option())
         text += f" (nearest to {option}: {near})" if near else ""
     return f"{verb}: {text}"
 
@@ -412,7 +414,7 @@ def _has_person() -> bool:
 
 def _ask_person(question: str) -> bool:
     print(question, end="", file=sys.stderr, flush=True)
-    return sys.stdin.readline().strip().lower() in ("y", "yes")
+    return sys.stdin.readline().strip().lower() in YES_WORDS
 
 
 def _print(text: str) -> None:

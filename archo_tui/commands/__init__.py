@@ -60,7 +60,6 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),
         console.ListDiagnostics(),
-        console.LookAtDomains(verbs["look"]),
         console.OperateOtherRobot(),
         *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),
         parameters.Edit(),

@@ -69,18 +69,6 @@ def _forget(console: Console, part: Diagnostic) -> None:
     console.report_failure(forget(console.station, part))
 
 
-class LookAtDomains(VerbCommand):
-    """The command that looks for nodes in other ROS domains, and notifies of what it found."""
-
-    def run(self, console: Console) -> Work:
-        return self._look(console)
-
-    async def _look(self, console: Console) -> None:
-        console.show_message(self.verb.started_text, "Domains")
-        outcome = await self.verb.run(console.station, {})
-        console.show_message(outcome.text, "Domains")
-
-
 class OperateOtherRobot(Command):
     """The command that restarts the console for the robot of another namespace, chosen in a list.
 
@@ -149,7 +137,7 @@ class PanelKey(Command):
 
 class ShowHelp(Command):
     id, key, footer = "help", "question_mark", "Help"
-    help = "Show all keys, those of the panel with the focus first; typing searches them"
+    help = "Show the keys of the panel with the focus, and below them all others"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.help import Help

@@ -19,7 +19,7 @@ import sys
 from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.client.protocol import GOOD
+from archo_tui.client.protocol import GOOD, YES_WORDS
 from archo_tui.clock import Clock
 from archo_tui.console.printing import Output, Printer
 from archo_tui.console.session import RequestHandler, Session
@@ -46,7 +46,7 @@ _READER_PATIENCE = 2.0  # For a slow reader of the output, before the next line 
 _LAST_WRITE = 0.5  # At the end, for STOPs to be answered and the output to be written.
 _QUICK_ANSWER = 0.2  # For a line's answer before `cancel` overtakes it; nearly all have one then.
 
-_YES, _NO = ("y", "yes"), ("n", "no")
+_NO = ("n", "no")
 
 
 def help_text(all_verbs: Mapping[str, Verb]) -> str:
@@ -417,10 +417,10 @@ class Plain:
         # A terminal hands over one line a read: a STOP may be right behind the answer.
         await self._conditions.wait(lambda: self._input.is_quiet)
         answer = "" if line is None else line.text.strip().lower()
-        if line is not None and (line.fault or answer not in ("", *_YES, *_NO)):
+        if line is not None and (line.fault or answer not in ("", *YES_WORDS, *_NO)):
             self._put_back = line
         gate()
-        if answer not in _YES:
+        if answer not in YES_WORDS:
             raise ArchoError("not done: the answer was not yes")
 
     async def _answer_request(self, word: str, rest: list[str]) -> None:

@@ -98,6 +98,8 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             percent = parse_number(words[1])
         except ValueError:
             raise ValueError(f"battery: not a number of percent: {words[1]}") from None
+        if not 0 <= percent <= 100:
+            raise ValueError(f"battery: from 0 to 100 percent, not {words[1]}")
         if robot.file.battery is None:
             raise ValueError("the robot file names no battery")
 

@@ -310,7 +310,7 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     return Proposal(where, entries, unknown)
 
 
-def _robots(found: Iterable[Found]) -> set[str]:
+def _robots(found: Iterable[Match]) -> set[str]:
     """Return the namespaces of the robots if there are several; else an empty set.
 
     There are if namespaces have a battery, motion or goal of the same name and type below them:
@@ -397,17 +397,17 @@ _KNOWN: Mapping[str, Iterable[str]] = {
     "motion": known_types.MOTIONS,
     "pose": known_types.POSES,
 }
-Found = tuple[Entry, Sighting]
+Match = tuple[Entry, Sighting]
 
 
-def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) -> list[Found]:
+def _topics(found: Iterable[Match], part: Literal["battery", "motion", "pose"]) -> list[Match]:
     """Return the topics that were found for a part, the best first; the others as comments.
 
     The best is one that a node publishes, of the type which the table names first.
     """
     known = list(_KNOWN[part])
 
-    def rank(pair: Found) -> tuple[bool, int]:
+    def rank(pair: Match) -> tuple[bool, int]:
         entry, sighting = pair
         return not sighting.nodes, known.index(next(iter(entry.value.types)))
 
@@ -415,18 +415,18 @@ def _topics(found: Iterable[Found], part: Literal["battery", "motion", "pose"]) 
     return [(entry._replace(is_sure=not place), s) for place, (entry, s) in enumerate(pairs)]
 
 
-def _goals(found: Iterable[Found]) -> list[Found]:
+def _goals(found: Iterable[Match]) -> list[Match]:
     """Return the goals: those of the table in its order, those with a form, then the others."""
     known = list(known_types.GOALS)
 
-    def rank(pair: Found) -> tuple[int, bool]:
+    def rank(pair: Match) -> tuple[int, bool]:
         goal = pair[0].value
         return known.index(goal.type) if goal.type in known else len(known), not goal.form
 
     return sorted((pair for pair in found if pair[0].part == "goals"), key=rank)
 
 
-def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
+def _mark_other_robots(chosen: Iterable[Match]) -> Iterator[Match]:
     """Yield goals and commands; those that may be another robot's are marked as not sure.
 
     `/tb2/dock` may be of another robot beside a `/dock` of its type, and the goals of two robots
@@ -443,7 +443,7 @@ def _mark_other_robots(chosen: Iterable[Found]) -> Iterator[Found]:
             yield entry, sighting
 
 
-def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
+def _common_namespace(chosen: Sequence[Match], namespace: str) -> str:
     """Return the namespace that the parts and their nodes have in common, unless one is given."""
     names = [name for _, sighting in chosen for name in (sighting.name, *sighting.nodes)]
     if not names:

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.clock import Clock
 from archo_tui.robot.clients.requester import YOU, Requester, current_requester, on_behalf_of
-from archo_tui.robot.goals.queue import Deed, Do, GoalQueue, Holding, QueuedGoal, ours_since
+from archo_tui.robot.goals.queue import (
+    Deed,
+    GoalQueue,
+    Holding,
+    QueuedGoal,
+    QueueEffect,
+    ours_since,
+)
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.goal import Goal
@@ -86,17 +93,17 @@ class GoalDriver:
             self._perform(deed)
 
     def _perform(self, deed: Deed) -> None:
-        if deed.do is Do.NOTE:
+        if deed.do is QueueEffect.NOTE:
             self._robot.note("WARN", "console", deed.text)
             return
         assert deed.goal is not None
-        if deed.do is Do.SEND:
+        if deed.do is QueueEffect.SEND:
             assert self.frontend is not None  # Nothing is sent without a frontend.
             self.frontend.carry_out(partial(self._send, deed.goal))
-        elif deed.do is Do.CANCEL:
+        elif deed.do is QueueEffect.CANCEL:
             assert self.frontend is not None
             self.frontend.carry_out(partial(self._cancel_for, deed.goal.requester))
-        elif deed.do is Do.SETTLE:
+        elif deed.do is QueueEffect.SETTLE:
             self._settle(deed)
         else:
             assert deed.outcome is not None

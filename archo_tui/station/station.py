@@ -17,7 +17,7 @@ from archo_tui.robot.goals.queue import GoalQueue
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch, Snapshot
-from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
+from archo_tui.robot.stop.gate import HOLDS, OPEN_STOP, UNCERTAIN
 from archo_tui.station.alarm_board import AlarmBell, AlarmBoard
 from archo_tui.station.alarms import STOPPED, Alarm, conditions, holding
 from archo_tui.station.approvals import Approvals
@@ -172,7 +172,7 @@ class Station:
         """The reason not to start the process again: a STOP would be lost; "" if there is none."""
         snapshot = self.robot.snapshot
         if snapshot.open_stop is not None or not self.robot.stops.are_answered:
-            return UNCONFIRMED
+            return OPEN_STOP
         if snapshot.latch is Latch.UNCERTAIN:
             return UNCERTAIN
         return HOLDS if snapshot.is_stopped else ""

@@ -7,6 +7,7 @@ import io
 import json
 import os
 import queue
+import secrets
 import signal
 import subprocess
 import sys
@@ -20,6 +21,8 @@ from archo_tui.user_code.output import MAX_LENGTH
 from archo_tui.user_code.program import Callbacks, HostedProgram, Program, ProgramEnd
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
+
+from archo_tui.user_code.child_main import MARK, kill_marked  # noqa: E402
 
 _LAST_OUTPUT = 2.0  # Seconds in which what an ended process has printed is read.
 _ANSWER_TIME = 2.0  # Seconds in which the child answers a question.
@@ -46,6 +49,7 @@ class ProgramChild(HostedProgram):
         self._lock = threading.Lock()  # Around the start of the process, which a stop may meet.
         self._asking = threading.Lock()
         self._asked = 0
+        self._mark = secrets.token_hex(8)
 
     def run_once(self) -> ProgramEnd:
         with self._lock:
@@ -57,7 +61,8 @@ class ProgramChild(HostedProgram):
             threading.Thread(target=self._write_lines, args=(stream,), name=self.name, daemon=True)
             for stream in (process.stdout, process.stderr)
         ]
-        threading.Thread(target=_end_group, args=(process,), name="group", daemon=True).start()
+        group = threading.Thread(target=self._end_group, name="group", daemon=True)
+        group.start()
         for printer in printers:
             printer.start()
         end: dict[str, Any] = {}
@@ -71,6 +76,7 @@ class ProgramChild(HostedProgram):
                 for printer in printers:
                     printer.name = self.name
         code = process.wait()
+        group.join()
         for printer in printers:
             printer.join(_LAST_OUTPUT)  # What left its group may hold the output open for ever.
         self._names.clear()
@@ -121,7 +127,7 @@ class ProgramChild(HostedProgram):
         """Start the process; return it, the stream of its reports and that of its requests."""
         receiver, sender = os.pipe()
         heard, requester = os.pipe()
-        environment = dict(os.environ)
+        environment = {**os.environ, MARK: self._mark}
         if self.program.domain_id is not None:
             environment["ROS_DOMAIN_ID"] = str(self.program.domain_id)
         runner = [sys.executable, "-m", "archo_tui.user_code.child_main", str(sender), str(heard)]
@@ -172,9 +178,14 @@ class ProgramChild(HostedProgram):
             if self._process is not None and self._process.returncode is None:
                 os.killpg(self._process.pid, number)  # What it has started in its turn, too.
 
-
-def _end_group(process: subprocess.Popen[str]) -> None:
-    """Wait for the end of a process, then kill its group: children may hold its output open."""
-    process.wait()
-    with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
-        os.killpg(process.pid, signal.SIGKILL)
+    def _end_group(self) -> None:
+        """Wait for the end of the process, then kill all it has started, which may hold pipes."""
+        assert self._process is not None
+        self._process.wait()
+        with contextlib.suppress(ProcessLookupError):  # No other process gets the id of a group.
+            os.killpg(self._process.pid, signal.SIGKILL)
+        left = kill_marked(self._mark)
+        if left:
+            ids = ", ".join(map(str, left))
+            text = f"has ended, but not what it has started: end process {ids} yourself"
+            self.callbacks.on_event("ERROR", self.name.lstrip("/"), text)

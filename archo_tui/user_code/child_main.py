@@ -9,6 +9,7 @@ that the operator has set, and what `Probe` answers.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import json
 import os
 import queue
@@ -17,6 +18,7 @@ import signal
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 assert sys.platform != "win32"  # As mypy is to know; there the console runs no programs on ROS 2.
@@ -24,6 +26,8 @@ assert sys.platform != "win32"  # As mypy is to know; there the console runs no 
 _ROSOUT_TIME = 5.0  # Seconds in which a new node finds the console's subscription to its logs.
 _POLL = 0.01  # Seconds between two looks for it.
 _GRACE = 3.0  # Seconds between SIGINT and SIGKILL, when the console has gone.
+MARK = "ARCHO_TUI_PROGRAM"  # A variable in the environment of a program and of all it starts.
+_KILL_TIME = 1.0  # Seconds in which a process that gets SIGKILL is gone.
 
 
 def main() -> int:
@@ -156,10 +160,38 @@ def _end_with_console(descriptor: int) -> None:
     poller = select.poll()
     poller.register(descriptor, 0)  # Only POLLERR, which is always told.
     poller.poll()
-    atexit.register(os.killpg, 0, signal.SIGKILL)  # Also if it ends by the SIGINT.
+    atexit.register(_kill_all)  # Also if it ends by the SIGINT.
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(_GRACE)
+    _kill_all()
+
+
+def _kill_all() -> None:
+    kill_marked(os.environ[MARK])
     os.killpg(0, signal.SIGKILL)
+
+
+def kill_marked(mark: str) -> list[int]:
+    """Kill every process but this one that has a MARK; return the ids of those still there.
+
+    Daemons, which leave the group, have it, too. Only Linux tells the environment of a process.
+    """
+    end = time.monotonic() + _KILL_TIME
+    while (found := _marked(mark)) and time.monotonic() < end:
+        for process in found:
+            with contextlib.suppress(OSError):
+                os.kill(process, signal.SIGKILL)
+        time.sleep(_POLL)
+    return found
+
+
+def _marked(mark: str) -> list[int]:
+    found, variable = [], f"{MARK}={mark}".encode()
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # It has ended, or belongs to another user.
+            if variable in (folder / "environ").read_bytes().split(b"\0"):
+                found.append(int(folder.name))
+    return [process for process in found if process != os.getpid()]
 
 
 if __name__ == "__main__":

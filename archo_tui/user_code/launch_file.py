@@ -25,14 +25,9 @@ _DOMAIN = "ROS_DOMAIN_ID"
 
 
 class NothingRunsError(ArchoError):
-    """The error of a launch file of which no part can run here.
-
-    Attributes:
-        notes: The notes about what it would start, and why that does not run here.
-    """
+    """The error of a launch file of which no part can run here, with notes that say why."""
 
     def __init__(self, path: Path, notes: Sequence[LaunchNote]) -> None:
-        """Create the error for a launch file with its notes."""
         super().__init__(f"nothing of {path} runs here")
         self.notes = notes
 
@@ -41,7 +36,6 @@ class LaunchFile:
     """A launch file, evaluated once, and a temporary folder with what its packages install.
 
     Attributes:
-        path: The path of the launch file.
         workspace: The packages of the workspace that the file is in, which it can use.
         notes: The messages of the file, what it prints, and a note for each part that does not run
             here; `programs` adds warnings.
@@ -50,12 +44,7 @@ class LaunchFile:
     def __init__(self, path: Path, arguments: Mapping[str, str]) -> None:
         """Evaluate the file in a child process, and wait for it; `close` removes the folder.
 
-        Args:
-            path: The path of the launch file.
-            arguments: The values of its launch arguments, by name.
-
-        Raises:
-            ArchoError: The file is wrong, or nothing of it runs here (NothingRunsError).
+        NothingRunsError if nothing of it runs here.
         """
         self.path, self._arguments = path, arguments
         self.workspace = Workspace.around(path)
@@ -67,6 +56,7 @@ class LaunchFile:
             self.notes += [LaunchNote("INFO", str(path), line) for line in printed]
             if not self._plan.programs:
                 raise NothingRunsError(path, self.notes)
+            self.loaded = self.current_stamps()
         except BaseException:
             self.close()
             raise
@@ -74,28 +64,24 @@ class LaunchFile:
     def _evaluated(self, prefix: str) -> LaunchPlan:
         return evaluate(str(self.path), self.workspace, Path(prefix), self._arguments)
 
-    def check(self) -> None:
-        """Evaluate the file as it is now, to find its mistakes; its programs are not changed.
-
-        Raises:
-            ArchoError: The file is wrong.
-        """
-        with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
-            self._evaluated(prefix)
+    def reload(self, note: Callable[[str, str, str], None], restart: Callable[[str], None]) -> None:
+        """Restart the console, unless the file has a mistake now, which becomes an error event."""
+        self.loaded = self.current_stamps()
+        try:
+            with tempfile.TemporaryDirectory(prefix="archo-launch-") as prefix:
+                self._evaluated(prefix)
+        except ArchoError as error:
+            note("ERROR", LAUNCH, f"the saved text does not run: {error}")
+        else:
+            restart(f"{self.path.name}, or a file that it reads, was saved")
 
     def programs(self, ros_args: Sequence[str], domain_id: int | None) -> list[Program]:
         """Return the programs of the file, and prepare this process to run them.
 
         The environment variables that the file sets or removes are set or removed in this process,
         and the programs' modules can be imported. A variable other than ROS_DOMAIN_ID that is set
-        for one program only is not set: `notes` gets a warning.
-
-        Args:
-            ros_args: ROS arguments that each program gets before its own, from `--ros-args` on.
-            domain_id: The ROS domain of a program for which the file sets none.
-
-        Raises:
-            NodeFileError: There is no file for the module of a program.
+        for one program only is not set: `notes` gets a warning. Each gets `ros_args`, from
+        `--ros-args` on, before its own, and `domain_id` unless the file sets one.
         """
         from archo_tui.user_code.file import ProgramFile
         from archo_tui.user_code.program import Program
@@ -147,40 +133,6 @@ class LaunchFile:
     def close(self) -> None:
         """Remove the folder with what its packages install."""
         self._prefix.cleanup()
-
-
-class HostedLaunchFile:
-    """A watched launch file: the console restarts when one of its `current_stamps` changes."""
-
-    def __init__(
-        self,
-        file: LaunchFile,
-        note: Callable[[str, str, str], None],
-        restart: Callable[[str], None],
-    ) -> None:
-        """Watch a launch file.
-
-        Args:
-            file: The launch file.
-            note: Gets level, source and text of an event about a saved text with a mistake.
-            restart: Restarts the console, given the reason.
-        """
-        self._file, self._note, self._restart = file, note, restart
-        self.loaded = file.current_stamps()
-
-    def current_stamps(self) -> Stamps:
-        """Return the stamps of the launch file as they are now; see `LaunchFile.current_stamps`."""
-        return self._file.current_stamps()
-
-    def reload(self) -> None:
-        """Restart the console, unless the file has a mistake now, which becomes an error event."""
-        self.loaded = self.current_stamps()
-        try:
-            self._file.check()
-        except ArchoError as error:
-            self._note("ERROR", LAUNCH, f"the saved text does not run: {error}")
-        else:
-            self._restart(f"{self._file.path.name}, or a file that it reads, was saved")
 
 
 def _set_environment(variables: Mapping[str, str | None]) -> None:

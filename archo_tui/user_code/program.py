@@ -5,19 +5,18 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.errors import UserFileError, in_one_line
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.user_code.file import ProgramFile
+from archo_tui.user_code.hosted import HostedThread
 from archo_tui.user_code.interrupt import Interrupted
 
 START_TIME = 2.0  # Seconds that the start of the next one waits for a program.
 IMPORT_TIME = 10.0  # Seconds in which the text of a saved file must have called `rclpy.init`.
-JOIN_TIMEOUT = 3.0  # Seconds that a program has to end after its SIGINT.
-KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.
 LEAST_RESPAWN_DELAY = 1.0  # Seconds, so that a program that fails at once is no flood.
 _SAVED_BEHIND_STOP = "saved behind a STOP: release it, then s twice starts the saved text"
 _POLL = 0.05  # Seconds between two looks at a program that is waited for.
@@ -49,7 +48,8 @@ class Callbacks(NamedTuple):
     """The functions of the console that a program calls, each in a thread of its own."""
 
     on_end: Callable[[HostedProgram], None]  # It has ended, and was not stopped.
-    on_node: Callable[[HostedProgram, str], None]  # It has made a node of that full name.
+    on_node: Callable[[HostedProgram, str], str]
+    """It has made a node of that full name; returns why it may not, or ""."""
     may_run: Callable[[], bool]  # False while a STOP is not released.
     gate: Callable[[], Callable[[], bool]]  # Returns what is true once a STOP came after the call.
     operator_values: Callable[[str], Mapping[str, Any]]  # The parameters set on a node by hand.
@@ -60,77 +60,48 @@ class Callbacks(NamedTuple):
     """A node spins for the first time: its full name, and the parameters that it declares."""
 
 
-class HostedProgram(ABC):
+class HostedProgram(HostedThread):
     """The base of a program of the user's own, and the thread that runs it, again if it respawns.
 
     On the embedded engine it is a `ProgramThread` of this process, on ROS 2 a `ProgramChild`.
     """
 
-    thread_class: type[threading.Thread] = threading.Thread  # Of the thread of the program.
-
     def __init__(self, program: Program, callbacks: Callbacks, is_held: bool = False) -> None:
         """Create the hosted program; `begin` runs it."""
         self.program, self.file, self.callbacks = program, program.file, callbacks
         name, file = program.name or f"/{program.file.path.stem}", program.file
-        self.state = Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved)
+        super().__init__(Hosted(name, Life.STARTING, file=file.path.name, saved=file.saved))
         self.crash = ""  # The error of the last run that ended by itself.
         self.has_name = False  # True once a node of it was accepted, in this run or before.
         self.was_refused = False  # This run ended where it would make a node behind a STOP.
-        self.was_forced = False  # It was ended by force.
+        self.blocker = ""  # Why this run ended at a node that it would make, if not for a STOP.
         self.has_begun = threading.Event()  # Set once this run has called `rclpy.init`.
         self._goes_on = threading.Event()  # Not set while it is held at `rclpy.init`.
         if not is_held:
             self._goes_on.set()
         self._has_node = self.has_spun = False  # In this run; spun outside of a constructor.
-        self.served: tuple[str, ...] = ()  # The services and actions that it was known to serve.
-        self._stopping = threading.Event()
         self._is_gate_shut: Callable[[], bool] = lambda: False  # Of this run.
-        self._thread = self.thread_class(target=self._run, name=name, daemon=True)
-
-    @property
-    def name(self) -> str:
-        """The first of `names`."""
-        return self.names[0]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The full names of the program's nodes on the graph, the oldest first; never empty.
-
-        Without one, the name of the first node that it ever made, the planned one, or the file's.
-        """
-        return self.node_names() or (self.state.name,)
-
-    @property
-    def is_stopping(self) -> bool:
-        """True if the program has been asked to end."""
-        return self._stopping.is_set()
-
-    @property
-    def is_over(self) -> bool:
-        """True if its thread has ended, or was never begun."""
-        return not self._thread.is_alive()
 
     def current_states(self) -> tuple[Hosted, ...]:
         """Return a state for each node of the program, or one state if it has none.
 
-        Each has the services and actions of the whole program. One whose constructor has not
-        returned is STARTING, with the line where it is.
+        One whose constructor has not returned is STARTING, with the line where it is.
         """
-        state = self.state
-        if state.life is Life.UP:
-            self.served = self.serves_now()
-            where = self.constructor_line()
-            if where:
-                line, _, text = self.file.without_name(where).partition(": ")
-                error = f"{line}, in: {text.partition(', in: ')[2]}"
-                state = state._replace(life=Life.STARTING, error=error)
-        return tuple(state._replace(name=name, serves=self.served) for name in self.names)
+        if self.state.life is not Life.UP:
+            return super().current_states()
+        self.served = self.serves_now()
+        states, where = super().current_states(), self.constructor_line()
+        if not where:
+            return states
+        line, _, text = self.file.without_name(where).partition(": ")
+        error = f"{line}, in: {text.partition(', in: ')[2]}"
+        return tuple(state._replace(life=Life.STARTING, error=error) for state in states)
 
     def begin(self) -> None:
         """Start the thread that runs the compiled file; call this once only."""
         self.state = self.state._replace(saved=self.file.saved)
         self._is_gate_shut = self.callbacks.gate()
-        self._thread.start()
+        super().begin()
 
     def wait(self, seconds: float | None = None) -> None:
         """Wait until the program waits for others or has ended, by default START_TIME at most."""
@@ -182,6 +153,7 @@ class HostedProgram(ABC):
             while not self._stopping.is_set():
                 self.state = self.state._replace(life=Life.UP, error="", traceback="")
                 self._has_node = self.has_spun = self.was_refused = False
+                self.blocker = ""
                 try:
                     end = self.run_once()
                 except Exception as error:  # As when no process or descriptor is free.
@@ -212,10 +184,11 @@ class HostedProgram(ABC):
             return
         if self.was_refused:
             self.state = done._replace(life=Life.WAITING)
-        elif end.code == 0:
+        elif end.code == 0 and not self.blocker:
             self.state = done._replace(life=Life.ENDED)
         else:
-            self.crash = end.error or f"{self.file}: exit code {end.code}"
+            error = self.blocker or end.error or f"exit code {end.code}"
+            self.crash = error if error == end.error else f"{self.file}: {error}"
             error = self.file.without_name(self.crash)
             self.state = done._replace(life=Life.CRASHED, error=error, traceback=end.traceback)
         self.callbacks.on_end(self)
@@ -238,11 +211,13 @@ class HostedProgram(ABC):
         if self._is_behind_stop():
             self.was_refused = True
             return False
+        self.blocker = self.callbacks.on_node(self, name)
+        if self.blocker or self.is_stopping:
+            return False
         if not self.has_name:
             self.has_name = True
             self.state = self.state._replace(name=name)
             self._thread.name = name  # By which its output is known.
-        self.callbacks.on_node(self, name)
         # The robot's own node may have held it, and be gone.
         if self._is_behind_stop():
             self.was_refused = True
@@ -254,47 +229,9 @@ class HostedProgram(ABC):
         """Return True if the first node may not be made: a STOP holds, or came and was released."""
         return not self._has_node and (self._is_gate_shut() or not self.callbacks.may_run())
 
-    def begin_to_stop(self) -> None:
-        """Interrupt the program, as Ctrl-C does, without waiting for its end; it is not respawned.
-
-        A second call does nothing.
-        """
-        if self._stopping.is_set():
-            return
-        self._stopping.set()
-        if self._thread.is_alive():
-            self.interrupt()
-
-    def join(self, timeout: float) -> bool:
-        """Wait for the end of the program, at most `timeout` seconds; return `is_over`."""
-        if self._thread.ident is not None:
-            self._thread.join(max(timeout, 0.0))
-        return self.is_over
-
-    def stop(self, timeout: float = JOIN_TIMEOUT, kill_timeout: float = KILL_TIMEOUT) -> bool:
-        """Interrupt the program and wait for its end; end it by force if it takes too long.
-
-        Its state becomes STOPPED, unless it has crashed. What it left on the graph is taken off.
-        """
-        self.begin_to_stop()
-        if not self.join(timeout):
-            self.was_forced = True
-            self.force_end()
-            if not self.join(kill_timeout):
-                self.state = self.state._replace(name=self.name, life=Life.STUCK)
-                return False
-        self.release()
-        if self.state.life is not Life.CRASHED:
-            self.state = self.state._replace(life=Life.STOPPED, error="")
-        return True
-
     @abstractmethod
     def run_once(self) -> ProgramEnd:
         """Run the program until it has ended, in the calling thread, and return the result."""
-
-    @abstractmethod
-    def node_names(self) -> tuple[str, ...]:
-        """Return the full names of the program's nodes on the graph, the oldest first."""
 
     @abstractmethod
     def serves_now(self) -> tuple[str, ...]:
@@ -311,20 +248,9 @@ class HostedProgram(ABC):
     def ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Return the answer of the program's `Probe`; {} if there is none in time."""
 
-    @abstractmethod
-    def interrupt(self) -> None:
-        """Interrupt the program as Ctrl-C does; may be called again, and on any thread."""
-
-    @abstractmethod
-    def force_end(self) -> None:
-        """End the program by force if it runs, without waiting; may be called on any thread."""
-
     def constructor_line(self) -> str:
         """Return the line of `Probe` about a node's constructor that has not returned, or ""."""
         return ""
-
-    def release(self) -> None:  # noqa: B027
-        """Take the nodes that an ended program has left off the graph; a child leaves none."""
 
 
 def with_ros_args(args: Sequence[str], program: Program) -> list[str]:

@@ -32,8 +32,8 @@ def stamps(paths: Iterable[Path]) -> Stamps:
     return found
 
 
-class Stamped(Protocol):
-    """Files that have changed if `current_stamps` differs from `loaded`."""
+class Watched(Protocol):
+    """Files that are reloaded together, once `current_stamps` differs from `loaded`."""
 
     @property
     def loaded(self) -> Stamps:
@@ -43,49 +43,17 @@ class Stamped(Protocol):
         """Return the stamps of the files as they are now."""
 
 
-class Watched(Stamped, Protocol):
-    """Files that are reloaded together."""
-
-    def reload(self) -> None:
-        """Load the files as they are now, or restart the console; report a mistake as an event.
-
-        Afterwards `loaded` holds the current stamps, also if there was a mistake.
-        """
-
-
-class WatchedFile:
-    """A file of nodes or of a program, with what it imports, and how to reload it."""
-
-    def __init__(self, file: Stamped, reload: Callable[[], None]) -> None:
-        """Watch a file.
-
-        Args:
-            file: The file.
-            reload: Runs the saved file in the place of its nodes or program.
-        """
-        self._file, self.reload = file, reload
-
-    @property
-    def loaded(self) -> Stamps:
-        """The stamps of the text that was last loaded, or could not be loaded."""
-        return self._file.loaded
-
-    def current_stamps(self) -> Stamps:
-        """Return the stamps of the file now, and of what it imports."""
-        return self._file.current_stamps()
-
-
 class FileWatcher:
-    """A thread that reloads files that were saved.
+    """A thread that calls the reload of files that were saved.
 
     A file that is still being written is reloaded once it is the same in two comparisons.
-
-    Attributes:
-        watched: The files, each group of which is reloaded by itself.
     """
 
-    def __init__(self, watched: Sequence[Watched], on_error: Callable[[str], None]) -> None:
-        """Create the thread, which `start` starts; `on_error` gets why a file was not reloaded."""
+    def __init__(
+        self,
+        watched: Sequence[tuple[Watched, Callable[[], object]]],
+        on_error: Callable[[str], None],
+    ) -> None:
         self.watched, self._on_error = watched, on_error
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
@@ -105,13 +73,13 @@ class FileWatcher:
         before: dict[Watched, Stamps] = {}
         failed: dict[Watched, Stamps] = {}  # What could not be reloaded is tried when saved anew.
         while not self._ends.wait(PERIOD):
-            for files in self.watched:
+            for files, reload in self.watched:
                 now = files.current_stamps()
                 is_due = now != files.loaded and now == before.get(files)
                 before[files] = now
                 if is_due and now != failed.get(files):
                     try:
-                        files.reload()
+                        reload()
                     except Exception as error:  # As of a full disk: other files go on.
                         failed[files] = now
                         self._on_error(f"a saved file was not reloaded: {in_one_line(error)}")

@@ -13,7 +13,7 @@ from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.show import Events, ForgetPart, Keep, ShowDiagnostics, ShowHistory, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
-from archo_tui.verbs.topics import Echo, Hz, Look, ShowInterface, Topics
+from archo_tui.verbs.topics import Echo, Hz, ShowInterface, Topics
 from archo_tui.verbs.verb import Verb
 
 
@@ -43,4 +43,4 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
     yield from (Nodes(), Topics(), Echo(), Hz(), ShowInterface())
     yield from (StartNode(), StopNode(), DuplicateNode(), LogLevel(), Lifecycle())
-    yield from (SendGoal(), Call(), Look())
+    yield from (SendGoal(), Call())

@@ -271,7 +271,10 @@ class Load(_FileVerb):
         if refused:
             return Outcome(refused[0].code, "; ".join(outcome.text for outcome in refused))
         said = f"{len(plan.changes)} changed" if plan.changes else SAME
-        return Outcome(Code.DONE, "\n".join((said, *_left_out(plan))))
+        if not plan.left_out:
+            return Outcome(Code.DONE, said)
+        said = said if plan.changes else "nothing was changed"
+        return Outcome(Code.REFUSED, "\n".join((said, *_left_out(plan))))
 
 
 def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
@@ -283,7 +286,8 @@ def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
         safe(f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)}, would be {text_of(value)}")
         for p, value in plan.changes
     ]
-    return [*lines, *(changes or [SAME]), *_left_out(plan)]
+    same = [] if plan.left_out else [SAME]
+    return [*lines, *(changes or same), *_left_out(plan)]
 
 
 def _left_out(plan: save_load.LoadPlan) -> list[str]:

@@ -11,7 +11,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.recordings.recorder import BEGUN, SECONDS_AFTER
 from archo_tui.recordings.ring import SPAN
 from archo_tui.robot.outcome import WATCHING, Code, Outcome, Report
-from archo_tui.robot.state.readings import GONE, Diagnostic
+from archo_tui.robot.state.readings import FORGET_AFTER, Diagnostic
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
@@ -181,29 +181,31 @@ class ShowDiagnostics(Verb):
 
 
 class ForgetPart(Verb):
-    """The verb `forget`: drop a part that has been silent for GONE seconds."""
+    """The verb `forget`: drop a part that has been silent for FORGET_AFTER seconds."""
 
     id, title, tells = "forget", "Forget a part", True
     acts = True
-    help = f"Forget a part of the diagnostics that has reported nothing for {GONE:g} s"
+    help = f"Forget a part of the diagnostics that has reported nothing for {FORGET_AFTER:g} s"
     arguments = (Argument("part", rest=True),)
 
     def disabled_reason(self, station: Station) -> str:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         if any(status.is_gone_at(now) for status in snapshot.diagnostics):
             return ""
-        return f"no part has been silent for {GONE:g} s"
+        return f"no part has been silent for {FORGET_AFTER:g} s"
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return forget(station, _find_part(station, values["part"]))
 
 
 def forget(station: Station, part: Diagnostic) -> Outcome:
-    """Forget a part, unless it reported in the last GONE seconds or the console only watches."""
+    """Forget a part, unless it reported within FORGET_AFTER or the console only watches."""
     if station.robot.watching:
         return Outcome(Code.WATCHING, WATCHING)
     if not part.is_gone_at(station.clock.monotonic()):
-        text = f"{part.part}: only a part that has been silent for {GONE:g} s can be forgotten"
+        text = (
+            f"{part.part}: only a part that has been silent for {FORGET_AFTER:g} s can be forgotten"
+        )
         return Outcome(Code.REFUSED, text)
     station.robot.forget_diagnostic(part)
     return Outcome(Code.DONE, f"{part.part} was forgotten")

@@ -1,4 +1,4 @@
-"""The verbs for what is on the graph: topics, their messages and types, and other domains."""
+"""The verbs for what is on the graph: topics, their messages and types."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from contextlib import asynccontextmanager, suppress
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.domain_scan import DOMAINS, ScanError, find_nodes
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.definitions import definition_text, names_in
@@ -19,11 +18,9 @@ from archo_tui.robot.state.graph import TopicInfo
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.propose import Sighting, propose, text_of
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
-from archo_tui.safe_text import harmless
 from archo_tui.station.station import Station
 from archo_tui.verbs.names import full_name, topic_names
 from archo_tui.verbs.verb import Argument, NotOnGraphError, Values, Verb
-from archo_tui.words.domains import domains_text
 from archo_tui.words.graph import SILENT, resource_rows
 from archo_tui.words.inspect import rate_text
 
@@ -291,29 +288,6 @@ def _nearest(typed: str, known: list[str]) -> str:
         short = [f"{package}/{name}" for package, _, name in filter(lambda p: len(p) == 3, parts)]
         return nearest_hint(typed, known if typed.count("/") > 1 else short)
     return nearest_hint(typed, map(base_name, known))
-
-
-async def find_robots() -> Outcome:
-    """Look for nodes in other ROS 2 domains, by a process of its own, and list them."""
-    try:
-        found = await find_nodes()
-    except ScanError as error:
-        return Outcome(Code.TIMEOUT, str(error))
-    lines = domains_text(found, DOMAINS[0], DOMAINS[-1]).splitlines()
-    return Outcome(Code.DONE if found else Code.REFUSED, "\n".join(map(harmless, lines)))
-
-
-class Look(Verb):
-    id, title, tells = "look", "Look", True
-    help = f"Look for nodes in the ROS 2 domains {DOMAINS[0]} to {DOMAINS[-1]}"
-    started_text = f"looking for nodes in the domains {DOMAINS[0]} to {DOMAINS[-1]} ..."
-
-    def disabled_reason(self, station: Station) -> str:
-        return "" if station.attached else "only a console with --attach has other domains"
-
-    async def run(self, station: Station, values: Values) -> Outcome:
-        outcome = await find_robots()
-        return outcome._replace(code=Code.DONE) if outcome.code is Code.REFUSED else outcome
 
 
 async def robot_file_text(station: Station) -> str:

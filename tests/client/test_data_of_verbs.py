@@ -14,7 +14,6 @@ from archo_tui.paths import state_file
 from archo_tui.recordings import recorder, store
 from archo_tui.robot.outcome import data_of
 from archo_tui.robot.state.snapshot import Latch
-from archo_tui.verbs import topics
 from archo_tui.verbs.show import ShowHistory
 from tests.client.test_waits import waited
 from tests.support import clock
@@ -23,7 +22,6 @@ from tests.support.plain import operated
 from tests.support.shells import said, served, typed
 from tests.support.states import NORMAL, STATES
 from tests.support.stub import StubRobot, stub_station
-from tests.support.waiting import DEADLINE
 
 
 async def test_keep_names_its_recording_once_it_is_written_and_then_comes_the_next_line() -> None:
@@ -36,15 +34,8 @@ async def test_keep_names_its_recording_once_it_is_written_and_then_comes_the_ne
 
 
 @pytest.mark.real_time
-@pytest.mark.parametrize("line", ["keep", "hz /motor_status", "wait battery 100", "look"])
-async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(
-    line: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async def find_nodes() -> None:
-        await asyncio.sleep(DEADLINE)
-
-    monkeypatch.setattr(topics, "find_nodes", find_nodes)
-    monkeypatch.setattr(topics.Look, "disabled_reason", lambda *_: "")
+@pytest.mark.parametrize("line", ["keep", "hz /motor_status", "wait battery 100"])
+async def test_at_a_terminal_the_next_line_ends_what_takes_seconds(line: str) -> None:
     async with operated(ros_args=FAST, at_terminal=True) as person:
         person.type("status\n")
         await person.until("battery")

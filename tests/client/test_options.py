@@ -61,7 +61,7 @@ async def test_when_its_time_is_over_a_verb_cancels_what_it_sent_and_says_so() -
         assert station.robot.snapshot.running_goal is not None
         assert (await typed("cancel", "--timeout", "5")).code == 0
         assert (await typed("events", "--follow", "--timeout", "0.2")).code == 4
-        assert (await typed("wait", "battery", "101", "--timeout", "0.2")).code == 4
+        assert (await typed("wait", "battery", "100", "--timeout", "0.2")).code == 4
         assert (await typed("stop", "--timeout", "0")).code == 0
         await heard(person, "STOP: confirmed")
 
@@ -112,8 +112,8 @@ NOBODY = "no console runs here"
         ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
         ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
         ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
-        ("stop", 3, f"archo-tui: {NOBODY}"),
-        ("stop;", 3, f"archo-tui: {NOBODY}"),
+        ("stop", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
+        ("stop;", 3, f"archo-tui: STOP was not sent: {NOBODY}"),
     ],
 )
 def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> None:

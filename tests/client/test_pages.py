@@ -99,7 +99,7 @@ PRINTED = [
     ["shelf 7"],
     ["misuse Shelf: at most 40, not 99", "not yet"],
     [" Arrived at shelf 3"],  # by the log or the goal, whichever comes first
-    ["\n8", "{'encoder_ticks': ", "\n5 Hz\n"],
+    ["\n8", "{'encoder_ticks': ", " Hz\n"],  # Some 5, and less on a busy machine.
 ]
 
 

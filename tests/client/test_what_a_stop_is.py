@@ -6,7 +6,10 @@ import asyncio
 import json
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -102,17 +105,21 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         ("--engine embedded --json --to PID stop", ["stop"], ""),
         ("--to PID --engine embedded status", ["status"], ""),
         ("--to PID go 12", ["go", "12"], ""),
-        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is sent anyway\n"),
+        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: trying to send STOP anyway\n"),
         ("stop --ros-args -r a:=b", ["stop"], ""),
         ("--json stop --ros-args -r a:=b", ["stop"], ""),
         ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
         (
             "--watch stop",
             ["stop"],
-            "archo-tui: --watch is for the console, not for stop: STOP .*\n",
+            "archo-tui: --watch is for the console, not for stop: trying .*\n",
         ),
-        ("--engine rso2 stop", ["stop"], "archo-tui: --engine rso2: there are .*: STOP .*\n"),
-        ("--enigne ros2 stop please", ["stop"], "(?s).*: STOP is sent anyway\n.*ignored: .*"),
+        ("--engine rso2 stop", ["stop"], "archo-tui: --engine rso2: there are .*: trying .*\n"),
+        (
+            "--enigne ros2 stop please",
+            ["stop"],
+            "(?s).*: trying to send .*\n.*ignored: .*",
+        ),
         ("--to 99999 go 12", None, "archo-tui: no console 99999 runs here .*\n"),
         ("--to PID", None, "archo-tui: --to is for a verb: archo-tui VERB --help says which\n"),
         ("--to PID --plain go 12", None, "archo-tui: --plain is for the console, not for go\n"),
@@ -131,6 +138,49 @@ async def test_options_of_a_verb_stand_before_it_and_none_keeps_a_stop_away(
         said = capsys.readouterr().err.removesuffix("confirmed\n").removesuffix("fine\n")
         assert re.fullmatch(complaint, said), said
         assert (code == 0) == (words is not None)
+
+
+class Graph:
+    """The robot on the graph, to which a verb goes where no console runs."""
+
+    def __init__(self, asked: list[Any]) -> None:
+        self._asked = asked
+
+    def __call__(self, session: Callable[[], Any]) -> Any:
+        self._asked.append(session().options)
+        return nullcontext(self)
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        self._asked.append(asked["words"])
+        yield {"code": "done", "text": "confirmed"}
+
+
+@pytest.mark.parametrize(
+    ("line", "namespace"),
+    [
+        ("--engine ros2 --namspace /x stop", "/x"),
+        ("--engine=rso2 --namespace=/x stop", "/x"),
+        ("--enigne ros2 --watch stop", "/"),
+        ("--engine ros2 --namespace /x --frobnicate 3 stop", "/x"),
+    ],
+)
+def test_a_misspelt_option_loses_no_stop_where_no_console_runs(
+    line: str, namespace: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr("archo_tui.console.attached.attached", Graph(asked))
+    monkeypatch.setattr(
+        "archo_tui.session.Session", lambda options: SimpleNamespace(options=options)
+    )
+    assert main(line.split()) == 0
+    assert asked[0].engine == "ros2"
+    assert (asked[0].namespace, asked[1]) == (namespace, ["stop"])
+    assert "trying to send STOP anyway\n" in capsys.readouterr().err
+
+
+def test_a_stop_that_nobody_gets_is_never_called_sent(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--namspace", "/x", "stop"]) == 3
+    assert "STOP was not sent: no console" in capsys.readouterr().err
 
 
 async def test_a_reason_stops_the_robot_and_is_said_to_be_ignored() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 from unittest.mock import patch
 
 from archo_tui.robot.state.snapshot import Latch, OpenStop
-from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN, UNCONFIRMED
+from archo_tui.robot.stop.gate import HOLDS, OPEN_STOP, UNCERTAIN
 from tests.support.quiet import Quiet
 from tests.support.states import MOTOR, NORMAL
 from tests.support.stub import stub_app
@@ -37,10 +37,10 @@ async def test_it_is_refused_while_the_robot_is_needed_here() -> None:
     robot: Any = app.station.robot
     assert command.disabled_reason(app) == ""
     robot.snapshot = elsewhere._replace(open_stop=OpenStop(0.0))
-    assert command.disabled_reason(app) == UNCONFIRMED
+    assert command.disabled_reason(app) == OPEN_STOP
     robot.snapshot = elsewhere
     robot.stops.register()  # A STOP that no snapshot shows yet.
-    assert command.disabled_reason(app) == UNCONFIRMED
+    assert command.disabled_reason(app) == OPEN_STOP
     robot.stops.answered = robot.stops.count
     robot.snapshot = elsewhere._replace(motion=replace(MOTOR, stopped=True))
     assert command.disabled_reason(app) == HOLDS

@@ -68,8 +68,7 @@ async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
 async def test_stop_is_never_greyed_and_says_when_it_is_not_confirmed() -> None:
     async with console(*FAST) as op:
         motor = next(n for n in op.session.host.nodes if n.name == "/motor_controller")
-        motor._stopping = True  # its thread ends, the node stays on the graph and answers nothing
-        motor._executor.create_task(lambda: None)
+        motor.begin_to_stop()  # its thread ends, the node stays on the graph and answers nothing
         await op.until(lambda: not motor._thread.is_alive())
         await op.press("ctrl+x")
         await op.until(

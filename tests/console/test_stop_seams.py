@@ -250,9 +250,7 @@ async def test_a_key_from_before_a_stop_is_dropped_however_late_it_comes() -> No
             assert (screen.app.screen is screen.app.main) == (stops == 0)
 
 
-async def test_what_a_key_leaves_in_a_queue_is_void_behind_a_stop_whatever_was_typed_since() -> (
-    None
-):
+async def test_what_a_key_leaves_in_a_queue_is_void_behind_a_later_stop() -> None:
     screen, shut = Screen("normal"), list[bool]()
     async with screen.app.run_test():
         await Quiet(screen.app).settle()

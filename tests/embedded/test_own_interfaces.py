@@ -149,13 +149,15 @@ def test_a_known_mistake_does_not_keep_a_saved_package_from_counting(tmp_path: P
     things(tmp_path, bad_msgs="floot32 x", good_msgs="float32 x")
     said: list[str] = []
     packages = own_interfaces.find(tmp_path, "embedded").packages
-    files = own_interfaces.OwnInterfaces(
-        packages, lambda *event: said.append(event[2]), said.append
-    )
-    files.reload()
+    files = own_interfaces.OwnInterfaces(packages)
+
+    def reload() -> None:
+        files.reload(lambda *event: said.append(event[2]), said.append)
+
+    reload()
     assert said == ["interfaces were saved"]
     (tmp_path / "good_msgs" / "msg" / "Thing.msg").write_text("float32 y\nfloot64 x\n")
-    files.reload()
+    reload()
     (new,) = said[1:]
     assert new.startswith("not read: good_msgs/msg/Thing.msg:2: ")
 

@@ -27,7 +27,6 @@ ACTS = {
         "call",
         "keep_robot",
         "describe_robot",
-        "look",
         "other_robot",
         "ack",
         "edit",

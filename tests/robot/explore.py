@@ -357,12 +357,12 @@ def pass_time(world: World) -> World:
     stop, todo = world.stop.tick(0.0, facts)
     world = world._replace(stop=stop)
     for what, turn in todo:
-        if what is module.Do.SEND:
+        if what is module.StopEffect.SEND:
             promise(stop.open is not None, "only an open STOP is sent again")
             promise(not stop.awaited, "never two calls at once")
             if world.sends_left:
                 world = _call(world._replace(sends_left=world.sends_left - 1), is_pressed=False)
-        elif what is module.Do.CANCEL_OWN:
+        elif what is module.StopEffect.CANCEL_OWN:
             for place, goal in enumerate(world.goals):
                 if goal.phase == "moving" and goal.turn < turn:
                     world = _with_goal(world, place, is_asked=True)
@@ -538,7 +538,7 @@ def _is_sent_again(world: World) -> bool:
     for _ in range(4):
         stop = _older(stop)
         stop, todo = stop.tick(0.0, facts)
-        if any(what is module.Do.SEND for what, _ in todo):
+        if any(what is module.StopEffect.SEND for what, _ in todo):
             return True
     return False
 

@@ -119,10 +119,10 @@ def done(world: World, queue: Any) -> World:
         promise(is_known, "a queue that is held keeps its reason")
     world = world._replace(queue=queue)
     for deed in todo:
-        if deed.do is module.Do.NOTE:
+        if deed.do is module.QueueEffect.NOTE:
             continue
         number = deed.goal.number
-        if deed.do is module.Do.SEND:
+        if deed.do is module.QueueEffect.SEND:
             promise(number not in world.sent or number in _put_back(world), "a goal is sent once")
             running = [sent for sent in world.robot if sent.mine and _runs(sent)]
             promise(not running, "no goal is sent while another one of ours runs")
@@ -132,13 +132,13 @@ def done(world: World, queue: Any) -> World:
                 promise(not queue.hold_reason, "a held queue sends nothing")
                 promise(not world.must_ask, "only the operator continues")
             world = world._replace(sent=(*world.sent, number))
-        elif deed.do is module.Do.ANSWER:
+        elif deed.do is module.QueueEffect.ANSWER:
             world = world._replace(answered=(*world.answered, number))
             if not deed.outcome.ok:
                 world = world._replace(must_ask=bool(queue.waiting))
-        elif deed.do is module.Do.CANCEL:
+        elif deed.do is module.QueueEffect.CANCEL:
             world = world._replace(cancelling=(*world.cancelling, number))
-        elif deed.do is module.Do.SETTLE and deed.outcome.code is not Code.HELD:
+        elif deed.do is module.QueueEffect.SETTLE and deed.outcome.code is not Code.HELD:
             promise(number not in world.settled, "a goal has one outcome")
             world = world._replace(settled=(*world.settled, number))
     return world if queue.waiting else world._replace(must_ask=False)

@@ -14,8 +14,8 @@ from archo_interfaces.action import MoveToShelf
 from archo_tui.robot.goals.machine import (
     NEVER_TAKEN,
     PHASES,
-    Do,
     Event,
+    GoalEffect,
     TrackedGoal,
     feedback_changes,
     found,
@@ -283,16 +283,16 @@ def test_a_goal_that_returns_keeps_its_turn_and_a_stop_since_then_cancels_it() -
     assert not gone.is_back(NOW + 9.0, is_served=False)
     again = gone.again(back, is_void=True)
     assert (again.turn, again.goal.mine, again.goal.name) == (5, True, "shelf 3")
-    assert again.todo == (Do.ASK, Do.CANCEL)
-    assert gone.again(back, is_void=False).todo == (Do.ASK,)
+    assert again.todo == (GoalEffect.ASK, GoalEffect.CANCEL)
+    assert gone.again(back, is_void=False).todo == (GoalEffect.ASK,)
 
 
 def test_behind_a_stop_it_is_cancelled_every_2_s_and_no_phase_tells_it() -> None:
     goal = accepted().behind_stop(6, NOW)
-    assert (goal.todo, goal.goal.phase) == ((Do.CANCEL_UNASKED,), Phase.MOVING)
+    assert (goal.todo, goal.goal.phase) == ((GoalEffect.CANCEL_UNASKED,), Phase.MOVING)
     goal = goal._replace(todo=())
     assert goal.behind_stop(6, NOW + 2.0).todo == ()
-    assert goal.behind_stop(6, NOW + 2.1).todo == (Do.CANCEL_UNASKED,)
+    assert goal.behind_stop(6, NOW + 2.1).todo == (GoalEffect.CANCEL_UNASKED,)
     assert accepted().behind_stop(5, NOW).todo == ()  # It was sent behind the STOP.
     assert sent().behind_stop(6, NOW).todo == ()  # It is void, and cancelled when accepted.
     assert accepted().cancelled_with_all(NOW).behind_stop(6, NOW + 1.0).todo == ()
@@ -310,7 +310,7 @@ def test_a_cancel_that_failed_returns_to_the_phase_before(before: Phase) -> None
     assert (goal.goal.phase, goal.goal.cancel_asked) == (Phase.CANCELLING, NOW)
     failed = goal.cancel_failed(NOW, is_rejected=False).goal
     assert (failed.phase, failed.cancel_asked) == (before, None)
-    assert goal.cancel_failed(NOW, is_rejected=True).todo == (Do.ASK,)
+    assert goal.cancel_failed(NOW, is_rejected=True).todo == (GoalEffect.ASK,)
     twice = goal.cancelling(NOW).cancel_failed(NOW, is_rejected=False)
     assert twice.goal.phase is Phase.CANCELLING  # The other one is still awaited.
     assert twice.cancel_failed(NOW, is_rejected=False).goal.phase is before
@@ -502,7 +502,7 @@ def check(world: World, name: str, after: TrackedGoal) -> World:
         assert after._replace(todo=()) == before, f"an ended goal never changes: {name}"
         is_wanted = before.is_accepted and not (world.is_void or before.is_cancelled)
         must_cancel = name == "accepted" and not is_wanted
-        assert after.todo == ((Do.CANCEL_ENDED,) if must_cancel else ())
+        assert after.todo == ((GoalEffect.CANCEL_ENDED,) if must_cancel else ())
         return world
     check_phase(name, before, goal.phase)
     if name == "earlier result":
@@ -511,12 +511,12 @@ def check(world: World, name: str, after: TrackedGoal) -> World:
         was_unknown = before.goal.phase is Phase.UNKNOWN and name == "feedback"
         if name == "accepted" or was_unknown:
             assert after.must_not_run, "a void goal that is accepted is cancelled"
-    assert (Do.CANCEL in after.todo) == (after.must_not_run and not before.must_not_run)
+    assert (GoalEffect.CANCEL in after.todo) == (after.must_not_run and not before.must_not_run)
     if name == "cancel":
         is_sent = before.goal.phase is Phase.SENT
         assert (after is before) == is_sent, "a cancel leaves unless the goal has no answer yet"
     if name == "accepted":
-        assert Do.ASK in after.todo, "an accepted goal's result is asked for"
+        assert GoalEffect.ASK in after.todo, "an accepted goal's result is asked for"
     came_from, is_confirmed = world.came_from, world.is_confirmed
     if name == "cancel" and before.goal.phase is not Phase.CANCELLING:
         came_from, is_confirmed = before.goal.phase, False
@@ -538,11 +538,13 @@ def check_state(world: World) -> None:
     goal = world.goal
     due = goal.behind_stop(goal.turn + 1, NOW)
     may_run = goal.is_running and goal.goal.phase is not Phase.SENT
-    assert (due.todo == (Do.CANCEL_UNASKED,)) == may_run, "cancelled behind a STOP"
+    assert (due.todo == (GoalEffect.CANCEL_UNASKED,)) == may_run, "cancelled behind a STOP"
     assert due.goal is goal.goal, "no phase tells a cancel that nobody asked for"
     if goal.goal.phase in (Phase.UNKNOWN, Phase.LOST):
         later = _later(goal, 2.6)
-        assert not later.is_running or Do.ASK in later.todo, "a doubtful goal is asked about"
+        assert not later.is_running or GoalEffect.ASK in later.todo, (
+            "a doubtful goal is asked about"
+        )
     if goal.goal.phase is Phase.CANCELLING:
         assert goal.goal.cancel_asked is not None
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.goals import queue as machine
-from archo_tui.robot.goals.queue import Do, GoalQueue, QueuedGoal
+from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal, QueueEffect
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.readings import Motion
@@ -50,7 +50,7 @@ def look(
 ) -> tuple[GoalQueue, str]:
     """The queue after a look at the robot, and what is sent then."""
     after = waiting.seen(snapshot, 0.0, stops, holding(alarms))
-    sent = [deed.goal.text for deed in after.todo if deed.do is Do.SEND and deed.goal]
+    sent = [deed.goal.text for deed in after.todo if deed.do is QueueEffect.SEND and deed.goal]
     return after._replace(todo=()), ", ".join(sent)
 
 
@@ -164,7 +164,7 @@ def test_a_queue_that_is_held_on_is_told_once() -> None:
     held, _ = look(queue(7), ARRIVED._replace(motion=Motion(stopped=True)))
     again = held.resume(0).seen(ARRIVED._replace(motion=Motion(stopped=True)), 0.0, 0)
     assert again.hold_reason == "STOP"
-    assert [deed for deed in again.todo if deed.do is Do.NOTE] == []
+    assert [deed for deed in again.todo if deed.do is QueueEffect.NOTE] == []
 
 
 def test_without_a_goal_on_its_way_there_is_nothing_to_drop_or_call_off() -> None:

@@ -10,8 +10,8 @@ import pytest
 from archo_interfaces.action import MoveToShelf
 
 from archo_tui.robot.goals.machine import (
-    Do,
     Event,
+    GoalEffect,
     TrackedGoal,
     end_text,
     feedback_changes,
@@ -42,7 +42,7 @@ def asks(goal: TrackedGoal, *at: float, is_served: bool = True) -> list[bool]:
     """Return if its server is asked about it at these times, each without the others."""
     goal = goal._replace(todo=())
     ticks = (goal.tick(now, Motion(), NEVER, is_served=is_served) for now in at)
-    return [tick.todo == (Do.ASK,) for tick in ticks]
+    return [tick.todo == (GoalEffect.ASK,) for tick in ticks]
 
 
 # Its request.
@@ -50,7 +50,7 @@ def asks(goal: TrackedGoal, *at: float, is_served: bool = True) -> list[bool]:
 
 def test_it_is_from_when_it_left_and_from_before_all_stops_until_then() -> None:
     goal = TrackedGoal(GOAL._replace(sent=0.0))
-    assert goal.behind_stop(1, NOW).todo == (Do.CANCEL_UNASKED,)
+    assert goal.behind_stop(1, NOW).todo == (GoalEffect.CANCEL_UNASKED,)
     left = goal.leaving(NOW, 5, 7)
     assert (left.goal.sent, left.goal.number, left.turn) == (NOW, 7, 5)
 
@@ -76,17 +76,17 @@ def test_only_a_goal_without_an_answer_is_called_off() -> None:
 def test_a_goal_that_is_not_wanted_any_more_is_cancelled_once_when_accepted() -> None:
     for goal, is_void in ((sent(), True), (sent().called_off(), False)):
         after = goal.accepted(NOW, is_void=is_void)
-        assert after.todo == (Do.ASK, Do.CANCEL)
+        assert after.todo == (GoalEffect.ASK, GoalEffect.CANCEL)
         again = after.cancelled_if_unwanted(is_void=is_void)
         assert again == after
 
 
 def test_feedback_of_a_goal_without_an_answer_cancels_it_if_not_wanted() -> None:
-    assert unknown().fed(FEEDBACK, NOW, is_void=True).todo == (Do.CANCEL,)
+    assert unknown().fed(FEEDBACK, NOW, is_void=True).todo == (GoalEffect.CANCEL,)
     assert unknown().fed(FEEDBACK, NOW, is_void=False).todo == ()
     silent = unknown().called_off().cancelling(NOW).fire(Event.SILENT, NOW)
     assert silent.goal.phase is Phase.LOST
-    assert silent.fed(FEEDBACK, NOW, is_void=False).todo == (Do.CANCEL,)
+    assert silent.fed(FEEDBACK, NOW, is_void=False).todo == (GoalEffect.CANCEL,)
 
 
 def test_a_goal_that_was_called_off_never_leaves() -> None:
@@ -119,12 +119,12 @@ def test_an_ended_goal_changes_no_more() -> None:
 
 def test_a_goal_accepted_after_its_end_is_cancelled_unless_it_was_before() -> None:
     never = unknown().fire(Event.ABORTED, NOW)
-    assert never.accepted(NOW, is_void=False).todo == (Do.CANCEL_ENDED,)
+    assert never.accepted(NOW, is_void=False).todo == (GoalEffect.CANCEL_ENDED,)
     left = accepted().node_left(NOW)
     assert left.accepted(NOW, is_void=False).todo == ()
-    assert left.accepted(NOW, is_void=True).todo == (Do.CANCEL_ENDED,)
+    assert left.accepted(NOW, is_void=True).todo == (GoalEffect.CANCEL_ENDED,)
     called_off = left._replace(is_cancelled=True)
-    assert called_off.accepted(NOW, is_void=False).todo == (Do.CANCEL_ENDED,)
+    assert called_off.accepted(NOW, is_void=False).todo == (GoalEffect.CANCEL_ENDED,)
 
 
 @pytest.mark.parametrize(

@@ -258,13 +258,12 @@ async def test_a_file_that_is_saved_behind_a_stop_waits_for_a_key(
         await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
         person.type("stop\n")
         await person.until("alarm unacknowledged: STOPPED")
-        programs = station.host.programs
-        (hosted,) = programs
-        await asyncio.to_thread(programs.reload, hosted.file)
+        (hosted,) = station.host.programs
+        await asyncio.to_thread(station.host.reload, hosted.file)
         await person.until("motor.py was saved, and is not started behind a STOP")
         person.type("go 12\n")
         await person.until("failed: go: emergency stop: release it first")
-        assert [*programs] == [hosted]  # It runs on as it was.
+        assert station.host.programs == [hosted]  # It runs on as it was.
         person.type("halt motor_controller --yes\nstart motor_controller\n")
         await person.until("failed: start: /motor_controller is not started behind a STOP")
 

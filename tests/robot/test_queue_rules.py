@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.robot.clients.requester import YOU, Requester
-from archo_tui.robot.goals.queue import Deed, Do, GoalQueue, OnItsWay, QueuedGoal
+from archo_tui.robot.goals.queue import Deed, GoalQueue, OnItsWay, QueuedGoal, QueueEffect
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
@@ -31,7 +31,7 @@ def answered(outcome: Outcome, *shelves: int, by: Requester = YOU) -> GoalQueue:
     return typed(*shelves, by=by).hand_over().answered(outcome)
 
 
-def done(after: GoalQueue) -> list[tuple[Do, str, str]]:
+def done(after: GoalQueue) -> list[tuple[QueueEffect, str, str]]:
     """Return what is to be done, each with the goal and the text that it takes."""
     return [
         (
@@ -65,7 +65,7 @@ def test_a_goal_that_leaves_at_once_did_not_wait_as_a_queued_one_did() -> None:
         assert at_once.coming is not None
         goal = at_once.coming.goal
         assert at_once.coming == OnItsWay(goal, before, False, False, False, False)
-        assert at_once.todo == (Deed(Do.SEND, goal),)
+        assert at_once.todo == (Deed(QueueEffect.SEND, goal),)
     waited = queue(7).seen(ARRIVED, 0.0, 0).coming
     assert waited is not None
     assert waited.waited
@@ -79,15 +79,18 @@ def test_a_goal_on_its_way_is_shown_as_sent_until_it_is_seen() -> None:
 def test_a_new_list_behind_a_held_queue_is_held_but_for_its_first() -> None:
     held = GoalQueue().restore([target(1)])._replace(todo=())
     after = held.submit([target(3), target(4)], NOBODY)
-    assert done(after) == [(Do.SEND, "3", ""), (Do.SETTLE, "4", "held: 4 (restart)")]
+    assert done(after) == [
+        (QueueEffect.SEND, "3", ""),
+        (QueueEffect.SETTLE, "4", "held: 4 (restart)"),
+    ]
     assert [goal.text for goal in after.waiting] == ["1", "4"]
 
 
 def test_what_is_taken_over_at_a_restart_is_held_and_none_is_sent() -> None:
     restored = GoalQueue().restore([target(1), target(2)])
     assert (restored.coming, restored.hold_reason) == (None, "restart")
-    held = [(Do.SETTLE, text, f"held: {text} (restart)") for text in ("1", "2")]
-    assert done(restored) == [(Do.NOTE, "", "queue held: 1, 2 (restart)"), *held]
+    held = [(QueueEffect.SETTLE, text, f"held: {text} (restart)") for text in ("1", "2")]
+    assert done(restored) == [(QueueEffect.NOTE, "", "queue held: 1, 2 (restart)"), *held]
     assert GoalQueue().restore([]) == GoalQueue()
 
 
@@ -110,7 +113,7 @@ def test_a_goal_is_called_off_until_it_is_handed_over() -> None:
 
 def test_a_screen_that_ends_settles_what_it_did_not_send_and_forgets_the_rest() -> None:
     coming = typed(1)
-    settled = [(what, "1", NEVER_LEFT) for what in (Do.SETTLE, Do.ANSWER)]
+    settled = [(what, "1", NEVER_LEFT) for what in (QueueEffect.SETTLE, QueueEffect.ANSWER)]
     assert done(coming.drop()) == settled
     assert coming.drop().coming is None
     over = coming.hand_over()
@@ -126,20 +129,23 @@ def test_a_goal_held_back_by_a_stop_waits_again_as_the_next_one() -> None:
     assert [goal.text for goal in after.waiting] == ["1", "2"]
     assert (after.coming, after.hold_reason) == (None, "STOP")
     first, *_, last = done(after)
-    assert first == (Do.NOTE, "", "queue held: 1, 2 (STOP)")
-    assert last == (Do.ANSWER, "1", "not sent")
+    assert first == (QueueEffect.NOTE, "", "queue held: 1, 2 (STOP)")
+    assert last == (QueueEffect.ANSWER, "1", "not sent")
 
 
 def test_a_goal_held_back_by_a_stop_keeps_the_reason_of_its_queue() -> None:
     held = GoalQueue().restore([target(1)])._replace(todo=())
     after = held.submit([target(3)], NOBODY)._replace(todo=()).hand_over().answered(STOPPED)
-    told = [(Do.SETTLE, "3", "held: 3 (restart)"), (Do.ANSWER, "3", "not sent")]
+    told = [(QueueEffect.SETTLE, "3", "held: 3 (restart)"), (QueueEffect.ANSWER, "3", "not sent")]
     assert (done(after), after.hold_reason) == (told, "restart")
 
 
 def test_a_goal_held_back_by_a_stop_ends_if_its_requester_has_left() -> None:
     after = typed(1).hand_over().leave(SHELL).answered(STOPPED)
-    assert done(after) == [(Do.SETTLE, "1", NEVER_LEFT), (Do.ANSWER, "1", NEVER_LEFT)]
+    assert done(after) == [
+        (QueueEffect.SETTLE, "1", NEVER_LEFT),
+        (QueueEffect.ANSWER, "1", NEVER_LEFT),
+    ]
     assert after.waiting == ()
 
 
@@ -149,12 +155,12 @@ def test_a_list_whose_first_goal_is_refused_is_not_driven() -> None:
     out = "taken out of the queue:"
     why = "no; not driven either: 2, 3"
     assert done(after) == [
-        *((Do.SETTLE, "2", f"{out} 2"), (Do.SETTLE, "3", f"{out} 3")),
-        (Do.NOTE, "", "left out of the queue: 2, 3 (1 was refused)"),
-        *((Do.SETTLE, "1", why), (Do.ANSWER, "1", why)),
+        *((QueueEffect.SETTLE, "2", f"{out} 2"), (QueueEffect.SETTLE, "3", f"{out} 3")),
+        (QueueEffect.NOTE, "", "left out of the queue: 2, 3 (1 was refused)"),
+        *((QueueEffect.SETTLE, "1", why), (QueueEffect.ANSWER, "1", why)),
     ]
     alone = answered(REFUSED, 1)
-    assert done(alone) == [(Do.SETTLE, "1", "no"), (Do.ANSWER, "1", "no")]
+    assert done(alone) == [(QueueEffect.SETTLE, "1", "no"), (QueueEffect.ANSWER, "1", "no")]
 
 
 @pytest.mark.parametrize(
@@ -190,7 +196,7 @@ def test_a_goal_that_may_run_for_nobody_is_cancelled(
 ) -> None:
     over = typed(1, by=by).hand_over()
     after = (over.leave(by) if has_left else over).answered(outcome)
-    assert (Do.CANCEL in [deed.do for deed in after.todo]) is is_cancelled
+    assert (QueueEffect.CANCEL in [deed.do for deed in after.todo]) is is_cancelled
 
 
 # Those that leave.
@@ -202,7 +208,7 @@ def test_what_a_client_wanted_goes_with_it_and_what_others_want_stays() -> None:
     assert left.coming is not None
     assert (left.coming.is_called_off, left.coming.is_abandoned) == (True, True)
     why = "left out of the queue: 2 (nobody waits for it any more)"
-    out = [(Do.SETTLE, "2", "taken out of the queue: 2"), (Do.NOTE, "", why)]
+    out = [(QueueEffect.SETTLE, "2", "taken out of the queue: 2"), (QueueEffect.NOTE, "", why)]
     assert done(left) == out
     assert [goal.text for goal in left.waiting] == ["3"]
     assert both.take_out(SHELL) == left._replace(coming=both.coming)
@@ -220,7 +226,7 @@ def test_one_that_leaves_takes_no_goal_of_another_along() -> None:
 def test_a_goal_is_settled_with_its_end_which_its_requester_is_shown() -> None:
     after = queue().seen(ARRIVED, 0.0, 0)
     (settled,) = after.todo
-    assert (settled.do, settled.goal and settled.goal.number) == (Do.SETTLE, 1)
+    assert (settled.do, settled.goal and settled.goal.number) == (QueueEffect.SETTLE, 1)
     assert (settled.outcome, settled.ended) == (Outcome(Code.ARRIVED, "arrived"), ARRIVED.goal)
 
 

@@ -13,11 +13,11 @@ from archo_tui.robot.stop.machine import (
     OBEYED,
     REPEAT_AFTER,
     SETTLED,
-    Do,
     Facts,
     Result,
     Servers,
     Stop,
+    StopEffect,
 )
 
 MOTOR: Servers = frozenset({("/motor", frozenset({b"1"}))})
@@ -35,11 +35,11 @@ def answered(stop: Stop, answer: StopAnswer, now: float = 0.0) -> Stop:
     return stop.answered_by(Result(answer), 2, now, 4, MOTOR, MOTOR, ())
 
 
-def todo(stop: Stop, now: float, facts: Facts = ALL) -> set[Do]:
+def todo(stop: Stop, now: float, facts: Facts = ALL) -> set[StopEffect]:
     return {deed[0] for deed in stop.tick(now, facts)[1]}
 
 
-def at_edge(stop: Stop, what: Do, after: float) -> None:
+def at_edge(stop: Stop, what: StopEffect, after: float) -> None:
     assert what not in todo(stop, after - JUST_BEFORE)
     assert what in todo(stop, after)
 
@@ -50,30 +50,30 @@ def test_the_times_are_those_that_the_page_promises() -> None:
 
 
 def test_goals_from_here_and_then_those_of_others_are_cancelled() -> None:
-    at_edge(called(), Do.CANCEL_OWN, CANCEL_AFTER)
-    at_edge(called(), Do.CANCEL_ALL, CANCEL_OTHERS_AFTER)
+    at_edge(called(), StopEffect.CANCEL_OWN, CANCEL_AFTER)
+    at_edge(called(), StopEffect.CANCEL_ALL, CANCEL_OTHERS_AFTER)
     still = ALL._replace(moves=False)
-    assert Do.CANCEL_ALL not in todo(called(), 10.0, still)
+    assert StopEffect.CANCEL_ALL not in todo(called(), 10.0, still)
 
 
 @pytest.mark.parametrize("answer", [StopAnswer.REFUSED, StopAnswer.NONE])
 def test_a_stop_that_got_no_yes_is_due_again_while_the_robot_is_heard(answer: StopAnswer) -> None:
     stop = answered(called(), answer, 5.0)
-    at_edge(stop, Do.SEND, 5.0 + REPEAT_AFTER)
-    assert Do.SEND not in todo(stop, 60.0, ALL._replace(is_heard=False))
-    assert Do.SEND in todo(stop, 60.0, ALL._replace(is_offered=False))
+    at_edge(stop, StopEffect.SEND, 5.0 + REPEAT_AFTER)
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_heard=False))
+    assert StopEffect.SEND in todo(stop, 60.0, ALL._replace(is_offered=False))
 
 
 def test_a_stop_that_was_not_sent_is_due_once_a_node_offers_it() -> None:
     stop = answered(Stop().calling(2, 0.0, is_pressed=True), StopAnswer.NOT_SENT)
-    assert Do.SEND in todo(stop, REPEAT_AFTER, ALL._replace(is_heard=False))
-    assert Do.SEND not in todo(stop, 60.0, ALL._replace(is_offered=False))
+    assert StopEffect.SEND in todo(stop, REPEAT_AFTER, ALL._replace(is_heard=False))
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(is_offered=False))
 
 
 def test_a_stop_that_cannot_say_yes_is_sent_again_only_while_something_moves() -> None:
     stop = answered(called(), StopAnswer.UNCONFIRMED)
-    assert Do.SEND in todo(stop, REPEAT_AFTER)
-    assert Do.SEND not in todo(stop, 60.0, ALL._replace(moves=False))
+    assert StopEffect.SEND in todo(stop, REPEAT_AFTER)
+    assert StopEffect.SEND not in todo(stop, 60.0, ALL._replace(moves=False))
 
 
 def moving(received: float, *, stopped: bool | None = None) -> Motion:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
-from archo_tui.robot.stop.machine import CANCEL_AFTER, NOBODY, OBEYED, Do, Result, Stop
+from archo_tui.robot.stop.machine import CANCEL_AFTER, NOBODY, OBEYED, Result, Stop, StopEffect
 from tests.robot.test_stop_machine import AGAIN, ALL, MOTOR, answered, called, moving, todo
 
 FAR = frozenset({("/far", frozenset({b"7"}))})
@@ -27,7 +27,7 @@ def test_the_first_turn_of_all_counts_as_any_other() -> None:
     assert Stop().goal_accepted(1, 5.0).released == 5.0
     assert Stop().release_accepted(1, 5.0, 2).released == 5.0
     stop = Stop().calling(1, 0.0, is_pressed=True).leaving(1, MOTOR)
-    assert Do.CANCEL_ALL in todo(stop, 60.0)
+    assert StopEffect.CANCEL_ALL in todo(stop, 60.0)
     shown = stop.answered_by(Result(StopAnswer.REFUSED), 1, 0.0, 2, MOTOR, MOTOR, ()).open
     assert shown is not None
     assert shown.answer is StopAnswer.REFUSED
@@ -38,23 +38,23 @@ def test_the_first_turn_of_all_counts_as_any_other() -> None:
 
 def test_a_repeat_cancels_nothing_anew_and_a_press_does() -> None:
     stop, _ = called().tick(2.0, ALL)
-    assert Do.CANCEL_ALL not in todo(stop.calling(8, 3.0, is_pressed=False), 5.0)
-    assert Do.CANCEL_ALL in todo(stop.calling(8, 3.0, is_pressed=True), 5.0)
+    assert StopEffect.CANCEL_ALL not in todo(stop.calling(8, 3.0, is_pressed=False), 5.0)
+    assert StopEffect.CANCEL_ALL in todo(stop.calling(8, 3.0, is_pressed=True), 5.0)
 
 
 def test_a_call_that_the_machine_opens_itself_is_as_good_as_a_press() -> None:
     done, _ = called().tick(2.0, ALL)
     opened = done.given_up().calling(8, 3.0, is_pressed=False)
     assert opened.open is not None
-    assert Do.CANCEL_ALL in todo(opened.leaving(9, MOTOR), 5.0)
+    assert StopEffect.CANCEL_ALL in todo(opened.leaving(9, MOTOR), 5.0)
     assert opened.must_follow(7)  # It is not given up, as the one before was.
 
 
 def test_the_goals_of_others_are_cancelled_by_their_ids_once_all_were() -> None:
     stop, first = called().tick(2.0, ALL)
-    assert (Do.CANCEL_ALL, 2) in first
-    assert (Do.CANCEL_OTHERS, 2) in stop.tick(2.1, ALL)[1]
-    assert Do.CANCEL_OTHERS not in todo(stop.given_up(), 2.1)
+    assert (StopEffect.CANCEL_ALL, 2) in first
+    assert (StopEffect.CANCEL_OTHERS, 2) in stop.tick(2.1, ALL)[1]
+    assert StopEffect.CANCEL_OTHERS not in todo(stop.given_up(), 2.1)
 
 
 def test_a_node_that_got_a_later_call_is_not_confirmed_by_an_earlier() -> None:
@@ -129,16 +129,16 @@ def test_what_ends_a_stop_ends_all_that_followed_it() -> None:
     assert not over.holders_have_ended
     assert not over.must_follow(1)
     done, _ = called().tick(2.0, ALL)
-    assert Do.CANCEL_OTHERS not in todo(done.goal_accepted(9, 5.0), 6.0)
+    assert StopEffect.CANCEL_OTHERS not in todo(done.goal_accepted(9, 5.0), 6.0)
     # Another console's release of its own STOP ends nothing of ours.
     peers = Stop().stopped_elsewhere("lab", 1, 0.0, MOTOR, ())
     ours, _ = peers.calling(2, 0.0, is_pressed=True).leaving(3, MOTOR).tick(2.0, ALL)
-    assert (Do.CANCEL_OTHERS, 2) in ours.released_elsewhere("lab", 4, 3.0).tick(4.0, ALL)[1]
+    assert (StopEffect.CANCEL_OTHERS, 2) in ours.released_elsewhere("lab", 4, 3.0).tick(4.0, ALL)[1]
     held = answered(ours, StopAnswer.AWAITED).moved(
         Motion(stopped=True, received=5.0), 5.0, MOTOR, ()
     )
     free = held.moved(Motion(stopped=False, received=6.0), 6.0, MOTOR, ())
-    assert Do.CANCEL_OTHERS not in todo(free, 7.0)
+    assert StopEffect.CANCEL_OTHERS not in todo(free, 7.0)
 
 
 def test_a_call_leaves_while_its_stop_is_wanted() -> None:
@@ -335,15 +335,15 @@ def test_the_later_stop_is_the_one_to_be_obeyed() -> None:
 
 def test_an_answer_does_not_put_off_what_is_cancelled() -> None:
     stop = answered(called(), StopAnswer.UNCONFIRMED, 5.0)
-    assert (Do.CANCEL_OWN, 2) in stop.tick(5.0, ALL)[1]
+    assert (StopEffect.CANCEL_OWN, 2) in stop.tick(5.0, ALL)[1]
 
 
 def test_goals_from_before_a_later_stop_are_due_with_those_of_the_one_before() -> None:
     stop = called()
     both = stop._replace(open=None).calling(8, 0.1, is_pressed=True)
-    assert (Do.CANCEL_OWN, 8) in both.tick(CANCEL_AFTER, ALL)[1]
+    assert (StopEffect.CANCEL_OWN, 8) in both.tick(CANCEL_AFTER, ALL)[1]
     later = stop._replace(open=None).calling(8, 5.0, is_pressed=True)
     assert later.tick(5.1, ALL)[1] == []
-    assert (Do.CANCEL_OWN, 8) in later.tick(5.0 + CANCEL_AFTER, ALL)[1]
+    assert (StopEffect.CANCEL_OWN, 8) in later.tick(5.0 + CANCEL_AFTER, ALL)[1]
     at_once = stop._replace(open=None).calling(8, CANCEL_AFTER, is_pressed=True)
     assert at_once.tick(CANCEL_AFTER, ALL)[1] == []

@@ -88,7 +88,7 @@ async def test_with_a_clock_simulated_time_is_no_alarm() -> None:
         (
             {},
             "SUBNET",
-            "start the robot, or match its ROS_DOMAIN_ID (`look` tries 0 to 20) and RMW",
+            "start the robot, or match its ROS_DOMAIN_ID (`archo-tui look` tries 0 to 20) and RMW",
         ),
         (
             {"ROS_AUTOMATIC_DISCOVERY_RANGE": "localhost"},

@@ -13,7 +13,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
-from archo_tui.user_code import thread as program_thread
+from archo_tui.user_code import interrupt
 from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 
@@ -74,7 +74,7 @@ def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
     with Session(options, clock.current) as session, pytest.MonkeyPatch.context() as patch:
         patch.setattr(session.host.nodes[0], "stop", lambda: False)
         outcome = session.host.stop_node("/good")
-        assert outcome == (Code.TIMEOUT, "/good does not stop: its callback does not return")
+        assert outcome == (Code.TIMEOUT, "/good does not stop: its code does not return")
 
 
 def test_a_restarted_copy_keeps_its_own_name() -> None:
@@ -127,7 +127,7 @@ def test_a_program_of_several_threads_stops_each_time_it_is_told_to(here: Path) 
     session.start()
     try:
         for _ in range(6):
-            wait_until(lambda: session.host.programs.find("/idle") is not None)
+            wait_until(lambda: session.host.find("/idle") is not None)
             assert session.host.stop_node("/idle").text == "/idle stopped"
             assert session.host.start_node("/idle").text == "/idle started"
     finally:
@@ -158,7 +158,7 @@ def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
     # CPython before 3.12 raises it in the new thread instead, and its starter waits for ever.
     starts, asked, is_raised = threading.Event(), threading.Event(), threading.Event()
     order: list[str] = []
-    start_new_thread, raise_in = threading._start_new_thread, program_thread.raise_in  # type: ignore[attr-defined]
+    start_new_thread, raise_in = threading._start_new_thread, interrupt.raise_in  # type: ignore[attr-defined]
 
     def start_slowly(*args: Any, **options: Any) -> Any:
         if threading.current_thread().name == "/starter":
@@ -174,7 +174,7 @@ def test_a_program_is_interrupted_only_once_the_thread_that_it_starts_runs(
         raise_in(thread, *error)
 
     monkeypatch.setattr(threading, "_start_new_thread", start_slowly)
-    monkeypatch.setattr(program_thread, "raise_in", note)
+    monkeypatch.setattr("archo_tui.user_code.thread.raise_in", note)
     file = here / "starter.py"
     file.write_text(STARTER)
     options = Options(

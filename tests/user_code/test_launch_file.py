@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -287,8 +288,10 @@ def test_a_saved_launch_file_restarts_the_console_unless_it_is_wrong(workspace: 
     file = launch_file(TWO)
     restarts: list[str] = []
     with launched(file) as session:
-        watched = session._watch.watched[-1]
-        watched._restart = restarts.append  # type: ignore[attr-defined]
+        watched = session._launch_file
+        assert watched is not None
+        reload = partial(watched.reload, session.robot.note, restarts.append)
+        session._watch.watched = [(watched, reload)]
         launch_file("1 / 0,")
         wrong = f"the saved text does not run: {file}:19: ZeroDivisionError"
         wait_until(lambda: any(text.startswith(wrong) for text in texts(session)))

@@ -20,7 +20,7 @@ from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
-PROGRAMS = Path(__file__).parent.parent / "share" / "programs"
+SHARE = Path(__file__).parent.parent / "share"
 HEAD = """
 import sys
 import rclpy
@@ -63,14 +63,14 @@ def up(session: Session) -> list[str]:
 @pytest.mark.parametrize(
     ("program", "nodes"),
     [
-        ("main_chained_call", ["/battery_monitor"]),
-        ("main_has_branches", ["/motor_sim"]),
-        ("name_given_in_main", ["/talker"]),
-        ("node_made_in_main", ["/battery_monitor"]),
+        ("learners/battery_that_runs_itself", ["/battery_monitor"]),
+        ("programs/main_has_branches", ["/motor_sim"]),
+        ("programs/name_given_in_main", ["/talker"]),
+        ("programs/node_made_in_main", ["/battery_monitor"]),
     ],
 )
 def test_a_program_of_a_course_makes_what_its_main_makes(program: str, nodes: list[str]) -> None:
-    with running(PROGRAMS / f"{program}.py") as session:
+    with running(SHARE / f"{program}.py") as session:
         wait_until(lambda: up(session) == nodes)
 
 
@@ -173,7 +173,7 @@ def test_overrides_of_parameters_that_main_gives_hold(here: Path) -> None:
 
 
 def test_a_main_that_sends_a_goal_sends_it() -> None:
-    with running(PROGRAMS / "main_sends_a_goal.py", only=False) as session:
+    with running(SHARE / "programs" / "main_sends_a_goal.py", only=False) as session:
         wait_until(lambda: states(session)["/sender"].life is Life.ENDED)
         wait_until(lambda: any("Moving to shelf 3" in text for text in texts(session)))
 
@@ -201,7 +201,7 @@ def test_a_program_has_the_arguments_behind_the_dashes_and_no_other(here: Path) 
 
 
 def test_a_copy_has_another_name_and_is_copied_again(here: Path) -> None:
-    with running(PROGRAMS / "name_given_in_main.py") as session:
+    with running(SHARE / "programs" / "name_given_in_main.py") as session:
         wait_until(lambda: up(session) == ["/talker"])
         assert session.host.copy_node("/talker").text == "/talker_2 started"
         wait_until(lambda: up(session) == ["/talker", "/talker_2"])

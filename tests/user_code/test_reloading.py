@@ -16,7 +16,7 @@ from textual.widgets import Static
 from archo_tui.robot.state.events import Event
 from archo_tui.session import Session
 from archo_tui.session_options import Options
-from archo_tui.user_code.program import HostedProgram
+from archo_tui.user_code.hosted import HostedThread
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
 from tests.support.plain import operated, typing
@@ -54,7 +54,7 @@ async def running(file: Path, *ros_args: str, only: bool = True) -> AsyncIterato
 async def save(op: Console, file: Path, text: str) -> None:
     """Save it, and have it reloaded at once, as it soon would be."""
     file.write_text(text)
-    await asyncio.to_thread(op.session._watch.watched[0].reload)
+    await asyncio.to_thread(op.session._watch.watched[0][1])
     op.app.update_screen()
 
 
@@ -239,7 +239,7 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
                 person.type(f"{typed}\n")
                 await person.until(f"gain is {value}, was ")
                 file.write_text(says(f"after {typed}"))
-                await asyncio.to_thread(session._watch.watched[0].reload)
+                await asyncio.to_thread(session._watch.watched[0][1])
                 await person.until(f"after {typed}")
                 assert parameter(session, "gain") == value
                 await until(
@@ -261,7 +261,7 @@ async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
             person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
             await person.until("max_speed is 0.3")
             await pass_seconds(9.0)
-            await asyncio.to_thread(session._watch.watched[0].reload)
+            await asyncio.to_thread(session._watch.watched[0][1])
             await person.until("set talker gain 2.5 again: it was restarted\n")
             person.type("halt motor_controller\nstart motor_controller\n")
             await person.until("set motor_controller max_speed 0.3 again: it was restarted\n")
@@ -286,7 +286,7 @@ async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Pa
     )
     async with running(file) as op:
         await op.until("first words")
-        watched = op.session._watch.watched[0]
+        watched, _ = op.session._watch.watched[0]
         helper.write_text("WORDS = 'other words, longer'\n")
         assert watched.current_stamps() != watched.loaded
         await save(op, file, file.read_text())
@@ -302,7 +302,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # while it is waited for it takes all of a core, from other tests too
-    monkeypatch.setattr(HostedProgram.stop, "__defaults__", (0.5, 0.5))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
     file = here / "talker.py"
     file.write_text(says("well"))
     async with running(file) as op:
@@ -328,7 +328,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
 async def test_what_hangs_in_one_of_several_threads_is_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(HostedProgram.stop, "__defaults__", (0.5, 0.5))
+    monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.5, 0.5))
     file = here / "talker.py"
     several = (
         "\n\ndef main():\n    import rclpy\n    from rclpy.executors import MultiThreadedExecutor\n"

@@ -20,7 +20,7 @@ from archo_tui.robot.calls import DEADLINE, Services
 from archo_tui.robot.clients.consoles import author, goals_of_others, new_goal_id
 from archo_tui.robot.goals import machine
 from archo_tui.robot.goals.action import FIND_PERIOD, GoalAction, GoalActions
-from archo_tui.robot.goals.machine import Do, Event, TrackedGoal
+from archo_tui.robot.goals.machine import Event, GoalEffect, TrackedGoal
 from archo_tui.robot.messages.period import Pause
 from archo_tui.robot.messages.values import goal_request
 from archo_tui.robot.node import Listener
@@ -159,11 +159,11 @@ class Goals:
     def _carry_out(self, record: _Record) -> None:
         todo, record.state = record.state.todo, record.state._replace(todo=())
         for what in todo:
-            if what is Do.ASK:
+            if what is GoalEffect.ASK:
                 self._ask(record)
-            elif what is Do.CANCEL:
+            elif what is GoalEffect.CANCEL:
                 self._task(self._cancel_late, record)
-            elif what is Do.CANCEL_UNASKED:
+            elif what is GoalEffect.CANCEL_UNASKED:
                 self._task(self._cancel_unasked, record)
             else:
                 name = record.state.goal.name

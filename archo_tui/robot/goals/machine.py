@@ -89,7 +89,7 @@ PHASES: Mapping[Event, tuple[Phase | None, ...]] = {
 }  # fmt: skip
 
 
-class Do(Enum):
+class GoalEffect(Enum):
     """A thing to be sent now."""
 
     ASK = auto()  # A question for the result, in place of an earlier one.
@@ -111,7 +111,7 @@ class TrackedGoal(NamedTuple):
 
     goal: Goal
     turn: int = 0
-    todo: tuple[Do, ...] = ()
+    todo: tuple[GoalEffect, ...] = ()
     is_cancelled: bool = False
     must_not_run: bool = False
     before: Phase = Phase.MOVING  # The cancel; CANCELLING if the server is known to carry it out.
@@ -161,7 +161,7 @@ class TrackedGoal(NamedTuple):
         """Take the yes of its server, in time or later, and cancel a goal that is not wanted."""
         if not self.is_running:
             is_wanted = self.is_accepted and not (is_void or self.is_cancelled)
-            return self if is_wanted else self._replace(todo=(Do.CANCEL_ENDED,))
+            return self if is_wanted else self._replace(todo=(GoalEffect.CANCEL_ENDED,))
         after = self.fire(Event.ACCEPTED, now, started=now, heard=now)
         return after.ask(now).cancelled_if_unwanted(is_void=is_void)
 
@@ -170,7 +170,7 @@ class TrackedGoal(NamedTuple):
         is_unwanted = is_void or self.is_cancelled
         if not is_unwanted or self.must_not_run or self.goal.phase is not Phase.MOVING:
             return self
-        return self._replace(must_not_run=True, todo=(*self.todo, Do.CANCEL))
+        return self._replace(must_not_run=True, todo=(*self.todo, GoalEffect.CANCEL))
 
     # Its cancel.
 
@@ -210,7 +210,7 @@ class TrackedGoal(NamedTuple):
         is_due = self.turn < turn and now - self.cancelled_unasked > CANCEL_AGAIN
         if not is_due or not self.is_running or self.goal.phase is Phase.SENT:
             return self  # One that is accepted later is void.
-        return self.cancelled_with_all(now)._replace(todo=(*self.todo, Do.CANCEL_UNASKED))
+        return self.cancelled_with_all(now)._replace(todo=(*self.todo, GoalEffect.CANCEL_UNASKED))
 
     def cancelled_with_all(self, now: float) -> TrackedGoal:
         """Take down that all goals of its action are cancelled now."""
@@ -247,7 +247,9 @@ class TrackedGoal(NamedTuple):
         """Have its result asked for; answers to earlier questions count no more."""
         if not self.is_running:
             return self
-        return self._replace(asked=now, questions=self.questions + 1, todo=(*self.todo, Do.ASK))
+        return self._replace(
+            asked=now, questions=self.questions + 1, todo=(*self.todo, GoalEffect.ASK)
+        )
 
     def answered(self, question: int, end: Event | None, result: Any, now: float) -> TrackedGoal:
         """Take the answer to a question for its result; without an `end` it does not know it.

@@ -51,7 +51,7 @@ class QueuedGoal(NamedTuple):
         return values_text(self.kind, self.values) or self.kind.title
 
 
-class Do(Enum):
+class QueueEffect(Enum):
     """A thing to be done for a goal."""
 
     SEND = auto()
@@ -64,7 +64,7 @@ class Do(Enum):
 class Deed(NamedTuple):
     """A thing to be done, with what it takes."""
 
-    do: Do
+    do: QueueEffect
     goal: QueuedGoal | None = None
     outcome: Outcome | None = None
     ended: Goal | None = None  # As the robot ended it.
@@ -212,7 +212,7 @@ class GoalQueue(NamedTuple):
         if outcome.code is Code.HELD:  # By a STOP: it was not sent, and waits again.
             if not coming.is_abandoned:
                 after = after._replace(waiting=(goal, *after.waiting))._hold("STOP")
-                return after._tell_held([goal])._do(Deed(Do.ANSWER, goal, outcome))
+                return after._tell_held([goal])._do(Deed(QueueEffect.ANSWER, goal, outcome))
             outcome = Outcome(Code.CANCELLED, NEVER_LEFT)
         if outcome.ok:
             after = after._replace(underway=(*after.underway, (goal, coming.before)))
@@ -224,12 +224,12 @@ class GoalQueue(NamedTuple):
                 if rest:
                     outcome = outcome._replace(text=f"{outcome.text}; not driven either: {rest}")
             after = after._hold(_REASONS.get(outcome.code, "refused"))._settle(goal, outcome)
-        after = after._do(Deed(Do.ANSWER, goal, outcome))
+        after = after._do(Deed(QueueEffect.ANSWER, goal, outcome))
         # Without an answer the robot may still accept it, and nobody would wait for its end then.
         is_doubtful = outcome.code is Code.TIMEOUT and goal.requester.waits
         may_run = outcome.ok or outcome.code is Code.TIMEOUT
         if is_doubtful or (may_run and coming.is_abandoned):
-            after = after._do(Deed(Do.CANCEL, goal))
+            after = after._do(Deed(QueueEffect.CANCEL, goal))
         return after
 
     # What is seen of the robot.
@@ -279,7 +279,7 @@ class GoalQueue(NamedTuple):
             outcome = None if ended is None else ended.outcome_at(now)
             if outcome is not None:
                 left = tuple(other for other in after.underway if other is not pair)
-                deed = Deed(Do.SETTLE, pair[0], outcome, ended)
+                deed = Deed(QueueEffect.SETTLE, pair[0], outcome, ended)
                 after = after._replace(underway=left)._do(deed)
         return after
 
@@ -289,12 +289,12 @@ class GoalQueue(NamedTuple):
         return self._replace(todo=(*self.todo, deed))
 
     def _settle(self, goal: QueuedGoal, outcome: Outcome) -> GoalQueue:
-        return self._do(Deed(Do.SETTLE, goal, outcome))
+        return self._do(Deed(QueueEffect.SETTLE, goal, outcome))
 
     def _send(self, goal: QueuedGoal, snapshot: Snapshot, *, waited: bool) -> GoalQueue:
         before = max((goal.number for goal in _goals_shown(snapshot)), default=0)
         after = self._replace(coming=OnItsWay(goal, before, waited))
-        return after._do(Deed(Do.SEND, goal))._emptied()
+        return after._do(Deed(QueueEffect.SEND, goal))._emptied()
 
     def _hold(self, reason: str) -> GoalQueue:
         """Hold what waits, and tell it; a queue that is held already keeps its reason."""
@@ -303,7 +303,7 @@ class GoalQueue(NamedTuple):
         texts = ", ".join(goal.text for goal in self.waiting)
         after = self._replace(hold_reason=reason, continued="")
         if reason != self.continued.removeprefix(_WAS):  # Else it was told, and is held on.
-            after = after._do(Deed(Do.NOTE, text=f"queue held: {texts} ({reason})"))
+            after = after._do(Deed(QueueEffect.NOTE, text=f"queue held: {texts} ({reason})"))
         return after._tell_held(after.waiting)
 
     def _tell_held(self, goals: Sequence[QueuedGoal]) -> GoalQueue:
@@ -324,7 +324,9 @@ class GoalQueue(NamedTuple):
             text = f"taken out of the queue: {goal.text}"
             after = after._settle(goal, Outcome(Code.CANCELLED, text))
         if removed:
-            after = after._do(Deed(Do.NOTE, text=f"left out of the queue: {texts} ({reason})"))
+            after = after._do(
+                Deed(QueueEffect.NOTE, text=f"left out of the queue: {texts} ({reason})")
+            )
         return after._emptied(), texts
 
     def _emptied(self) -> GoalQueue:

@@ -14,7 +14,7 @@ from archo_tui.robot.requests.run import run
 from archo_tui.robot.state.goal import values_text
 from archo_tui.robot.state.graph import ACTION, linked_number
 from archo_tui.robot.state.snapshot import Latch, Snapshot
-from archo_tui.robot.stop.gate import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Void
+from archo_tui.robot.stop.gate import HELD, HOLDS, NOT_SENT, OPEN_STOP, UNCERTAIN, Gate, Void
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import GoalKind, ParameterRef
 
@@ -62,7 +62,7 @@ def _refusal(robot: Parts, kind: GoalKind, gate: Gate, *, queued: bool) -> Outco
         return Outcome(Code.HELD, HELD)
     # The STOP may not have reached the robot, and would not be sent again behind a goal.
     if sender.stop.open is not None and not gate.is_shut:
-        return Outcome(Code.REFUSED, UNCONFIRMED)
+        return Outcome(Code.REFUSED, OPEN_STOP)
     sender.check_holders()  # Its node may have been restarted since the last poll.
     if sender.stop.latch is Latch.UNCERTAIN and not gate.is_shut:
         return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)

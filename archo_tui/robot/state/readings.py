@@ -90,7 +90,7 @@ class GaugeReading(NamedTuple):
 # Seconds after which a status is stale, at least. diagnostic_updater publishes each second, and
 # diagnostic_aggregator calls a status stale after 5 s.
 LEAST_STALE = 5.0
-GONE = 60.0  # Seconds of silence after which a part may be forgotten; our choice.
+FORGET_AFTER = 60.0  # Seconds of silence after which a part may be forgotten; our choice.
 
 
 class DiagnosticLevel(Enum):
@@ -130,8 +130,8 @@ class Diagnostic(NamedTuple):
         return f"{self.name} ({self.hardware_id})" if self.hardware_id else self.name
 
     def is_gone_at(self, now: float) -> bool:
-        """Return True if it is stale, and has been silent for at least GONE seconds."""
-        return self.is_silent_at(now) and now - self.received >= GONE
+        """Return True if it is stale, and has been silent for at least FORGET_AFTER seconds."""
+        return self.is_silent_at(now) and now - self.received >= FORGET_AFTER
 
     def level_at(self, now: float) -> DiagnosticLevel:
         """Return the reported level, or STALE after three periods of silence, at least 5 s."""

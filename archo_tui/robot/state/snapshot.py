@@ -34,7 +34,7 @@ class Life(Enum):
     STUCK = "does not stop"
     STARTING = "starting"  # Its constructor has not returned.
     ENDED = "ended"  # Its program has returned.
-    WAITING = "waits: release the STOP, then s"  # A program that was to start behind a STOP.
+    WAITING = "waits: s once the STOP is released"  # A program that was to start behind a STOP.
 
     @property
     def is_running(self) -> bool:

@@ -20,7 +20,7 @@ from archo_tui.robot_file.model import StopServices
 NOT_SENT = "not sent: STOP came after it"
 NEVER_LEFT = "cancelled before it was sent"
 HELD = "held: STOP"  # A queued goal: the robot is stopped, or is about to be.
-UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
+OPEN_STOP = "the STOP is not confirmed: release it first, or give it up"
 UNCERTAIN = "the STOP is no longer certain: release it, or stop again"
 HOLDS = "the robot is stopped: release it first"
 

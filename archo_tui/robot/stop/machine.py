@@ -97,7 +97,7 @@ class Facts(NamedTuple):
     is_offered: bool  # A node serves STOP.
 
 
-class Do(Enum):
+class StopEffect(Enum):
     """A thing to be done now, with the turn of a STOP."""
 
     SEND = auto()  # Call the servers, again or for the first time.
@@ -492,19 +492,19 @@ class Stop(NamedTuple):
             return 0
         return self.obeyed[0]
 
-    def tick(self, now: float, facts: Facts) -> tuple[Stop, list[tuple[Do, int]]]:
+    def tick(self, now: float, facts: Facts) -> tuple[Stop, list[tuple[StopEffect, int]]]:
         """Return what is to be done at this moment. Call it several times a second."""
         after, todo = self, []
         if self.cancels is not None and now >= self.cancels[1]:
-            todo.append((Do.CANCEL_OWN, self.cancels[0]))
+            todo.append((StopEffect.CANCEL_OWN, self.cancels[0]))
         if self._must_cancel_others(now, facts):
             turn = self.pressed_turn
             after = self._replace(all_cancelled=turn, others_before=turn)
-            todo.append((Do.CANCEL_ALL, turn))
+            todo.append((StopEffect.CANCEL_ALL, turn))
         elif self.others_before:
-            todo.append((Do.CANCEL_OTHERS, self.others_before))
+            todo.append((StopEffect.CANCEL_OTHERS, self.others_before))
         if self._must_send(now, facts):
-            todo.append((Do.SEND, self.first_turn))
+            todo.append((StopEffect.SEND, self.first_turn))
         return after, todo
 
     def _must_cancel_others(self, now: float, facts: Facts) -> bool:

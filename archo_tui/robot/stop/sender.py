@@ -29,7 +29,7 @@ from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
-from archo_tui.robot.stop.machine import NOBODY, Do, Facts, Result, Servers, Stop
+from archo_tui.robot.stop.machine import NOBODY, Facts, Result, Servers, Stop, StopEffect
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # Seconds that the answers of several servers are waited for.
@@ -269,14 +269,14 @@ class StopSender:
         after, todo = self.stop.tick(now, self._facts(now))
         self._become(after)
         for what, turn in todo:
-            if what is Do.SEND:
+            if what is StopEffect.SEND:
                 is_first = self.stop.open and self.stop.open.answer is StopAnswer.NOT_SENT
                 when = "now" if is_first else "again"
                 self._thread().submit(partial(self._send_again, self._begin_call(), when))
-            elif what is Do.CANCEL_ALL:
+            elif what is StopEffect.CANCEL_ALL:
                 self._thread().submit(self._cancel_all)
             else:
-                goals.cancel_from_before(turn, mine=what is Do.CANCEL_OWN)
+                goals.cancel_from_before(turn, mine=what is StopEffect.CANCEL_OWN)
         names = goals.names_from_before(self.stop.must_be_obeyed(now))
         if names != self.still_running:
             self.still_running = names

@@ -17,8 +17,8 @@ from archo_tui.robot.state.graph import logger_node
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.user_code.errors import WORDLESS
 from archo_tui.user_code.file import ProgramFile
+from archo_tui.user_code.host import Host
 from archo_tui.user_code.program import HostedProgram
-from archo_tui.user_code.programs import Programs
 from archo_tui.user_code.source import Source
 
 ANSWER = 3.0  # Seconds in which an answer or a log line must arrive.
@@ -53,7 +53,7 @@ class CheckRunner:
 
     def __init__(
         self,
-        programs: Programs,
+        host: Host,
         context: Context,
         clock: Clock,
         radius: float,
@@ -62,7 +62,7 @@ class CheckRunner:
         """Create the checker's node beside the programs, and hear their logs."""
         self.radius = radius  # In m, that the file gives all nodes.
         self.printed = printed  # The lines of the programs, which grow while they run.
-        self._programs, self._clock = programs, clock
+        self._host, self._clock = host, clock
         self.node = Node("_archo_check", context=context)
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
@@ -82,15 +82,15 @@ class CheckRunner:
 
     def restart_crashed(self) -> None:
         """Record the crashes of programs, and run these again."""
-        for hosted in self._crashed(self._programs):
+        for hosted in self._crashed():
             self._crashes[hosted.crash] = None
-            self._programs.start(hosted)
-            for again in self._programs:
+            self._host.start_again(hosted)
+            for again in self._host.programs:
                 if again.file is hosted.file:
                     again.wait(_RESTART)
 
-    def _crashed(self, programs: Any) -> list[HostedProgram]:
-        return [hosted for hosted in programs if hosted.state.life is Life.CRASHED]
+    def _crashed(self) -> list[HostedProgram]:
+        return [hosted for hosted in self._host.programs if hosted.state.life is Life.CRASHED]
 
     def nodes(self) -> list[CheckedNode]:
         """Restart crashed programs, and return their nodes; none after five crashes in a row."""
@@ -98,17 +98,17 @@ class CheckRunner:
             self.restart_crashed()
             found = [
                 CheckedNode(hosted.file, **node)
-                for hosted in self._programs
+                for hosted in self._host.programs
                 for node in hosted.ask({"ask": "nodes"}).get("nodes", ())
             ]
-            if not self._crashed(self._programs):
+            if not self._crashed():
                 return found
         return []
 
     def programs_of(self, nodes: Sequence[CheckedNode]) -> list[HostedProgram]:
         """Return the programs of some nodes, as they run now."""
         files = [node.file for node in nodes]
-        return [hosted for hosted in self._programs if hosted.file in files]
+        return [hosted for hosted in self._host.programs if hosted.file in files]
 
     def set_numbers(self, node: CheckedNode, values: dict[str, Any]) -> None:
         """Set attributes of a node."""
@@ -121,7 +121,7 @@ class CheckRunner:
         So a timer of 1 s has fired by then.
         """
         self.restart_crashed()
-        is_over = lambda: bool(self._crashed(self._programs))  # noqa: E731
+        is_over = lambda: bool(self._crashed())  # noqa: E731
         self.spin_until(is_over, self._began + _MIN_RUN - self.now())
 
     def collect_crashes(self) -> list[str]:
@@ -129,7 +129,7 @@ class CheckRunner:
 
         Crashes of programs come first, the oldest before the others, then those of threads.
         """
-        for hosted in self._crashed(self._programs):
+        for hosted in self._crashed():
             self._crashes[hosted.crash] = None
         for number, line in enumerate(self.printed):
             if line.startswith(_THREAD_CRASH):
@@ -155,7 +155,7 @@ class CheckRunner:
 
         Slashes at the ends of the text do not matter.
         """
-        files = [hosted.file for hosted in self._programs]
+        files = [hosted.file for hosted in self._host.programs]
         return _find_line(files, lambda source: source.line_of_text(text))
 
     def last_exception(self, since: int) -> str:
@@ -174,7 +174,7 @@ class CheckRunner:
         for line in self.printed[since:]:
             frame = _FRAME.match(line)
             if frame is not None:
-                for hosted in self._programs:
+                for hosted in self._host.programs:
                     if hosted.file.code.is_own(frame[1]):
                         where = f"{hosted.file.code.display_name(frame[1])}:{frame[2]}"
                         text = linecache.getline(frame[1], int(frame[2])).strip()
@@ -193,8 +193,9 @@ class CheckRunner:
         """Spin until `holds()`; return False when time is over. CrashedError if a node crashed."""
         end = self.now() + seconds
         while not holds():
-            for hosted in self._crashed(self.programs_of(nodes)):
-                raise CrashedError(hosted.crash)
+            for hosted in self.programs_of(nodes):
+                if hosted.state.life is Life.CRASHED:
+                    raise CrashedError(hosted.crash)
             if self.now() > end:
                 return False
             self._executor.spin_once(timeout_sec=_SPIN_TIME)
