@@ -29,6 +29,7 @@ MODULES = sorted(
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
     "app.py": "_bindings _handle_exception",
+    "cli/look.py": "_exit",  # os's
     "launch/child_process.py": "_exit",  # os's
     "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings _check_bindings",
