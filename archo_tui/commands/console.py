@@ -137,67 +137,48 @@ class PanelKey(Command):
 
 class ShowHelp(Command):
     id, key, footer = "help", "question_mark", "Help"
-    help = "Show the keys of the panel with the focus; pressed again, all keys"
-
-    def run(self, console: Console) -> None:
-        from archo_tui.screens.key_card import KeyCard
-
-        panel = console.main.panel_with_focus
-        title = "Keys" if panel is None else f"Keys of {panel.number} {panel.title_text}"
-        show_all = partial(console.action_command, ShowHelpEverywhere.id)
-        console.open(KeyCard(title, partial(_card_entries, console, panel), show_all))
-
-
-class ShowHelpEverywhere(Command):
-    id, key, where = "help_everywhere", "f1", EVERYWHERE
-    help = "Show all keys; works in dialogs and while typing, too"
+    help = "Show the keys of the panel with the focus, and below them all others"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.help import Help
-        from archo_tui.screens.key_card import KeyCard
 
         front = console.screen
-        if isinstance(front, (Help, KeyCard)):
+        if isinstance(front, Help):
             front.dismiss()
-        if not isinstance(front, Help):
-            console.open(Help(partial(_help_entries, console)))
+            return
+        panel = console.main.panel_with_focus if front is console.main else None
+        console.open(Help(partial(_help_entries, console, panel)))
 
 
-def _card_entries(console: Console, panel: Panel | None) -> list[Entry]:
-    """Return the keys of a panel, if there is one, and those that work everywhere."""
+class ShowHelpEverywhere(ShowHelp):
+    id, key, footer, where = "help_everywhere", "f1", "", EVERYWHERE
+    help = "Show all keys; works in dialogs and while typing, too"
+
+
+def _help_entries(console: Console, panel: Panel | None) -> list[Entry]:
+    """Return all keys: those of a panel first, then those that work everywhere."""
     from archo_tui.screens.help import Entry
 
-    with_key = [command for command in console.registry if console.view.key(command.id)]
-    everywhere = [
-        _help_entry(console, c)._replace(help=c.title) for c in with_key if c.where == EVERYWHERE
-    ]
-    if panel is None:
-        return everywhere
-    on_border = [command for command, _ in panel.keys]
-    here = [c for c in with_key if c.panel == panel.number or c.id in on_border]
-    return [
-        *(
-            Entry(
-                "Here",
-                panel.other_keys.get(c.id, console.view.key(c.id)),
-                c.title,
-                not console.disabled_reason(c),
-            )
-            for c in here
-            if c.where != EVERYWHERE
-        ),
-        *everywhere,
-    ]
-
-
-def _help_entries(console: Console) -> list[Entry]:
-    from archo_tui.screens.help import Entry
-
-    entries = [_help_entry(console, c) for c in console.registry if not isinstance(c, PanelKey)]
+    here, everywhere = "", EVERYWHERE.capitalize()
+    entries = []
+    for command in console.registry:
+        if isinstance(command, PanelKey):
+            continue
+        entry = _help_entry(console, command)
+        is_local = entry.key and command.where != EVERYWHERE
+        if (
+            panel is not None
+            and is_local
+            and (command.panel == panel.number or command.id in dict(panel.keys))
+        ):
+            here = f"Here, in {panel.title_text}"
+            key = panel.other_keys.get(command.id, entry.key)
+            entry = entry._replace(section=here, key=key)
+        entries.append(entry)
     panels = sum(isinstance(command, PanelKey) for command in console.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
-    first = EVERYWHERE.capitalize()
-    return sorted(entries, key=lambda entry: (entry.section != first, not entry.key))
+    first = {here: 0, everywhere: 1}
+    return sorted(entries, key=lambda entry: (first.get(entry.section, 2), not entry.key))
 
 
 def _help_entry(console: Console, command: Command) -> Entry:

@@ -58,7 +58,7 @@ _SEARCH_WORDS = {
     "history": "plot chart trend",
     "shorter": "zoom in",
     "longer": "zoom out",
-    "help": "shortcuts bindings here card",
+    "help": "shortcuts bindings here",
     "help_everywhere": "help shortcuts bindings manual",
     "recordings": "replay black box bags delete",
     "keep": "record recording rosbag bag",

@@ -33,30 +33,7 @@ class Entry(NamedTuple):
     works: bool  # The command can run now.
 
 
-class KeyList(Dialog[None]):
-    """The base of dialogs with keys, drawn again after a resize and when other keys work."""
-
-    def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
-        super().__init__()
-        self._list_entries = list_entries
-        self._entries = list_entries()
-
-    def on_resize(self) -> None:
-        self.call_after_refresh(self._draw)
-
-    def show_view(self, view: View) -> None:
-        """Draw the keys again if the entries have changed, such as which of them work now."""
-        entries = self._list_entries()
-        if entries != self._entries:
-            self._entries = entries
-            self._draw()
-
-    def _draw(self) -> None:
-        """Draw the keys; a subclass must define it."""
-        raise NotImplementedError
-
-
-class Help(KeyList):
+class Help(Dialog[None]):
     """A list of all keys, a section for each place where they work; typing searches the list."""
 
     BINDINGS = [
@@ -66,7 +43,9 @@ class Help(KeyList):
     ]
 
     def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
-        super().__init__(list_entries)
+        super().__init__()
+        self._list_entries = list_entries
+        self._entries = list_entries()
         self._scroll = VerticalScroll(can_focus=False)
         self._search = Field(
             id="narrow",
@@ -89,6 +68,16 @@ class Help(KeyList):
 
     def on_mount(self) -> None:
         self.set_focus(self._search)
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._draw)
+
+    def show_view(self, view: View) -> None:
+        """Draw the keys again if the entries have changed, such as which of them work now."""
+        entries = self._list_entries()
+        if entries != self._entries:
+            self._entries = entries
+            self._draw()
 
     def action_scroll(self, pages: int) -> None:
         """Scroll by pages, down or (with a negative number) up."""

@@ -32,9 +32,9 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
+from archo_tui.terminal.compositor import share_colour_cache
 from archo_tui.terminal.notification import desktop_notification
 from archo_tui.terminal.stop_marks import stops_before
-from archo_tui.terminal.styles_cache import share_colour_cache
 from archo_tui.terminal.themes import (
     HIGH_CONTRAST,
     THEMES,

@@ -13,7 +13,22 @@ from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual._keyboard_protocol import FUNCTIONAL_KEYS, MODIFIER_FUNCTIONAL_KEYS
 from textual.keys import _character_to_key
 
-from archo_tui.terminal.layouts import on_qwerty
+# The QWERTY key on which a letter is printed: under a Russian layout ctrl+x is ctrl+ч for a
+# terminal that does not tell which key was pressed.
+_ALPHABETS = (
+    ("йцукенгшщзхъфывапролджэячсмитьбюё", "qwertyuiop[]asdfghjkl;'zxcvbnm,.`"),  # Russian
+    ("іїєґ", "s]'\\"),  # Ukrainian, besides those.
+    ("ςερτυθιοπασδφγηξκλζχψωβνμ", "wertyuiopasdfghjklzxcvbnm"),  # Greek
+)
+_ON_QWERTY = {
+    letter: key for row, keys in _ALPHABETS for letter, key in zip(row, keys, strict=True)
+}
+
+
+def on_qwerty(letter: str) -> str:
+    """Return the character of a Cyrillic or Greek letter's QWERTY key; any other unchanged."""
+    return _ON_QWERTY.get(letter.lower(), letter)
+
 
 _EXTENDED = re.compile(r"\x1b\[([\d:]*)(?:;([\d:]*))?(?:;([\d:]*))?([u~ABCDEFHPQRS])")
 _SHIFT, _ALT, _CTRL, _SUPER, _HYPER, _META, _CAPS_LOCK = (1 << bit for bit in range(7))

@@ -61,7 +61,7 @@ TYPED = {
     "Show the history": ("history", "plot", "chart"),
     "Show a shorter": ("shorter", "zoom in", "short history"),
     "Show a longer": ("longer", "zoom out", "hour"),
-    "Show the keys of the panel": ("card", "keys of the panel", "here"),
+    "Show the keys of the panel": ("panel shortcuts", "keys of the panel", "here"),
     "Show all keys": ("manual", "all keys", "help"),
     "Keep the last minute": ("record", "bag", "keep last"),
     "List the recordings": ("replay", "black box", "recordings"),

@@ -79,7 +79,6 @@ KEYS = {
         "left": "app.focus_previous", "right": "app.focus_next",
     },
     "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
-    "KeyCard": {"escape": "close", "q": "close", "enter": "close", "question_mark": "show_all"},
     "Form": {"escape": "close"},
     "MessageForm": {"escape": "close", "ctrl+s": "send"},
     "NodeDialog": {

@@ -14,7 +14,6 @@ from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands.console import PanelKey
-from archo_tui.keyed_app import HELD
 from archo_tui.paths import config_file
 from archo_tui.station import form_history
 from archo_tui.terminal import themes
@@ -309,15 +308,15 @@ async def test_escape_out_of_a_field_leads_into_no_search() -> None:
         assert op.focused_panel == 4
 
 
-async def test_help_is_a_card_about_the_panel_and_the_same_key_again_shows_all() -> None:
+async def test_help_lists_all_keys_those_of_the_panel_with_the_focus_first() -> None:
     async with console(*FAST) as op:
         await op.press("4", "question_mark")
-        await op.until("Keys of 4 Parameters")
-        assert "Undo your last change of a parameter" in op.text
-        assert "^x  STOP" in op.text
-        assert "Reset the encoder" not in op.text
-        await op.at(seconds() + HELD)
-        await op.press("question_mark")
+        await op.until("Here, in Parameters")
+        assert op.text.count("Undo your last change of a parameter") == 1
+        assert op.text.index("Undo") < op.text.index("Everywhere") < op.text.index("Suspend")
+        assert "In Parameters" not in op.text
+        await op.press(*"reset")
         await op.until("Reset the encoder")
+        assert "Undo" not in op.text
         await op.press("escape")
         assert op.app.screen is op.app.main

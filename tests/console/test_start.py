@@ -24,7 +24,7 @@ async def test_at_the_start_letters_are_commands_and_the_footer_shows_them() -> 
         assert "esc Leave  ^c Cancel  ^x STOP  r Reset  ? Help  q Quit" in op.text
         assert "1-8 Panels" not in op.text
         await op.press("question_mark")
-        assert "━ Keys of 3 Go to shelf ━" in op.text
+        assert "Here, in Go to shelf" in op.text
         await op.press("escape", "1")
         assert "q Quit" not in op.text.splitlines()[-1]  # It would be text behind the 1.
         await op.press("backspace")

@@ -160,7 +160,7 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
     ("name", "state", "keys", "dialog"),
     [
         ("help", "normal", ["f1"], True),
-        ("card of keys", "normal", ["question_mark"], True),
+        ("help here", "normal", ["4", "question_mark"], True),
         ("edit", "normal", ["4", "home", "down", "down", "enter"], True),
         ("field", "normal", ["g", "1", "2"], False),
         ("question", "goal cancelling", ["q"], True),

@@ -222,10 +222,10 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
 
 
 FAILS_WHEN_OPENED = """
-from archo_tui.screens.key_card import KeyCard
+from archo_tui.screens.help import Help
 def fail(self):
-    raise ZeroDivisionError("of the key card")
-KeyCard.body = fail
+    raise ZeroDivisionError("of the help")
+Help.body = fail
 """
 
 
@@ -326,7 +326,7 @@ def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) ->
     terminal.until("wheel_radius")
     terminal.write("?")
     terminal.until("Show all keys")
-    terminal.write("\x1bOP\x1bOP")  # f1, all keys, and closed again: no escape alone is needed
+    terminal.write("\x1bOP")  # f1 closes it: no escape alone is needed
     for width, height in ((120, 36), (300, 80)):
         terminal.output = b""
         terminal.resize(width, height)

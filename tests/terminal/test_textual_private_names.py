@@ -29,6 +29,7 @@ MODULES = sorted(
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
     "app.py": "_bindings _handle_exception",
+    "cli/look.py": "_exit",  # os's
     "launch/child_process.py": "_exit",  # os's
     "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings _check_bindings",
@@ -39,13 +40,12 @@ KNOWN = {
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
-    "_get_renders _regions_to_spans",
+    "_get_renders _regions_to_spans _styles_cache",
     "terminal/driver.py": "_app _auto_restart _debug _disable_mouse_support _key_thread _loop "
     "_sigcont_application _writer_thread",
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
     "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",
-    "terminal/styles_cache.py": "_styles_cache",
     "terminal/stop_marks.py": "_prevent",
     "widgets/button.py": "_start_active_affect",
     "widgets/field.py": "_forward_event _watch_value",
