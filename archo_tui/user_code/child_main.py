@@ -131,7 +131,7 @@ class _Reporter:
         Executor.add_node = add  # type: ignore[assignment, method-assign]
 
     def report(self, **what: Any) -> None:
-        with contextlib.suppress(BrokenPipeError):  # The console was killed, which ends the program.
+        with contextlib.suppress(BrokenPipeError):  # The console was killed, and so is this.
             os.write(self._descriptor, json.dumps(what).encode() + b"\n")
 
     def _ask(self, **what: Any) -> dict[str, Any]:
