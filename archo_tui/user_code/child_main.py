@@ -131,7 +131,8 @@ class _Reporter:
         Executor.add_node = add  # type: ignore[assignment, method-assign]
 
     def report(self, **what: Any) -> None:
-        os.write(self._descriptor, json.dumps(what).encode() + b"\n")
+        with contextlib.suppress(BrokenPipeError):  # The console was killed, and so is this.
+            os.write(self._descriptor, json.dumps(what).encode() + b"\n")
 
     def _ask(self, **what: Any) -> dict[str, Any]:
         """Report, and wait for the answer of the console, which may end the program."""

@@ -1,4 +1,4 @@
-"""The host of what this console runs: ARCHO's own nodes, and the user's programs.
+"""The host of ARCHO's own nodes and the user's programs.
 
 One that crashes does not affect the others.
 """
@@ -72,7 +72,7 @@ class Host:
         )
         self._changing = threading.Lock()
         self._hosted: list[_Hosted] = []
-        self._is_over = False  # Set when the console ends: no program is begun any more.
+        self._is_over = False  # Set when the console ends: nothing is begun any more.
 
     @property
     def nodes(self) -> list[OwnNode]:
@@ -195,12 +195,12 @@ class Host:
         does not confirm the STOP, which the outcome and an error event say.
         """
         outcome = Outcome(Code.DONE, "")
+        if self._is_over:
+            return outcome
         if isinstance(hosted, OwnNode):
             if values := self.operator_values(hosted.name):
                 self._report_restored(hosted.name, *restore(hosted.node, values))
             outcome = self._carry_out_stop(hosted)
-        elif self._is_over:
-            return outcome
         elif self._has_stop():
             hosted.wait_for_release()
             self._say_not_begun(hosted)
@@ -303,8 +303,8 @@ class Host:
         if isinstance(hosted, OwnNode):
             own = next(node for node in self.nodes if node.make is hosted.make)
             return own.make_again(f"{base_name(own.name)}_{self._free_number(own.names)}")
-        found = (h for h in self.programs if h.file is hosted.file and not h.program.is_copy)
-        base = next(found)
+        of_file = [program for program in self.programs if program.file is hosted.file]
+        base = next(h for h in of_file if not h.program.is_copy)
         number = self._free_number(base.names)
         rules: list[str] = []
         for name in base.names:
@@ -430,13 +430,14 @@ class Host:
         # Whoever holds the lock may hang in a callback.
         is_locked = self._changing.acquire(timeout=END_TIMEOUT / 2)
         try:
-            for hosted in self._hosted:
+            hosts = list(self._hosted)
+            for hosted in hosts:
                 hosted.begin_to_stop()
                 hosted.join(end - time.monotonic())
-            for hosted in self._hosted:
+            for hosted in hosts:
                 hosted.force_end()
             end = time.monotonic() + KILL_TIMEOUT
-            return [h.name for h in self._hosted if not h.stop(0.0, end - time.monotonic())]
+            return [h.name for h in hosts if not h.stop(0.0, end - time.monotonic())]
         finally:
             if is_locked:
                 self._changing.release()

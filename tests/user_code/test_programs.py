@@ -525,7 +525,7 @@ class StuckMotor(Node):
         self.may_return.wait(DEADLINE)
 
 
-def test_a_stuck_node_of_the_robot_is_not_replaced_to_confirm_a_stop(
+def test_a_stuck_node_of_the_robot_is_not_replaced_by_a_program(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.3, 0.1))
