@@ -59,9 +59,9 @@ async def _wait_for_robot_file(station: Station) -> str:
     """Wait for a robot, listen to it, and return a robot file for it; "" if none is found."""
     import asyncio
 
+    from archo_tui.text.state import elsewhere_text
     from archo_tui.verbs.topics import robot_file_text
     from archo_tui.verbs.verb import ROBOT_TIMEOUT
-    from archo_tui.words.state import elsewhere_text
 
     while not station.robot.snapshot.nodes and station.age < ROBOT_TIMEOUT:
         await asyncio.sleep(_POLLING_PERIOD)

@@ -19,9 +19,9 @@ from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import any_urgent
 from archo_tui.system import CAN_SUSPEND
+from archo_tui.text.goal import activity
 from archo_tui.verbs.show import ShowDiagnostics, forget
 from archo_tui.verbs.verb import Verb
-from archo_tui.words.goal import activity
 
 if TYPE_CHECKING:
     from archo_tui.screens.help import Entry

@@ -9,7 +9,7 @@ from archo_tui.commands.graph import show_topic
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.station.view import View
-from archo_tui.words.nodes import NodeRow, node_rows
+from archo_tui.text.nodes import NodeRow, node_rows
 
 _GONE = "? not on the graph any more"
 

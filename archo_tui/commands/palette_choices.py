@@ -11,8 +11,8 @@ from archo_tui.commands.base import Command, Console
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.state.graph import TOPIC
 from archo_tui.screens.choose import Choice, Choose
+from archo_tui.text.nodes import node_rows
 from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.words.nodes import node_rows
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
 _FIRST = ("go", "cancel", "stop")

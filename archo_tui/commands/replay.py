@@ -8,7 +8,7 @@ from archo_tui.recordings.replay.player import Player
 from archo_tui.recordings.replay.station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.text import ShowText
-from archo_tui.words.alarm import timeline
+from archo_tui.text.alarm import timeline
 
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(

@@ -17,8 +17,8 @@ from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.station import Station
+from archo_tui.text.state import elsewhere_text
 from archo_tui.verbs.verb import ROBOT_TIMEOUT
-from archo_tui.words.state import elsewhere_text
 
 
 class HasStation(Protocol):

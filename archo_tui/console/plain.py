@@ -32,10 +32,10 @@ from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.approvals import READING_TIME
+from archo_tui.text import line_by_line
 from archo_tui.verbs.show import Status
 from archo_tui.verbs.topics import FOLLOW
 from archo_tui.verbs.verb import YES, Question, Verb
-from archo_tui.words import line_by_line
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station

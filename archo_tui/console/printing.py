@@ -19,9 +19,9 @@ from archo_tui.safe_text import safe
 from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.approvals import LIFETIME
 from archo_tui.terminal.ascii import ascii_only, in_ascii
+from archo_tui.text import line_by_line
+from archo_tui.text.event import event_text, is_of_own_file
 from archo_tui.verbs.show import Status
-from archo_tui.words import line_by_line
-from archo_tui.words.event import event_text, is_of_own_file
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station

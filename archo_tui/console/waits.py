@@ -12,8 +12,8 @@ from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
+from archo_tui.text.state import no_data_text
 from archo_tui.verbs.verb import DISCOVERY_TIME, Verb
-from archo_tui.words.state import no_data_text
 
 WAITS = "idle, arrived, ready, stopped or battery N"
 POLL_PERIOD = 0.05  # Seconds between two checks.

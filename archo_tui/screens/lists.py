@@ -22,10 +22,10 @@ from archo_tui.station.alarms import Alarm, AlarmState, Priority, is_diagnostic
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.view import View
 from archo_tui.terminal.app import start_worker
+from archo_tui.text.alarm import no_alarms_text, timeline
+from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, crop
 from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.words.alarm import no_alarms_text, timeline
-from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
 
 T = TypeVar("T")
 _INDENT = " " * 8

@@ -19,10 +19,10 @@ from archo_tui.screens.choose import Choice, Choose
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.view import View
 from archo_tui.terminal.app import COMMANDS, start_worker
+from archo_tui.text.nodes import graph_lines
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import content
-from archo_tui.words.nodes import graph_lines
 
 _GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 

@@ -19,9 +19,9 @@ from archo_tui.screens.dialog import Dialog
 from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.view import View
 from archo_tui.terminal.stop_marks import InputTime, now
+from archo_tui.text import line_by_line
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.notices import NoticeLine
-from archo_tui.words import line_by_line
 
 _AROUND = 5  # Rows other than the question: answers, borders, the keys below.
 # Seconds between an answer and the key before it; keys in a paste come faster.

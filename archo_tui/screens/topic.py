@@ -26,6 +26,9 @@ from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
 from archo_tui.terminal.app import start_worker
+from archo_tui.text.graph import topic_lines
+from archo_tui.text.state import WARN
+from archo_tui.text.topic import summary
 from archo_tui.widgets.element_line import ElementLine
 from archo_tui.widgets.field_lines import (
     curve_columns,
@@ -40,9 +43,6 @@ from archo_tui.widgets.line_widget import TextLines, not_drawn
 from archo_tui.widgets.rows import Columns, Rows, Text
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.styled import content
-from archo_tui.words.graph import topic_lines
-from archo_tui.words.state import WARN
-from archo_tui.words.topic import summary
 
 _GROUP = "topic"  # Of workers for whose answers the console's end does not wait.
 _LOW = 20  # Rows of the terminal below which the line of titles has no room.

@@ -7,10 +7,10 @@ from archo_tui.robot.outcome import Code, Outcome, Report
 from archo_tui.station.alarm_board import SHELF_TIME
 from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.station.station import Station
+from archo_tui.text.alarm import no_alarms_text, timeline
+from archo_tui.text.state import no_data_text
 from archo_tui.verbs.as_json import state
 from archo_tui.verbs.verb import Argument, Values, Verb
-from archo_tui.words.alarm import no_alarms_text, timeline
-from archo_tui.words.state import no_data_text
 
 ALL = "all"
 _FOR = f"shelved for {SHELF_TIME / 60:.0f} min"

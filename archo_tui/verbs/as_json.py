@@ -12,9 +12,9 @@ from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Latch, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
-from archo_tui.words.goal import remaining_text, running_word
-from archo_tui.words.line_by_line import spans_to_text
-from archo_tui.words.state import battery_word, motion_word
+from archo_tui.text.goal import remaining_text, running_word
+from archo_tui.text.line_by_line import spans_to_text
+from archo_tui.text.state import battery_word, motion_word
 
 
 def state(station: Station) -> dict[str, Any]:

@@ -13,10 +13,10 @@ from archo_tui.robot.state.snapshot import Hosted, Snapshot
 from archo_tui.robot.stop.gate import NOT_SENT
 from archo_tui.ros_names import base_name
 from archo_tui.station.station import Station
+from archo_tui.text.goal import activity
+from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.names import full_name, hosted_names, nearest_node_hint, node_names
 from archo_tui.verbs.verb import Argument, NotOnGraphError, Question, Values, Verb
-from archo_tui.words.goal import activity
-from archo_tui.words.nodes import node_rows
 
 
 class Nodes(Verb):

@@ -12,11 +12,11 @@ from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import CommandService, Scalar
 from archo_tui.station.station import Station
+from archo_tui.text.goal import activity
 from archo_tui.verbs.goals import Go, kind_of
 from archo_tui.verbs.names import fields_of, full_name, is_elsewhere, type_of
 from archo_tui.verbs.stop import ReleaseStop, StopNow
 from archo_tui.verbs.verb import YES, Argument, Question, Values, Verb, named
-from archo_tui.words.goal import activity
 
 _ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 _CHANGE_STATE = "lifecycle_msgs/srv/ChangeState"

@@ -18,13 +18,10 @@ from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.conditions import diagnostics_worst_first
 from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.station import Station
-from archo_tui.verbs.as_json import event, state
-from archo_tui.verbs.as_json import goal as goal_data
-from archo_tui.verbs.verb import Argument, Values, Verb
-from archo_tui.words.alarm import state_word
-from archo_tui.words.diagnostics import diagnostic_line, no_diagnostics_text
-from archo_tui.words.event import event_text
-from archo_tui.words.line_by_line import (
+from archo_tui.text.alarm import state_word
+from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
+from archo_tui.text.event import event_text
+from archo_tui.text.line_by_line import (
     battery_text,
     ended_goal_text,
     goal_text,
@@ -32,7 +29,10 @@ from archo_tui.words.line_by_line import (
     queue_text,
     spans_to_text,
 )
-from archo_tui.words.state import elsewhere_text, gauge_line, motion_unit, no_data_text, pose_line
+from archo_tui.text.state import elsewhere_text, gauge_line, motion_unit, no_data_text, pose_line
+from archo_tui.verbs.as_json import event, state
+from archo_tui.verbs.as_json import goal as goal_data
+from archo_tui.verbs.verb import Argument, Values, Verb
 
 _EVENTS = 20
 

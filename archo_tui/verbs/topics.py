@@ -19,10 +19,10 @@ from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.propose import Sighting, propose, text_of
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.station.station import Station
+from archo_tui.text.graph import SILENT, resource_rows
+from archo_tui.text.inspect import rate_text
 from archo_tui.verbs.names import full_name, topic_names
 from archo_tui.verbs.verb import Argument, NotOnGraphError, Values, Verb
-from archo_tui.words.graph import SILENT, resource_rows
-from archo_tui.words.inspect import rate_text
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

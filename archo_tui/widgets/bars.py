@@ -18,11 +18,11 @@ from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.safe_text import harmless
 from archo_tui.station.alarms import Alarm, AlarmState, Priority, any_urgent
 from archo_tui.station.view import View
+from archo_tui.text.goal import remaining_text, running_word
+from archo_tui.text.state import STILL_MOVING, elsewhere_text, fixed_width
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import click, key_content
-from archo_tui.words.goal import remaining_text, running_word
-from archo_tui.words.state import STILL_MOVING, elsewhere_text, fixed_width
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.

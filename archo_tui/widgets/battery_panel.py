@@ -6,12 +6,8 @@ from textual.app import ComposeResult
 
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.widgets.line import Line
-from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.screen_state import ScreenState
-from archo_tui.widgets.styled import aligned
-from archo_tui.words import trend
-from archo_tui.words.state import (
+from archo_tui.text import trend
+from archo_tui.text.state import (
     ACTIVE,
     OLD,
     PLAIN,
@@ -23,6 +19,10 @@ from archo_tui.words.state import (
     charge_bar,
     no_reading_reason,
 )
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.screen_state import ScreenState
+from archo_tui.widgets.styled import aligned
 
 
 class BatteryPanel(Panel, can_focus=True):

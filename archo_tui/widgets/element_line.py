@@ -8,8 +8,8 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
 
+from archo_tui.text.topic import element_index, element_range
 from archo_tui.widgets.field import Field
-from archo_tui.words.topic import element_index, element_range
 
 _HINT_AT = 21  # Cells of the line before its text: the word, and the field.
 

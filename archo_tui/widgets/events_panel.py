@@ -11,12 +11,12 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.snapshot import Hosted
+from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
+from archo_tui.text.event_rows import EventRow, event_rows
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.words.event import is_of_own_file, one_line_text, outcome_glyph
-from archo_tui.words.event_rows import EventRow, event_rows
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")

@@ -7,11 +7,11 @@ import sys
 from collections.abc import Collection, Mapping, Sequence
 
 from archo_tui.robot.state.topic import Curve, FieldKind, FieldView
+from archo_tui.text.plot import plot_lines
+from archo_tui.text.state import ACTIVE, OLD, STRONG, WARN, Spans
+from archo_tui.text.topic import range_text, sparkline, value_text
 from archo_tui.widgets.line_widget import not_drawn
 from archo_tui.widgets.rows import QUIET, Columns, Text, column, crop, pad
-from archo_tui.words.plot import plot_lines
-from archo_tui.words.state import ACTIVE, OLD, STRONG, WARN, Spans
-from archo_tui.words.topic import range_text, sparkline, value_text
 
 _NAME = (12, 40)  # Least and most cells of names.
 _VALUE = (14, 28)

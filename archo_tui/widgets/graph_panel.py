@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from textual.app import ComposeResult
 from textual.widget import Widget
 
+from archo_tui.text.graph import ResourceRow, resource_rows
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
-from archo_tui.words.graph import ResourceRow, resource_rows
 
 _KIND_WIDTH = 8  # Cells of `service` and a blank.
 _GAP = 2

@@ -12,8 +12,8 @@ from textual.strip import Strip
 from textual.visual import Visual
 from textual.widgets import Static
 
+from archo_tui.text.state import Spans
 from archo_tui.widgets.styled import content
-from archo_tui.words.state import Spans
 
 
 class Line(Static):

@@ -13,8 +13,8 @@ from textual.widget import Widget
 
 from archo_tui.errors import in_one_line
 from archo_tui.safe_text import harmless
+from archo_tui.text.state import Spans
 from archo_tui.widgets.styled import rich_style
-from archo_tui.words.state import Spans
 
 
 def not_drawn(error: Exception) -> str:

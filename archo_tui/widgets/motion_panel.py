@@ -7,12 +7,12 @@ from textual.containers import Horizontal
 from textual.content import Content
 
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.text.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import aligned, content
-from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word, pose_line
 
 
 class MotionPanel(Panel, can_focus=True):

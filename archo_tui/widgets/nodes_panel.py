@@ -10,12 +10,12 @@ from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
+from archo_tui.text.nodes import NodeRow, node_rows
+from archo_tui.text.state import PLAIN, STRONG, age_text
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
-from archo_tui.words.nodes import NodeRow, node_rows
-from archo_tui.words.state import PLAIN, STRONG, age_text
 
 _MARK_WIDTH, _AGE_WIDTH = 2, 6  # Cells.
 _RATE_WIDTH, _SHORT_RATE_WIDTH = 9, 7  # Cells of ` 1.0 Hz` and of ` 1.0Hz`, with blanks before.

@@ -10,7 +10,7 @@ from textual.color import Color
 from textual.content import Content
 from textual.style import Style as TextualStyle
 
-from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, marked_tone
+from archo_tui.text.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, marked_tone
 
 STYLES = {
     PLAIN: "",

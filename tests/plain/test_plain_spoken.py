@@ -9,8 +9,8 @@ import pytest
 
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.words import line_by_line
-from archo_tui.words.state import motion_word
+from archo_tui.text import line_by_line
+from archo_tui.text.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed, operated, plain, typing

@@ -20,7 +20,7 @@ from archo_tui.robot.clients.consoles import author, goals_of_others
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot_file.load import default_path
-from archo_tui.words.goal import goal_line
+from archo_tui.text.goal import goal_line
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.quiet import ended, until

@@ -19,8 +19,8 @@ from archo_tui.robot.messages.period import UNMEASURED, Period, is_silent
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.history import History
 from archo_tui.station.view import View
+from archo_tui.text.state import age_text, battery_line, battery_word, motion_word, plain_text
 from archo_tui.widgets.bars import header
-from archo_tui.words.state import age_text, battery_line, battery_word, motion_word, plain_text
 from tests.support import chosen, clock
 from tests.support.alarms import conditions
 from tests.support.archo import go

@@ -27,8 +27,8 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.goal import RUNNING, Goal, Phase
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.words.goal import goal_line
-from archo_tui.words.state import plain_text
+from archo_tui.text.goal import goal_line
+from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
 
 NOW = 1000.0

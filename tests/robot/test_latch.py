@@ -21,7 +21,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import UNCERTAIN
-from archo_tui.words.state import motion_word, plain_text
+from archo_tui.text.state import motion_word, plain_text
 from tests.support.alarms import conditions
 from tests.support.archo import go
 from tests.support.clock import seconds

@@ -26,8 +26,8 @@ from archo_tui.robot import calls
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
-from archo_tui.words.goal import goal_line
-from archo_tui.words.state import plain_text
+from archo_tui.text.goal import goal_line
+from archo_tui.text.state import plain_text
 from tests.support import chosen, clock
 from tests.support.archo import SHELF, go, reset
 from tests.support.quiet import ended, until

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.snapshot import Latch
-from archo_tui.words.state import motion_word, plain_text
+from archo_tui.text.state import motion_word, plain_text
 from tests.robot.test_several_servers import Brake, Drive, alarms
 from tests.support import clock
 from tests.support.archo import go

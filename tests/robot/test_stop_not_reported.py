@@ -21,8 +21,8 @@ from archo_tui.robot.robot import Robot
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.robot.stop.gate import HOLDS, UNCERTAIN
+from archo_tui.text.state import motion_word, plain_text
 from archo_tui.verbs import verbs
-from archo_tui.words.state import motion_word, plain_text
 from tests.support.alarms import conditions
 from tests.support.clock import seconds
 from tests.support.peer import Peer

@@ -8,9 +8,9 @@ import pytest
 
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.words import line_by_line
-from archo_tui.words.goal import goal_line
-from archo_tui.words.state import motion_line, plain_text
+from archo_tui.text import line_by_line
+from archo_tui.text.goal import goal_line
+from archo_tui.text.state import motion_line, plain_text
 from tests.support.clock import NOW
 from tests.support.console import console
 from tests.support.states import MOTOR, MOVING, NORMAL

@@ -8,7 +8,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.robot.state.snapshot import Hosted
-from archo_tui.words.event_rows import event_rows, without_repeats
+from archo_tui.text.event_rows import event_rows, without_repeats
 
 STOP = "ros2 service call /emergency_stop archo_interfaces/srv/EmergencyStop '{}'"
 

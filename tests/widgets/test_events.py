@@ -14,8 +14,8 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.session import _robots_nodes
+from archo_tui.text.event_rows import event_rows
 from archo_tui.widgets.events_panel import event_lines, events_as_text
-from archo_tui.words.event_rows import event_rows
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
 

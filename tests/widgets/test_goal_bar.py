@@ -7,8 +7,8 @@ import re
 import pytest
 
 from archo_tui.robot.state.goal import Phase
-from archo_tui.words.goal import goal_strip
-from archo_tui.words.state import plain_text
+from archo_tui.text.goal import goal_strip
+from archo_tui.text.state import plain_text
 from tests.support.console import screen_text
 from tests.support.quiet import Quiet
 from tests.support.states import ARRIVED, MOVING, STATES

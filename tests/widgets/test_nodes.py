@@ -12,8 +12,8 @@ from rclpy.task import Future
 
 from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import _robots_nodes
-from archo_tui.words.nodes import NodeRow
-from archo_tui.words.state import motion_word, plain_text
+from archo_tui.text.nodes import NodeRow
+from archo_tui.text.state import motion_word, plain_text
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.states import NORMAL, STATES

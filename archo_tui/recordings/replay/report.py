@@ -13,7 +13,7 @@ from archo_tui.recordings.replay.player import namespace_of
 from archo_tui.recordings.replay.state import MAX_SILENCE, ROSOUT, ReplayState
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.words.event import event_text
+from archo_tui.text.event import event_text
 
 
 def report_lines(bag: BagFile, file: RobotFile) -> Iterator[str]:

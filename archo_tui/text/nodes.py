@@ -8,7 +8,7 @@ from archo_tui.robot.state.graph import NodeInfo, NodeState
 from archo_tui.robot.state.snapshot import Hosted, Life, Snapshot
 from archo_tui.station.alarms import CONTACT_LOST
 from archo_tui.station.view import View
-from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age_text
+from archo_tui.text.state import OLD, PLAIN, STRONG, Spans, age_text
 
 
 class NodeRow(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.alarms import Alarm, AlarmState
-from archo_tui.words.state import no_data_text
+from archo_tui.text.state import no_data_text
 
 
 def timeline(alarm: Alarm) -> str:

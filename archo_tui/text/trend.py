@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.words.state import BARS
+from archo_tui.text.state import BARS
 
 Samples = tuple[tuple[float, float], ...]  # Pairs of monotonic s and %, oldest first.
 

@@ -8,7 +8,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.words.state import (
+from archo_tui.text.state import (
     ACTIVE,
     BAD,
     EDGE,

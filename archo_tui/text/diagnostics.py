@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.words.state import age_text
+from archo_tui.text.state import age_text
 
 GLYPHS = {
     DiagnosticLevel.OK: "●",

@@ -13,7 +13,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.snapshot import Hosted
-from archo_tui.words.event import is_of_own_file, one_line_text, outcome_glyph
+from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
 
 _REQUESTED = ("YOU", "SHELL", "AI")  # The levels of what this console did, for whomever.
 _LINKS = ("is", "to", "at", "the")  # They go with the words that they link to.

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.words.goal import NO_ESTIMATE, goal_line
-from archo_tui.words.state import (
+from archo_tui.text.goal import NO_ESTIMATE, goal_line
+from archo_tui.text.state import (
     Spans,
     battery_word,
     motion_unit,

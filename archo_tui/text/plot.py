@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from archo_tui.robot.state.topic import Range
-from archo_tui.words.state import EDGE, OLD, Spans, share
+from archo_tui.text.state import EDGE, OLD, Spans, share
 
 _BLANK = 0x2800
 # Left and right column of dots, from above.

@@ -9,8 +9,8 @@ from datetime import datetime
 from archo_tui.robot.state.topic import SHOWN_ELEMENTS, Curve, FieldKind, FieldView, TopicView
 from archo_tui.ros_names import base_name
 from archo_tui.safe_text import harmless
-from archo_tui.words.inspect import size_text
-from archo_tui.words.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, share, thousands
+from archo_tui.text.inspect import size_text
+from archo_tui.text.state import BARS, OLD, PLAIN, STRONG, WARN, Spans, age_text, share, thousands
 
 _INDEX = re.compile(r"[0-9]{1,9}")
 _SHOWN = 12  # Characters of a wrong index that its error quotes.
