@@ -36,7 +36,7 @@ TESTS = {
     "embedded": "contract embedded",
     "recordings": "black_box replay",
     **dict.fromkeys(("robot", "robot_file"), "robot robots"),
-    **dict.fromkeys(("verbs", "words", "parameters"), "verbs parameters"),
+    **dict.fromkeys(("verbs", "text", "parameters"), "verbs parameters"),
 }
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt},
