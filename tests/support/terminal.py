@@ -113,6 +113,10 @@ class Terminal:
                 time.sleep(0.01)
             status = self._status()
             if status is not None:
+                before = -1
+                while reading and self._master >= 0 and len(self.output) > before:
+                    before = len(self.output)
+                    self.read(0.0)  # What it drew last.
                 return os.waitstatus_to_exitcode(status)
             if time.monotonic() > end:
                 self.kill(signal.SIGKILL)
