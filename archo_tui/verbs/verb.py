@@ -354,9 +354,9 @@ def is_settled(station: Station) -> bool:
 async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Values | Outcome:
     """Return the values for a verb's `question` and `run`, or why it is refused.
 
-    What is refused is tried again until the robot is settled, and for a missing name at least until
-    DISCOVERY_TIME. Raises what `prepare` raises, and Void if a STOP was read meanwhile, unless the
-    verb changes nothing or survives a STOP.
+    What is refused is tried again until the robot is settled, for a missing name at least until
+    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT. Raises what `prepare` raises,
+    and Void if a STOP was read meanwhile, unless the verb changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
     if acts and station.robot.watching:
@@ -377,6 +377,7 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
                 fault = error
             # A node that the robot file does not name may be found after those that it names.
             may_come = isinstance(fault, NotOnGraphError) and station.age < DISCOVERY_TIME
+            may_come |= bool(verb.service) and verb.service not in station.robot.snapshot.offered
             if is_last or (is_settled(station) and not may_come):
                 if isinstance(fault, NotPossible):
                     return Outcome(Code.REFUSED, str(fault))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node
 
 from tests.support.clock import seconds
@@ -55,6 +56,31 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
         await person.until("alone up")
         assert person.said.count(said) == 2
         assert seconds() - began < 0.5
+
+
+class Late(Node):
+    """Offers its service 3 s after the start."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.timer = self.create_timer(3.0, self.offer)
+
+    def offer(self) -> None:
+        self.timer.cancel()
+        self.create_service(ResetEncoder, "reset_encoder", self.reset)
+
+    def reset(
+        self, request: ResetEncoder.Request, response: ResetEncoder.Response
+    ) -> ResetEncoder.Response:
+        response.success, response.message = True, "late is better than never"
+        return response
+
+
+async def test_what_is_offered_some_seconds_after_the_start_is_waited_for() -> None:
+    async with operated(Late) as person:
+        person.type("reset\n")
+        await person.until("late is better than never")
+    assert "not offered" not in person.said
 
 
 async def test_a_stop_that_nobody_serves_speaks_within_its_deadline() -> None:
