@@ -56,6 +56,7 @@ class ProgramFile:
         self.source = Source(b"")
         self._compiled = compile("", given, "exec")
         self._has_run = False
+        self.class_count = 1  # Of node classes that a file without a main() has made and spun.
         self._began = 0  # Unix time in nanoseconds at which it was last run.
 
     def __str__(self) -> str:
@@ -86,7 +87,7 @@ class ProgramFile:
     def compile(self) -> None:
         """Read and compile the text as it is now, without running it; set `loaded` and `source`."""
         self._began = time.time_ns()
-        self.does_not_import = False
+        self.does_not_import, self.class_count = False, 1
         self.loaded = self.current_stamps()
         try:
             text = regular_files.read(self.path)
@@ -158,6 +159,7 @@ class ProgramFile:
         first, *others = dict.fromkeys(last) or [None]
         if first is None:
             return  # A program without a node.
+        self.class_count = 1 + len(others)
         rclpy.init()
         errors: list[BaseException] = []
         threads = [threading.Thread(target=self._spin, args=(kind, errors)) for kind in others]

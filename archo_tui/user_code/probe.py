@@ -156,6 +156,7 @@ class SpinWatch:
     def __init__(self, code: OwnCode) -> None:
         self._code = code
         self._spun: WeakSet[Node] = WeakSet()
+        self.count = 0  # Nodes that have spun.
         self._taken: WeakSet[Node] = WeakSet()
 
     def is_first(self, node: Node) -> bool:
@@ -163,6 +164,7 @@ class SpinWatch:
         if node in self._spun or constructed_class(threading.current_thread()):
             return False  # It may not have declared its parameters yet.
         self._spun.add(node)
+        self.count += 1
         return True
 
     def warning(self, node: Node, executor: Executor, global_executor: Executor | None) -> str:

@@ -79,7 +79,7 @@ class HostedProgram(HostedThread):
         self._goes_on = threading.Event()  # Not set while it is held at `rclpy.init`.
         if not is_held:
             self._goes_on.set()
-        self._has_node = self.has_spun = False  # In this run; spun outside of a constructor.
+        self._has_node = self.has_spun = False  # In this run; each class, if it has no main().
         self._is_gate_shut: Callable[[], bool] = lambda: False  # Of this run.
 
     def current_states(self) -> tuple[Hosted, ...]:

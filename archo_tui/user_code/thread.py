@@ -81,7 +81,7 @@ class _Process(_process.Process):
         """Restore the operator's parameters at the first spin; warn of a spin that takes a node."""
         name, callbacks = node.get_fully_qualified_name(), self._hosted.callbacks
         if self._spins.is_first(node):
-            self._hosted.has_spun = True
+            self._hosted.has_spun = self._spins.count >= self.file.class_count
             callbacks.on_spin(self._hosted, name, node.list_parameters([], 0).names)
             values = callbacks.operator_values(name)
             if values:
