@@ -34,6 +34,7 @@ _OWN_STUCK = "is stuck: its callback still runs"
 _STUCK = "the one before is stuck: its code still runs, and no STOP reaches it"
 
 END_TIMEOUT = 1.5  # Seconds for everything when the console ends.
+WAY_TIMEOUT = 10.0  # Seconds in which a node that is replaced must end, on a busy machine, too.
 _LOCK_POLL = 0.05  # Seconds between two looks whether a program that waits for the lock is to end.
 
 
@@ -335,7 +336,7 @@ class Host:
                 return ""
         try:
             for own in [own for own in self.nodes if own.name == name and not program.is_stopping]:
-                if not own.stop():
+                if not own.stop(WAY_TIMEOUT):
                     return f"ARCHO's own {name.lstrip('/')} {_OWN_STUCK}, so it is not replaced"
                 self._hosted.remove(own)
                 self._report_gone(own.served)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -132,6 +134,12 @@ def test_who_sleeps_wakes_at_the_simulated_time_or_when_it_ends(simulation: Simu
     assert sleeper.is_alive()
     wait_until(lambda: simulation.at(2.0) or not sleeper.is_alive())
     sleeper = sleeping(9.0)
+
+    def is_asleep() -> bool:
+        stack = traceback.extract_stack(sys._current_frames().get(sleeper.ident or 0))
+        return "sleep_until" in {frame.name for frame in stack}
+
+    wait_until(is_asleep)
     wait_until(
         lambda: (
             simulation.node.set_parameters([SIMULATED])

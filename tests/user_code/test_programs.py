@@ -529,6 +529,7 @@ def test_a_stuck_node_of_the_robot_is_not_replaced_by_a_program(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(HostedThread.stop, "__defaults__", (0.3, 0.1))
+    monkeypatch.setattr("archo_tui.user_code.host.WAY_TIMEOUT", 0.3)
     StuckMotor.may_return.clear()
     text = f"import pathlib, time\nwhile not pathlib.Path('go').exists(): time.sleep(0.01)\n{MOTOR}"
     makers = {"only": False, "node_makers": (StuckMotor,)}
