@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import time
 from pathlib import Path
-from types import TracebackType
 
 from tests.support import chosen
 from tests.support.terminal import Terminal
@@ -40,12 +39,7 @@ class Program:
     def __enter__(self) -> Program:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.terminal.kill(signal.SIGKILL)
         self.terminal.exit_code()
         self.terminal.close()
