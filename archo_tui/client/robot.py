@@ -424,7 +424,8 @@ class Robot:
 
         Args:
             *what: `idle`, `ready`, `stopped`, `arrived` (the goal that runs now, whoever sent it),
-                or `battery` and a number of percent.
+                `left` and the way of that goal at which the wait ends, in m or as the robot file
+                has it, or `battery` and a number of percent.
             timeout: See `Robot`. Nothing is cancelled after it.
 
         Raises:

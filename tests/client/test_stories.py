@@ -207,7 +207,7 @@ REFUSALS = [  # what is typed, the code of its outcome, and why
         "misuse",
         "get: /motor_controller has no parameter max_sped (nearest: max_speed)",
     ),
-    ("wait", "misuse", "wait: wait needs idle, arrived, ready, stopped or battery N"),
+    ("wait", "misuse", "wait: wait needs idle, arrived, ready, stopped, left N or battery N"),
     ("wait arrived", "refused", "wait: no goal is running"),
     ("wait battery 101", "misuse", "wait: battery: from 0 to 100 percent, not 101"),
 ]
