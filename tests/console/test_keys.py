@@ -146,8 +146,7 @@ async def test_the_palette_has_the_registry_and_the_themes() -> None:
         await op.until("Reset the encoder to zero")
         await op.press("enter")
         await op.until("reset encoder: zero")
-        await op.press("ctrl+p")
-        await op.type("theme")
+        await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
 
 
