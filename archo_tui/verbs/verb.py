@@ -149,10 +149,6 @@ class Verb:
             raise ValueError(f"takes only {self.usage}" if self.usage else "takes no values")
         return given
 
-    def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: ` and the line that was probably meant by refused words, or ""."""
-        return ""
-
     @property
     def usage(self) -> str:
         """The arguments as help shows them: `NODE NAME VALUE`, `[--all]`; "" for none."""
@@ -262,8 +258,8 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
     raise UnknownVerbError(f"no command {word!r}{hint}")
 
 
-def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint.
+def parse(verb: Verb, words: Sequence[str]) -> tuple[Values, bool]:
+    """Parse the words after a verb into values, and True for `--yes`; or raise ValueError.
 
     `--yes` may stand anywhere before `--`, if the verb may ask.
     """
@@ -272,10 +268,7 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
     if yes:
         kept = [word for word in options if word != YES]
         words = [*kept, "--", *literal] if literal else kept
-    try:
-        return verb.values(words), yes
-    except ValueError as error:
-        raise ValueError(f"{error}{verb.hint(station, words)}") from None
+    return verb.values(words), yes
 
 
 def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
