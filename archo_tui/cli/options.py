@@ -335,7 +335,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 # The help and the options of each subcommand; dispatch.py has the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
-    "chapter": ("write the files of the chapter's beginning", _chapter_options),
+    "chapter": ("write the chapter's files to start from", _chapter_options),
     "check": ("check nodes as the textbook's chapter asks", _check_options),
     "launch": ("run a ROS 2 launch file, without ROS", _launch_options),
     "keys": ("print all keys, in the form of keymap.yaml", _robot_option),
