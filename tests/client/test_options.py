@@ -105,6 +105,12 @@ NOBODY = "no console runs here"
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
+        (
+            "go 12",
+            3,
+            f"archo-tui: {NOBODY}: start archo-tui, or archo-tui --plain; "
+            "ARCHO_TUI_SOCKETS is set: only /",
+        ),
         ("release", 3, f"archo-tui: {NOBODY}"),
         ("reset", 3, f"archo-tui: {NOBODY}"),
         ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
@@ -120,6 +126,7 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
     told = said(*words.split())
     assert (told.code, told.out) == (code, "")
     assert told.err.startswith(text)
+    assert told.err.count("\n") == 1
 
 
 def test_without_a_console_every_verb_has_its_help() -> None:
