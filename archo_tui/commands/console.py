@@ -121,6 +121,10 @@ _SHOWN = {
 }
 
 
+_NOW = "Now"
+_FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
+
+
 class PanelKey(Command):
     def __init__(self, number: int, title: str) -> None:
         self.number = number
@@ -156,29 +160,32 @@ class ShowHelpEverywhere(ShowHelp):
 
 
 def _help_entries(console: Console, panel: Panel | None) -> list[Entry]:
-    """Return all keys: those of a panel first, then those that work everywhere."""
+    """Return all keys: first those for the state, those of the focus, and those of everywhere."""
     from archo_tui.screens.help import Entry
 
-    here, everywhere = "", EVERYWHERE.capitalize()
-    entries = []
+    here = f"Here, in {panel.title_text}" if panel is not None else ""
+    taken = panel.field_keys if panel is not None else ()
+    entries = [Entry(here, key, word, True) for key, word in taken]
     for command in console.registry:
         if isinstance(command, PanelKey):
             continue
         entry = _help_entry(console, command)
-        is_local = entry.key and command.where != EVERYWHERE
-        if (
-            panel is not None
-            and is_local
-            and (command.panel == panel.number or command.id in dict(panel.keys))
-        ):
-            here = f"Here, in {panel.title_text}"
+        if entry.key and entry.works and command.id in _FOR_A_STATE:
+            entry = entry._replace(section=_NOW)
+        elif panel is not None and entry.key and command.where != EVERYWHERE:
             key = panel.other_keys.get(command.id, entry.key)
-            entry = entry._replace(section=here, key=key)
-        entries.append(entry)
+            if any(key == other for other, _ in taken):
+                continue
+            if command.panel == panel.number or command.id in dict(panel.keys):
+                entry = entry._replace(section=here, key=key)
+        if command.id == "release":  # While stopped, that is what is asked for first.
+            entries.insert(0, entry)
+        else:
+            entries.append(entry)
     panels = sum(isinstance(command, PanelKey) for command in console.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
-    first = {here: 0, everywhere: 1}
-    return sorted(entries, key=lambda entry: (first.get(entry.section, 2), not entry.key))
+    first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
+    return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
 
 
 def _help_entry(console: Console, command: Command) -> Entry:

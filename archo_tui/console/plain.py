@@ -259,7 +259,7 @@ class Plain:
                     if not follows:
                         self._printer.print_text(f"{words[0]}: not waited for any longer")
                     return
-            else:
+            elif words[:2] != ["wait", "left"]:  # A cancel behind that is meant for then.
                 await self._let_cancels_overtake(work)
             result = await work
         finally:

@@ -362,7 +362,7 @@ class Session:
         verb, rest = choose_verb(verbs, station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
-        values, yes = parse(verb, station, rest)
+        values, yes = parse(verb, rest)
         self._calls_service = isinstance(verb, Call)
         if self._calls_service:
             values = {**values, TIMEOUT: timeout_of(request)}
@@ -397,7 +397,7 @@ class Session:
         if word == "echo":
             verb = self._handler.verbs["echo"]
             assert isinstance(verb, Echo)
-            values, _ = parse(verb, station, words)
+            values, _ = parse(verb, words)
             prepared = await prepare_when_found(station, verb, values)
             if isinstance(prepared, Outcome):
                 raise ArchoError(prepared.text)

@@ -104,7 +104,7 @@ class MainScreen(Base[None]):
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
-        self.goal.on_typed = self._on_goal_typed
+        self.goal.on_typed = self._on_field_changed
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
@@ -179,8 +179,7 @@ class MainScreen(Base[None]):
             self._focused_last = focused
             if isinstance(focused, Rows):  # A tab or a click has moved the focus there.
                 focused.show_cursor()
-        if self._view is not None and self._is_filled:
-            self._show_footer(self._view, self._commands)
+        self._on_field_changed()
 
     def _mark_focused(self) -> None:
         """Show which panel has the focus; with `:focus-within` Textual would visit every widget."""
@@ -395,13 +394,10 @@ class MainScreen(Base[None]):
     def _show(self, view: ScreenState, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
         header, clock = bars.header(view, width - _CLOCK), bars.clock(view)
-        banner = bars.banner(view, width)
         self._header.show(header)
         self._clock.show(clock)
-        self._banner.show(banner)
         gap = " " * max(width - header.cell_length - clock.cell_length, 0)
-        self.show_head([Content.assemble(header, gap, clock), banner])
-        self._show_footer(view, commands)
+        self._show_hints(view, commands, Content.assemble(header, gap, clock))
         for panel in panels:
             self._show_panel(panel, view)
         self._fit()
@@ -424,16 +420,32 @@ class MainScreen(Base[None]):
         is_needed = self._view is not None and bars.is_banner_needed(self._view)
         return max(len(self.head) - 1, 0) + is_needed
 
+    def _show_hints(self, view: ScreenState, commands: list[FooterKey], header: Content) -> None:
+        """Show banner and footer, whose keys are others in a field."""
+        banner = bars.banner(view, self.size.width, self._is_text)
+        self._banner.show(banner)
+        self.show_head([header, banner])
+        self._show_footer(view, commands)
+
+    def _is_text(self, command: str) -> bool:
+        """Return True if the focused field takes a key as text, or is where `go` leads to."""
+        focused = self.focused
+        if not isinstance(focused, Field) or self._view is None:
+            return False
+        is_goal = command == "go" and focused is self.goal.focused_field
+        return is_goal or focused.is_typed(self._view.key(command))
+
+    def _on_field_changed(self) -> None:
+        """Update what is said of keys: the focus is in another place, or a field has other text."""
+        if self._view is not None and self._is_filled:
+            self._show_hints(self._view, self._commands, self.head[0])
+            self._show_panel(self.goal, self._view)
+
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the focused field's keys, and those of the commands that are no text in it."""
-        focused = self.focused
-        field_keys = focused.keys if isinstance(focused, Field) else ()
-        if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.
-            commands = [
-                c
-                for c in commands
-                if c.everywhere or not (c.command == "go" or focused.is_typed(view.key(c.command)))
-            ]
+        field_keys = self.focused.keys if isinstance(self.focused, Field) else ()
+        if field_keys:  # Of the others, those that are no text now.
+            commands = [c for c in commands if c.everywhere or not self._is_text(c.command)]
         content = commands, self.size.width, view.key("palette"), field_keys
         if content != self._footer_content:  # Drawing it at each view would take too long.
             self._footer_content = content
@@ -443,11 +455,6 @@ class MainScreen(Base[None]):
     def forget_refusal(self) -> None:
         """Remove the hint in the goal's form: a key was pressed."""
         self.goal.forget_hint()
-
-    def _on_goal_typed(self) -> None:
-        """Update the footer: in a field with text, letters are text and no commands."""
-        if self._view is not None and self._is_filled:
-            self._show_footer(self._view, self._commands)
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:
         """Show the last view again in the panel that asks for it."""

@@ -441,7 +441,7 @@ async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
             assert said["code"] == "asked"
         assert (await asks(assistant))["text"] == "3 requests wait for a person already"
         await op.until("asks: go to shelf 1 ")
-        await op.until("+2 more")
+        await op.until("+2 requests")
 
 
 async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:

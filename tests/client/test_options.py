@@ -155,7 +155,7 @@ async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
         for words in (["wait", "--help"], ["wait", "idle", "--help"]):
             told, as_json = await typed(*words), await typed(*words, "--json")
             assert (told.code, as_json.code) == (0, 0)
-            assert told.out.startswith("wait idle|arrived|ready|stopped|battery N: ")
+            assert told.out.startswith("wait idle|arrived|ready|stopped|left N|battery N: ")
             assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
 
 

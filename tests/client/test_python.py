@@ -77,8 +77,8 @@ async def test_parameters_are_set_and_read_in_their_types() -> None:
 
     def change(robot: Robot) -> Any:
         robot.set("named", "names", names)
-        robot.set("named", "speed", 0.5)
-        return robot.get("named", "names"), robot.get("named", "speed", timeout=DEADLINE)
+        robot.set("speed", 0.5)  # of the only node that has it
+        return robot.get("named", "names"), robot.get("speed", timeout=DEADLINE)
 
     async with served(Named):
         assert await does(change) == (names, 0.5)

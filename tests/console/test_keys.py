@@ -146,8 +146,7 @@ async def test_the_palette_has_the_registry_and_the_themes() -> None:
         await op.until("Reset the encoder to zero")
         await op.press("enter")
         await op.until("reset encoder: zero")
-        await op.press("ctrl+p")
-        await op.type("theme")
+        await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
 
 
@@ -320,3 +319,32 @@ async def test_help_lists_all_keys_those_of_the_panel_with_the_focus_first() -> 
         assert "Undo" not in op.text
         await op.press("escape")
         assert op.app.screen is op.app.main
+
+
+async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "question_mark")
+        field = [op.text.index(word) for word in ("Here, in Go to shelf", "Recent goals", "Leave")]
+        assert field == sorted(field)
+        assert field[-1] < op.text.index("Everywhere")
+        await op.press("escape", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+x")
+        await op.until("held: 7")
+        await op.press("question_mark")
+        now = op.text.index("Now")
+        assert op.text.index("Release the stop") < op.text.index("Continue the held queue")
+        assert now < op.text.index("Release the stop") < op.text.index("Here, in")
+
+
+async def test_a_hint_that_is_true_already_is_not_shown() -> None:
+    async with console(*FAST) as op:
+        await op.press("4")
+        assert "Press g, type the shelf, press enter." in op.text
+        assert "g go to shelf ? keys" in op.words
+        await op.press("g")
+        assert "No goal yet. Type the shelf, press enter." in op.text
+        assert "g go to shelf" not in op.words
+        assert "? keys" in op.words
+        await op.press("1")
+        assert "? keys" not in op.words  # it is text behind a digit

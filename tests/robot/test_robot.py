@@ -127,7 +127,7 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
         assert (await ended(go(it, 3))).text.startswith("no answer in ")
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
-        assert (await ended(it.cancel())).text == "no answer to the cancel in 2 s"
+        assert (await ended(it.cancel())).text == "no answer to the cancel in 4 s"
         unspun[0].destroy_node()
 
 

@@ -117,7 +117,7 @@ def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
     ("goals", "said"),
     [
         (("shelf 12",), "shelf 12 STILL RUNS: use the hardware stop"),
-        (("shelf 12", "another client's goal"), "STILL RUN: use the hardware stop   +1 more"),
+        (("shelf 12", "another client's goal"), "STILL RUN: use the hardware stop   +1 alarm"),
     ],
 )
 def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
@@ -211,11 +211,11 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     board.update({STOPPED: "STOPPED: look"}, 0, 100)
     assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
     board.update({STOPPED: "STOPPED: look", CONTACT_LOST: "CONTACT LOST: wait"}, 1, 101)
-    assert shown(board) == "✗ CONTACT LOST: wait   +1 more   (a acknowledge)"
+    assert shown(board) == "✗ CONTACT LOST: wait   +1 alarm   (a acknowledge)"
     board.acknowledge(board.all()[0], 102)
-    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look   +1 alarm   (a acknowledge)"
     board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
-    assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look (last known)   +1 alarm   (a acknowledge)"
     board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 4, 104)
     assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
 
@@ -226,7 +226,7 @@ def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
     for time in (0, 3):
         board.update({**found, BATTERY_EMPTY: "BATTERY EMPTY"}, time, 100)
     assert shown(board).startswith("✗ STOP SENT, no ")
-    assert shown(board).endswith(": use the hardware stop   +1 more   (a)")
+    assert shown(board).endswith(": use the hardware stop   +1 alarm   (a)")
 
 
 def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
@@ -244,7 +244,7 @@ def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
         (STOPPED, False),
         (CONTACT_LOST, True),
     ]
-    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look   +1 alarm   (a acknowledge)"
 
 
 def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:

@@ -66,6 +66,17 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
     assert ordered_at_the_end(terminal) == [RESET]
 
 
+@pytest.mark.parametrize("before", ["", "?", "\x10", "12"])  # in the field, help, the palette
+def test_escape_and_a_digit_at_once_lead_to_a_panel(before: str, terminal: Terminal) -> None:
+    terminal.write(before)
+    pass_by(terminal, 0.3)
+    terminal.write("\x1b8")  # as tmux sends both; it might be alt+8
+    terminal.until("MoveToShelf")  # Graph, over the whole screen
+    terminal.write("\x1b6\x1b\x18")
+    wait_until(lambda: STOP in commands())
+    assert ordered_at_the_end(terminal) == [STOP]
+
+
 def test_answers_of_the_terminal_give_no_command(terminal: Terminal) -> None:
     answers = [
         *("\x1b]11;rgb:1e1e/1e1e/1e1e\a", "\x1b]52;c;cm0gLXJmIC8K\x1b\\", "\x1b]l sargr\x1b\\"),
