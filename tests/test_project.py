@@ -20,7 +20,8 @@ def test_the_command_line_starts_light() -> None:
     code = (
         "import sys, archo_tui.cli as cli; from archo_tui.cli.options import console_parser;"
         "console_parser().format_help();"
-        "cli.main(['--version']); cli.main(['journal']); assert cli.main(['status', '--line']) == 3;"
+        "cli.main(['--version']); cli.main(['journal']);"
+        "assert cli.main(['status', '--line']) == 3;"
         "heavy = {'textual', 'rclpy', 'rich', 'asyncio', 'yaml'} & set(sys.modules);"
         "sys.exit(f'imported: {heavy}' if heavy else 0)"
     )

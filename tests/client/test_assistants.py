@@ -29,6 +29,7 @@ from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
 from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.plain import Typed
+from tests.support.robot import making
 from tests.support.shells import Raw, heard, own_socket, raw, served, until
 from tests.support.waiting import DEADLINE
 
@@ -351,12 +352,7 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
 
 async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
     made: list[Peer] = []
-
-    def peer(**options: Any) -> Peer:
-        made.append(Peer(**options))
-        return made[-1]
-
-    async with beside(*LONG, node_makers=[*ROBOT, peer]) as (op, assistant):
+    async with beside(*LONG, node_makers=[*ROBOT, making(made, Peer)]) as (op, assistant):
         await op.until("2 consoles")
         await asks(assistant)
         made[0].tell("stop")

@@ -17,6 +17,7 @@ from archo_tui.cli.verb_help import helps, verbs_of_file
 from archo_tui.client import find, shell
 from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
+from tests.support.robot import making
 from tests.support.ros import begin
 from tests.support.shells import heard, raw, said, served, typed, until
 from tests.support.waiting import DEADLINE
@@ -84,12 +85,7 @@ class Deaf(Node):
 
 async def test_a_call_that_is_not_answered_in_its_time_may_still_be_done() -> None:
     made: list[Deaf] = []
-
-    def make(**given: Any) -> Deaf:
-        made.append(Deaf(**given))
-        return made[-1]
-
-    async with served(make):
+    async with served(making(made, Deaf)):
         asked = asyncio.ensure_future(typed("call", "/ponder", "--timeout", "0.5"))
         await until(lambda: made and made[0].asked)
         told = await asked

@@ -18,7 +18,7 @@ from tests.support import chosen
 from tests.support.clock import seconds
 from tests.support.night import corners
 from tests.support.quiet import until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 
 pytestmark = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="in real time a snapshot comes as late as the machine is"
@@ -52,11 +52,7 @@ def told() -> list[Telling]:
 
 @pytest.fixture
 def telling(told: list[Telling]) -> Callable[..., Node]:
-    def make(**options: Any) -> Node:
-        told.append(Telling(**options))
-        return told[0]
-
-    return make
+    return making(told, Telling)
 
 
 async def at(when: float) -> None:

@@ -23,6 +23,7 @@ from archo_tui.yaml_text.dump import block
 from tests.robots.rover import Counting
 from tests.support.archo import ARCHO
 from tests.support.console import Console, console
+from tests.support.robot import making
 from tests.support.states import NORMAL
 from tests.support.values import told, values_of
 
@@ -31,12 +32,7 @@ from tests.support.values import told, values_of
 async def counting(**options: Any) -> AsyncIterator[tuple[Console, Counting]]:
     """The console with ARCHO's file, and a node that is not ARCHO's."""
     made: list[Counting] = []
-
-    def make(**given: Any) -> Counting:
-        made.append(Counting(**given))
-        return made[-1]
-
-    async with console(node_makers=[make], wait=False, **options) as op:
+    async with console(node_makers=[making(made, Counting)], wait=False, **options) as op:
         await op.until(lambda: "/fibonacci" in op.app.view.snapshot.actions)
         await op.until(lambda: "/plan" in op.app.view.snapshot.services)
         yield op, made[-1]
@@ -173,12 +169,7 @@ async def echoing() -> AsyncIterator[tuple[Console, Echoing, MessageForm]]:
     if load_interface("depot_interfaces/srv/Echo") is None:
         pytest.skip("depot_interfaces is an older one")
     made: list[Echoing] = []
-
-    def make(**given: Any) -> Echoing:
-        made.append(Echoing(**given))
-        return made[-1]
-
-    async with console(node_makers=[make], wait=False) as op:
+    async with console(node_makers=[making(made, Echoing)], wait=False) as op:
         await op.until(lambda: "/echo" in op.app.view.snapshot.services)
         yield op, made[-1], await form(op, "C", *"echo", "enter")
 

@@ -18,6 +18,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from tests.robots.field import Base
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.robot import making
 
 FILE = Path(__file__).with_name("field.yaml")
 MOTOR = "base: left motor"
@@ -27,12 +28,7 @@ MOTOR = "base: left motor"
 async def field(**options: Any) -> AsyncIterator[tuple[Console, Base]]:
     """The console, and the robot's node."""
     made: list[Base] = []
-
-    def make(**given: Any) -> Base:
-        made.append(Base(**given))
-        return made[-1]
-
-    async with console(robot=FILE, node_makers=[make], wait=False, **options) as op:
+    async with console(robot=FILE, node_makers=[making(made, Base)], wait=False, **options) as op:
         await op.until(lambda: "/diagnostics" in op.app.view.snapshot.offered)
         await op.until(lambda: op.app.view.snapshot.diagnostics)
         yield op, made[0]

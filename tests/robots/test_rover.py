@@ -15,6 +15,7 @@ pytest.importorskip("depot_interfaces")
 from tests.robots.rover import Rover
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.robot import making
 from tests.support.shells import raw
 
 FILE = Path(__file__).with_name("rover.yaml")
@@ -24,12 +25,7 @@ FILE = Path(__file__).with_name("rover.yaml")
 async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Console, Rover]]:
     """The console, and the rover's node."""
     made: list[Rover] = []
-
-    def make(**given: Any) -> Rover:
-        made.append(Rover(**given))
-        return made[-1]
-
-    async with console(robot=file, node_makers=[make], wait=False, **options) as op:
+    async with console(robot=file, node_makers=[making(made, Rover)], wait=False, **options) as op:
         await op.until(lambda: {"go_to", "dock", "odom"} <= op.app.view.snapshot.offered)
         yield op, made[-1]
 
