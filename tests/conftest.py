@@ -92,7 +92,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.path.stem in _POSIX:
             item.add_marker(pytest.mark.posix)
     if not config.getoption("--night"):
-        marks = {"night"} if config.getoption("--engine") == "embedded" else {"night", "waits"}
+        is_embedded = config.getoption("--engine") == "embedded"
+        marks = {"night"} if is_embedded else {"night", "waits", "pure"}
         left = [item for item in items if any(map(item.get_closest_marker, marks))]
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if item not in set(left)]

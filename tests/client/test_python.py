@@ -162,6 +162,7 @@ async def test_a_goal_that_ends_otherwise_raises() -> None:
             await asyncio.to_thread(robot.go, 5)
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("code", "error"),
     [
@@ -495,6 +496,7 @@ async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() ->
         await until(lambda: person.said.count("STOP: confirmed") == 2)
 
 
+@pytest.mark.pure
 def test_help_explains_each_argument_that_is_public() -> None:
     assert "/north" in pydoc.render_doc(archo_tui.connect)
     for kind in (Robot, GoalHandle):

@@ -5,8 +5,12 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.state.readings import DiagnosticLevel
+
+pytestmark = pytest.mark.pure
 
 
 def array(*parts: tuple[str, Any, str], hardware: str = "") -> Any:

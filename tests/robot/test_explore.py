@@ -14,6 +14,8 @@ from archo_tui.robot.stop import machine
 from tests.robot import explore, explore_queue
 from tests.robot.exploring import Found, planted
 
+pytestmark = pytest.mark.pure
+
 Worlds = dict[str, Callable[..., Any]]
 
 

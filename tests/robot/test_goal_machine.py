@@ -32,6 +32,8 @@ from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
 from tests.support.night import corners
 
+pytestmark = pytest.mark.pure
+
 NOW = 1000.0
 NEVER = -math.inf
 SUCCESS = MoveToShelf.Result(success=True, final_message="there")

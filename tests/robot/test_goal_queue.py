@@ -22,6 +22,8 @@ from archo_tui.station.alarms import (
 from tests.robot.explore_queue import Stage, stage
 from tests.support.archo import ARCHO, SHELF
 
+pytestmark = pytest.mark.pure
+
 YES = Outcome(Code.ACCEPTED, "accepted")
 
 

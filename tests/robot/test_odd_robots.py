@@ -237,6 +237,7 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
     assert others.take_due(20.0) == []
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("record", "is_explained"),
     [
@@ -261,6 +262,7 @@ def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
     assert others.take_due(15.0) == said
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("record", "said"),
     [
