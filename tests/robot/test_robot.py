@@ -219,7 +219,7 @@ async def test_a_cancel_that_the_server_rejects_is_said_and_the_goal_goes_on() -
 @pytest.mark.parametrize(
     "quality", [10, QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)]
 )
-async def test_the_textbooks_float32_battery_is_heard_however_it_is_published(quality: Any) -> None:
+async def test_a_float32_battery_is_heard_however_it_is_published(quality: Any) -> None:
     async with robot(publishing(Float32, quality, data=55.5)) as it:
         await until(lambda: it.snapshot.battery.percentage == 55.5)
         assert (it.snapshot.battery.voltage, it.snapshot.battery.health) == (None, None)

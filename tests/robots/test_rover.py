@@ -90,7 +90,7 @@ async def test_it_is_moving_backwards_too() -> None:
         await op.until("▶ MOVING")
 
 
-async def test_what_is_typed_into_the_fields_of_a_goal_is_said_or_sent_and_kept() -> None:
+async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None:
     async with rover() as (op, node):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
         await op.until("yaw: at most 360, not 400")
