@@ -36,6 +36,7 @@ _SEARCH_WORDS = {
     "release": "unlock resume clear reset stop",
     "send_goal": "action",
     "call": "request",
+    "pub": "message topic send",
     "other_robot": "namespace switch robots restart",
     "keep_robot": "export write yaml",
     "describe_robot": "robot file new discover yaml",

@@ -23,6 +23,7 @@ TYPED = {
     "Reset the encoder": ("reset", "encoder", "zero"),
     "Charge the battery": ("charge", "battery", "charging"),
     "Send a goal to any action": ("action", "any action", "send goal"),
+    "Publish a message": ("publish", "pub", "message"),
     "Call any service": ("service", "call", "any service"),
     "Save a robot file": ("keep", "robot file", "yaml"),
     "Describe this robot": ("describe", "new robot", "discover"),
