@@ -204,6 +204,7 @@ def test_a_key_that_is_taken_is_one_line_in_each_face(
     assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
 
 
+@pytest.mark.night
 def test_without_docstrings_the_help_texts_are_there() -> None:
     command = [sys.executable, "-OO", "-m", "archo_tui", "keys"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)

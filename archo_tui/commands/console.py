@@ -230,6 +230,14 @@ class Suspend(Command):
         console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
 
 
+# Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.
+_STAYS_STOPPED = (
+    "The robot is stopped, and stays so: the STOP holds on until R in a console, or archo-tui "
+    "release, releases it."
+)
+_STAYS_OPEN = "The STOP is not confirmed, and once this console has ended nobody repeats it."
+
+
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; if a goal runs, asks first and cancels it"
@@ -238,7 +246,13 @@ class Quit(Command):
         goal, station = console.station.running_goal, console.station
         if goal is None:
             # A goal may be on its way to the robot, so the choice still matters.
-            return self._end(console, station.on_disconnect)
+            end = partial(self._end, console, station.on_disconnect)
+            snapshot = station.robot.snapshot
+            if not (station.attached and snapshot.is_stopped):
+                return end()
+            text = _STAYS_OPEN if snapshot.open_stop is not None else _STAYS_STOPPED
+            console.confirm("Quit", text, "Stay", {"Quit": end})
+            return None
         if not goal.mine:
             self._leave_another(console)
             return None

@@ -1,6 +1,6 @@
 """`archo-tui check`: what learners write, right and wrong, and what each of them is told.
 
-A file in `share/learners/` begins with what is expected of it: `# ok: 1 2` are the checks that
+A text in `share/learners.txt` begins with what is expected of it: `# ok: 1 2` are the checks that
 pass, `# not ok 3: WORDS` is one that fails and words of its hint, `# skip 1: WORDS` names what is
 there instead, `# exit 2: WORDS` is all that is said of a file that cannot be hosted, `# nothing`
 that nothing was checked. HERE is the file and the line that ends in `# here`. What is not named is
@@ -22,15 +22,14 @@ import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.cli import main
-from tests.support import chosen, clock
+from tests.support import chosen, clock, learners
+from tests.support.learners import LEARNERS
 from tests.support.plain import operated
 from tests.support.quiet import until
 
 LISTINGS = Path(textbook.__file__).parent
 OURS = Path(archo_bringup.__file__).parent
-FOLDER = Path(__file__).parent.parent / "share" / "learners"
 RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
-FILES = sorted(path.stem for path in FOLDER.glob("*.py"))
 LAST = 11  # no node crashes
 _SHORT = 0.05  # s; what sleeps in a constructor, before there is anybody to move the clock
 
@@ -85,14 +84,14 @@ def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 class Expected:
-    """What a file says of itself."""
+    """What is said of a file."""
 
     def __init__(self, name: str) -> None:
-        lines = (FOLDER / f"{name}.py").read_text().splitlines()
+        lines, text = LEARNERS[name]
         places = {
             mark.upper(): f"{name}.py:{number}"
             for mark in ("here", "there")
-            for number, line in enumerate(lines, 1)
+            for number, line in enumerate(text.splitlines(), 1)
             if line.endswith(f"  # {mark}")
         }
         self.passes: set[int] = set()
@@ -119,9 +118,9 @@ class Expected:
 
 
 @pytest.mark.filterwarnings("ignore:MultiThreadedExecutor is used with a single thread")
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", LEARNERS)
 def test_a_learner_is_told(
-    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    name: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if name == "stop_shuts_rclpy_down" and chosen.ENGINE == "ros2":
         pytest.skip("there the answer leaves before the node ends")
@@ -129,9 +128,8 @@ def test_a_learner_is_told(
     if "did not return" in expected.refused:
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", limit)
-    monkeypatch.chdir(FOLDER)
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
-    code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
+    code = main(["check", "--engine", chosen.ENGINE, str(learners.write(name, here))])
     said = capsys.readouterr()
     if expected.refused:
         assert code == 2
@@ -204,9 +202,9 @@ def test_a_listing_is_asked_for_what_it_offers_only(capsys: pytest.CaptureFixtur
     ],
 )
 def test_a_title_says_what_was_seen(
-    name: str, number: int, title: str, capsys: pytest.CaptureFixture[str]
+    name: str, number: int, title: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _, lines = check(capsys, FOLDER / f"{name}.py")
+    _, lines = check(capsys, learners.write(name, here))
     said = next(line for line in lines if re.match(rf"(not )?ok {number} - ", line))
     assert said.partition(" - ")[2].startswith(title), said
 

@@ -573,22 +573,44 @@ def follow(world: World, *way: str) -> World:
 
 
 _ALONE: dict[str, Any] = {"stops_left": 1, "peer_left": (), "goals_left": 0, "restarts_left": 0}
+# By day, without what is left of calls that the machine makes by itself; seconds in all.
 SMALL: dict[str, Callable[..., World]] = {
     "a release": partial(begin, 1, **{**_ALONE, "sends_left": 0}),
+    "a goal": partial(begin, 1, **{**_ALONE, "goals_left": 1, "releases_left": 0, "sends_left": 0}),
+    "a restart": partial(begin, 1, **{**_ALONE, "restarts_left": 1, "releases_left": 0}),
+    "a peer": partial(
+        begin, 1, stops_left=1, releases_left=0, goals_left=0, sends_left=0, restarts_left=0
+    ),
+    "a peer's STOP and a restart": partial(
+        begin, 1, peer_left=("stop",), stops_left=1, releases_left=0, goals_left=0, sends_left=0
+    ),
+    "a robot that reports its stop, and a restart": partial(
+        begin,
+        1,
+        reports="stop",
+        **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
+    ),
+    "a robot that reports its stop, and somebody who releases": partial(
+        begin,
+        1,
+        reports="stop",
+        outsiders_left=1,
+        **{**_ALONE, "releases_left": 0, "sends_left": 0},
+    ),
+}
+# Further worlds, for the night: minutes in all.
+LARGE: dict[str, Callable[..., World]] = {
     "a goal and a release": partial(begin, 1, **{**_ALONE, "goals_left": 1, "sends_left": 0}),
     "a peer and a restart": partial(
         begin, 1, stops_left=1, releases_left=0, goals_left=0, sends_left=0
     ),
-    "a robot that reports its stop, and a restart": partial(
+    "somebody who releases, and a restart of a robot that reports its stop": partial(
         begin,
         1,
         reports="stop",
         outsiders_left=1,
         **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
     ),
-}
-# Further worlds, for the night: minutes in all.
-LARGE: dict[str, Callable[..., World]] = {
     "two servers and a release": partial(begin, 2, **_ALONE),
     "two servers and a restart": partial(
         begin, 2, **{**_ALONE, "restarts_left": 1, "releases_left": 0}

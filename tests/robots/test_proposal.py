@@ -13,6 +13,8 @@ from archo_tui.robot_file.load import parse
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.robot_file.propose import Part, SeveralRobots, Sighting, propose, text_of
 
+pytestmark = pytest.mark.pure
+
 BATTERY = Sighting(
     "topic",
     "/tb1/battery_state",

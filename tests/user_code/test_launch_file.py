@@ -379,6 +379,7 @@ def test_the_arguments_of_a_launch_file_are_printed(
     ]
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("words", "error"),
     [

@@ -16,6 +16,7 @@ from archo_tui.robot.state.snapshot import Hosted, Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen
+from tests.support.night import corners
 from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
@@ -63,7 +64,6 @@ def up(session: Session) -> list[str]:
 @pytest.mark.parametrize(
     ("program", "nodes"),
     [
-        ("learners/battery_that_runs_itself", ["/battery_monitor"]),
         ("programs/main_has_branches", ["/motor_sim"]),
         ("programs/name_given_in_main", ["/talker"]),
         ("programs/node_made_in_main", ["/battery_monitor"]),
@@ -145,7 +145,9 @@ rclpy.spin(Talker("talker"))
 }
 
 
-@pytest.mark.parametrize("made", MADE)
+@pytest.mark.parametrize(
+    "made", corners(["an App", "asyncio", "a script"], [name for name in MADE if " " in name])
+)
 def test_what_is_made_by(made: str, here: Path) -> None:
     file = here / "program.py"
     file.write_text(HEAD + MADE[made])
@@ -236,7 +238,7 @@ class Second(Node):
 """
 
 
-@pytest.mark.parametrize("which", ["first", "second"])
+@pytest.mark.parametrize("which", corners(["second"], ["first"]))
 def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
     other = {"first": "second", "second": "first"}[which]
     text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')
