@@ -48,7 +48,7 @@ _SEARCH_WORDS = {
     "switch": "toggle flag",
     "only_changed": "difference differ diff modified",
     "filter": "find search",
-    "ros_own": "hidden own use_sim_time",
+    "all_parameters": "hidden own use_sim_time ros every standard",
     "resource": "interface message info type definition",
     "undo": "back revert",
     "save": "export write dump yaml",

@@ -44,7 +44,7 @@ TYPED = {
     "Toggle the selected boolean": ("switch", "toggle", "boolean"),
     "Show only changed parameters": ("differ", "modified", "diff"),
     "Filter the parameters": ("filter", "whose", "find parameters"),
-    "Show or hide the parameters": ("hidden parameters", "every ros", "ros own"),
+    "Show or hide the other parameters": ("hidden parameters", "every ros", "ros own"),
     "Show the selected topic": ("topic", "interface", "type service"),
     "Undo your last change": ("undo", "revert", "last change"),
     "Save all parameters": ("save parameters", "export yaml", "dump"),

@@ -45,7 +45,7 @@ KEYS = {
         "question_mark": "help",
     },
     "in Parameters": {
-        "d": "only_changed", "full_stop": "ros_own", "u": "undo", "enter": "edit",
+        "d": "only_changed", "full_stop": "all_parameters", "u": "undo", "enter": "edit",
         "backspace": "restore",
         "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
     },
