@@ -52,6 +52,7 @@ def _subscribed(robot: RobotFile) -> list[BatteryTopic | MotionTopic | PoseTopic
 def _name_faults(robot: RobotFile) -> Faults:
     names = [(topic.where, topic.topic) for topic in (*_subscribed(robot), *robot.gauges)]
     names += [("", name) for name in (robot.diagnostics, *robot.record) if name]
+    names += [(rule.where, rule.topic) for rule in robot.topics]
     names += [(goal.where, goal.action) for goal in robot.goals]
     names += [(command.where, command.service) for command in robot.commands]
     if robot.stop is not None:

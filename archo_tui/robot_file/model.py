@@ -289,6 +289,16 @@ class Gauge:
 
 
 @dataclass(frozen=True)
+class TopicRule:
+    """What the file knows of a topic."""
+
+    topic: Annotated[str, "the topic's name"]
+    # The graph cannot tell whether a message sets the robot in motion, so the file says it.
+    moves: Annotated[bool, "false: what is published there never sets the robot in motion"] = True
+    where: str = _where()
+
+
+@dataclass(frozen=True)
 class RobotFile:
     """A robot file."""
 
@@ -311,9 +321,10 @@ class RobotFile:
         str, "the topic of diagnostic_msgs/msg/DiagnosticArray: what is not OK is an alarm"
     ] = ""
     record: Annotated[tuple[str, ...], "further topics for the black box, which are not shown"] = ()
+    topics: Annotated[tuple[TopicRule, ...], "what is known of topics, whoever reads them"] = ()
 
     @property
-    def topics(self) -> tuple[str, ...]:
+    def shown_topics(self) -> tuple[str, ...]:
         """The names of all topics whose messages are shown, each once; not those of `record`."""
         topics = (self.battery, self.motion, self.pose)
         named = [topic.topic for topic in topics if topic] + [gauge.topic for gauge in self.gauges]

@@ -37,7 +37,7 @@ def no_data_text(snapshot: Snapshot) -> str:
 
     If its file names no topic, a node on the graph counts as data.
     """
-    topics = snapshot.file.topics
+    topics = snapshot.file.shown_topics
     heard = (snapshot.battery.received, snapshot.motion.received, snapshot.pose.received)
     is_heard = any(time is not None for time in (*heard, *(g.received for g in snapshot.gauges)))
     if is_heard or snapshot.diagnostics or (snapshot.nodes and not topics):

@@ -99,6 +99,7 @@ class Verb:
         lists: True if it shows all of something, and so waits until that is known.
         may_ask: True if `question` may return one.
         started_text: The text that is shown at once if the outcome takes seconds; "" for others.
+        lasts: True if it goes on while its requester waits, and ends with the waiting.
         has_goals: True if it sends goals, whose ends can be waited for.
         service: The service or action that a node must offer, as the robot file names it; "" for
             none.
@@ -116,6 +117,7 @@ class Verb:
     lists = False
     may_ask = False
     started_text = ""
+    lasts = False
     has_goals = False
     service = ""
 
