@@ -59,6 +59,7 @@ class StubRobot:
         self.snapshot, self.file = snapshot, snapshot.file
         self.watching = False
         self.stops = Stops()
+        self.publications = SimpleNamespace(active=())
         self._receiver: Any = None
         self.show_topic: Callable[[], None] = lambda: None
 
