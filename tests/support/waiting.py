@@ -46,7 +46,5 @@ def wait_until(condition: Callable[[], object], what: str = "", deadline: float 
 def step() -> None:
     """Let a little time pass: the virtual clock's, when everything rests, or the machine's."""
     virtual = clock.current
-    if virtual is None:
-        time.sleep(0.01)  # A look at a graph is not for nothing.
-    elif not virtual.at_rest() or not virtual.advance():
-        time.sleep(clock.LOOK)
+    if virtual is None or not virtual.at_rest() or not virtual.advance():
+        time.sleep(clock.look())
