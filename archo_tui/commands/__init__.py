@@ -68,7 +68,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         parameters.EditWithInitial(),
         parameters.SwitchBoolean(),
         parameters.ToggleOnlyChanged(),
-        parameters.ToggleStandard(),
+        parameters.ToggleHidden(),
         parameters.FilterParameters(),
         parameters.UndoKey(verbs["undo"]),
         parameters.SaveKey(verbs["save"]),

@@ -15,7 +15,6 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import TOPIC
-from archo_tui.robot.topics.publications import MAX_RATE
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.load import dump, without
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
@@ -24,7 +23,7 @@ from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 from archo_tui.verbs.names import type_of
-from archo_tui.verbs.publish import RATE, TIMES, Publish
+from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.topics import LISTENING, robot_file_text
 from archo_tui.verbs.verb import Question, Verb

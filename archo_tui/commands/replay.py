@@ -13,7 +13,7 @@ from archo_tui.text.alarm import timeline
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(
     (
-        *("only_changed", "ros_own", "filter", "save", "details", "level", "search"),
+        *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
         *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
         *(f"panel_{number}" for number in range(1, 9)),

@@ -321,6 +321,10 @@ class RobotFile:
         str, "the topic of diagnostic_msgs/msg/DiagnosticArray: what is not OK is an alarm"
     ] = ""
     record: Annotated[tuple[str, ...], "further topics for the black box, which are not shown"] = ()
+    shown: Annotated[
+        tuple[str, ...],
+        "the parameters that an operator changes; the others of their nodes are shown by a key",
+    ] = ()
     topics: Annotated[tuple[TopicRule, ...], "what is known of topics, whoever reads them"] = ()
 
     @property

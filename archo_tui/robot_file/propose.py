@@ -27,6 +27,7 @@ from archo_tui.robot_file.model import (
     RemainingField,
     RobotFile,
     StopServices,
+    TopicRule,
 )
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.yaml_text import dump as yaml_dump
@@ -252,7 +253,7 @@ def _words(name: str) -> set[str]:
 
 # The file.
 
-Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics"]
+Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics", "topics"]
 
 
 class Entry(NamedTuple):
@@ -302,6 +303,7 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     chosen += _mark_other_robots(pair for pair in found if pair[0].part == "commands")
     where = _common_namespace(chosen, namespace)
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
+    chosen += [pair for pair in found if pair[0].part == "topics"]
     used: set[str] = set()
     entries = tuple(_with_file_names(entry, where, used) for entry, _ in chosen)
     used = {sighting.name for _, sighting in chosen}
@@ -329,10 +331,12 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
     if sighting.kind == "topic":
         yield from _battery(sighting)
         yield from _known_topic(sighting, "motion")
-        yield from _known_topic(sighting, "pose")
+        if not _is_initial_pose(sighting):
+            yield from _known_topic(sighting, "pose")
         if known_types.DIAGNOSTICS in sighting.types:
             reason = topic_reason(sighting, known_types.DIAGNOSTICS)
             yield Entry("diagnostics", sighting.name, reason)
+        yield from _topic_that_never_moves(sighting)
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
@@ -374,6 +378,24 @@ def _known_topic(sighting: Sighting, part: Literal["motion", "pose"]) -> Iterato
     kind = next((kind for kind in sighting.types if kind in known), None)
     if kind is not None:
         yield Entry(part, make(sighting.name, {kind: known[kind]}), topic_reason(sighting, kind))
+
+
+def _is_initial_pose(sighting: Sighting) -> bool:
+    return known_types.INITIAL_POSE in sighting.types and "initial" in sighting.name.lower()
+
+
+def _topic_that_never_moves(sighting: Sighting) -> Iterator[Entry]:
+    """Yield the rule for a topic to which a message can be published without a question.
+
+    Whether a text moves the robot, a person decides.
+    """
+    rule = TopicRule(sighting.name, moves=False)
+    listens = f"{sighting.name} is a {sighting.types[0]}, and `pub` asks nothing before it:"
+    if _is_initial_pose(sighting):
+        yield Entry("topics", rule, f"{listens} it only tells where the robot is")
+    elif known_types.TEXT in sighting.types:
+        reason = f"{listens} does no text move the robot? Then uncomment it"
+        yield Entry("topics", rule, reason, is_sure=False)
 
 
 def _command(sighting: Sighting) -> Iterator[Entry]:
@@ -480,7 +502,7 @@ def _unknown_line(sighting: Sighting) -> str:
 
 # Its text.
 
-_LISTS = ("goals", "commands")
+_LISTS = ("goals", "commands", "topics")
 _NO_STOP = (
     "No service that looks like a STOP was seen: without one, ctrl+x cancels every goal instead."
 )

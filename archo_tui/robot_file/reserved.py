@@ -26,7 +26,7 @@ RESERVED = frozenset(
         # Commands that only the screen has, as named in a keymap.
         *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
-        *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
+        *("edit", "restore", "switch", "only_changed", "all_parameters", "filter"),
         *("start_stop", "restart", "details", "resource"),
         *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
         *("shorter", "longer"),

@@ -9,7 +9,6 @@ from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.requests.publish import CANCEL
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
@@ -221,7 +220,7 @@ class Cancel(Verb):
         return Question("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        ended = await station.robot.end_publications(CANCEL)
+        ended = await station.robot.end_publications()
         if ended and values[RUNNING] is None and station.running_goal is None:
             return Outcome(Code.DONE, f"ended: pub {ended}")
         staying = station.goals.staying

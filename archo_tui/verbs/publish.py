@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.graph import TOPIC
-from archo_tui.robot.topics.publications import MAX_RATE
 from archo_tui.ros_names import parse_type
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
@@ -14,6 +13,7 @@ from archo_tui.verbs.names import fields_of, full_name, topic_names, type_of
 from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb, split_options
 
 RATE, TIMES = "--rate", "--times"
+MAX_RATE = 100.0  # Hz
 _KINDS = {"--rate": "a number of Hz", "--times": "a whole number"}
 _OWN = ("/rosout", "/parameter_events")  # Of ROS itself.
 
@@ -25,9 +25,7 @@ class Publish(Verb):
     """
 
     id, title = "pub", "Publish"
-    help = (
-        "Publish a message to a topic, once, or at a rate until the times are over or it is ended"
-    )
+    help = "Publish a message to a topic, once or at a rate; without --times until it is ended"
     arguments = (
         Argument("topic", completer=topic_names),
         Argument("field=value", many=True, optional=True),
@@ -73,7 +71,7 @@ class Publish(Verb):
         return {**values, "topic": name, "type": kind, "fields": fields, "moves": moves}
 
     def question(self, station: Station, values: Values) -> Question | None:
-        if not values["moves"]:
+        if not values.get("moves"):
             return None
         often = "once" if values["times"] == 1 else f"at {values['rate']:g} Hz"
         goal = station.running_goal

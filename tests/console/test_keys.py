@@ -78,7 +78,7 @@ async def test_letters_are_commands_again_behind_enter() -> None:
 
 async def test_letters_do_nothing_behind_a_dialog() -> None:
     async with console(*FAST) as op:
-        await op.press("4", "ctrl+end", "enter")
+        await op.press("4", "full_stop", "ctrl+end", "enter")
         await op.until("ticks_per_revolution is read-only")
         await op.press("r", "c", "q")
         await op.press("escape")
@@ -165,10 +165,10 @@ async def test_a_click_does_what_the_key_does() -> None:
         footer = lines[-1]
         await op.pilot.click(offset=(footer.index("r Reset") + 1, len(lines) - 1))
         await op.until("reset encoder: zero")
-        row = next(n for n, line in enumerate(lines) if "wheel_radius" in line)
+        row = next(n for n, line in enumerate(lines) if "max_speed" in line)
         await op.pilot.click(offset=(60, row))
         await op.pilot.click(offset=(60, row))
-        await op.until(" motor_controller wheel_radius ")
+        await op.until(" motor_controller max_speed ")
         await op.press("escape")
         border = next(n for n, line in enumerate(lines) if "c charge" in line)
         await op.pilot.click(offset=(lines[border].index("c charge") + 2, border))

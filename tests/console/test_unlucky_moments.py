@@ -249,8 +249,7 @@ async def test_help_that_has_gone_draws_nothing() -> None:
 
 async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:
     async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("theme")
+        await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
         assert "^x" in op.text.splitlines()[-1]
         await stop_works(op)

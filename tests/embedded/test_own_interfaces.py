@@ -74,7 +74,7 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
 def test_of_the_keys_typed_while_it_restarts_only_stop_counts(tmp_path: Path) -> None:
     source = package(tmp_path, "float32 temperature")
     terminal = Terminal("--interfaces", str(source))
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     package(tmp_path, "float32 humidity")
     terminal.until("the console restarts; ^x is STOP meanwhile")
     terminal.write("g7\r\x18")

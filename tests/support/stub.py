@@ -77,6 +77,9 @@ class StubRobot:
         self.snapshot = snapshot
         self._receiver(snapshot)
 
+    async def end_publications(self) -> str:
+        return ""
+
     async def describe(self, node: str) -> NodeInfo | Outcome:
         return MOTOR if node == "/motor_controller" else Outcome(Code.REFUSED, "not on the graph")
 

@@ -21,7 +21,7 @@ RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: confirmed"
 @pytest.fixture
 def terminal() -> Iterator[Terminal]:
     made = Terminal()
-    made.until("wheel_radius")
+    made.until("max_speed")
     yield made
     made.close()
 
@@ -58,7 +58,7 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
         terminal.output = b""
         began = time.monotonic()
         terminal.write("\x1b")
-        terminal.until("wheel_radius")  # what was behind the help
+        terminal.until("max_speed")  # what was behind the help
         times.append(time.monotonic() - began)
     terminal.write("r")
     wait_until(lambda: RESET in commands())

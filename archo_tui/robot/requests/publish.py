@@ -19,7 +19,7 @@ from archo_tui.robot.stop.gate import HOLDS, Gate
 from archo_tui.robot.topics.publications import Publication
 from archo_tui.robot_file import check
 
-CANCEL = "cancel"  # Why one was ended.
+_CANCEL = "cancel"  # Why one was ended.
 _POLL_PERIOD = 0.02  # Seconds between two looks whether it has ended.
 
 
@@ -101,17 +101,17 @@ async def publish(
 
 def _outcome(publication: Publication) -> Outcome:
     count = f"{publication.count} message{'s' * (publication.count != 1)}"
-    if publication.ended == CANCEL and publication.times is None:  # There is no other end.
+    if publication.ended == _CANCEL and publication.times is None:  # There is no other end.
         return Outcome(Code.DONE, f"ended after {count}")
     if publication.ended:
         return Outcome(Code.CANCELLED, f"ended by {publication.ended} after {count}")
     return Outcome(Code.DONE, f"published {count}")
 
 
-async def end_publications(robot: Parts, why: str) -> str:
-    """End all that this console publishes; return the topics, "" if there was none."""
+async def end_publications(robot: Parts) -> str:
+    """End all that this console publishes, as by cancel; return the topics, "" for none."""
 
     async def there() -> str:
-        return robot.publications.end_all(why)
+        return robot.publications.end_all(_CANCEL)
 
     return await robot.thread.run(there, calls.DEADLINE) if robot.publications.active else ""

@@ -15,7 +15,6 @@ from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from archo_tui.robot.calls import Services
 from archo_tui.robot.messages.types import name_of
 
-MAX_RATE = 100.0  # Hz
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
 _LINGER = 0.5  # Seconds that a publisher stays behind its last message, which may be on its way.
 _FIND_TIME = 1.0  # Seconds in which a subscriber is found before the first message.
