@@ -132,7 +132,7 @@ def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
 async def test_commands_alarms_and_warnings_of_a_session_are_in_it(unlimited: Path) -> None:
     async with operated(robot=unlimited, ros_args=FAST) as person:
         person.type("reset\ngo 99\n")
-        await person.until("go to shelf 99: ")
+        await person.until("failed: go: shelf 99")
         person.type("stop\n")
         await person.until("alarm unacknowledged: STOPPED")
         person.type("ack\n")
