@@ -29,15 +29,19 @@ def test_the_command_line_starts_light() -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_without_a_screen_textual_is_not_imported() -> None:
+def test_without_a_screen_textual_is_not_imported_and_nowhere_the_assistants_sdk() -> None:
     code = (
         "import sys, archo_tui.console.plain, archo_tui.cli, archo_tui.session;"
-        "sys.exit('Textual was imported' if 'textual' in sys.modules else 0)"
+        "'textual' in sys.modules and sys.exit('Textual was imported');"
+        "import archo_tui.app, archo_tui.client.robot, archo_tui.client.shell;"
+        "found = {'mcp', 'mcp_types', 'pydantic', 'anyio', 'archo_tui.client.mcp'};"
+        "sys.exit(f'imported: {found & set(sys.modules)}' if found & set(sys.modules) else 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.night
 def test_pydoc_knows_the_operators_verbs() -> None:
     words = [sys.executable, "-m", "pydoc", "archo_tui.robot.robot"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)

@@ -56,7 +56,7 @@ class Publish(Verb):
         words = list(values["field=value"])
         if words and "=" not in words[0] and parse_type(words[0]) is not None:
             kind = words.pop(0)
-            if found.get(name, (kind,)) != (kind,):
+            if kind not in found.get(name, (kind,)):
                 raise ValueError(f"{name} is {', '.join(found[name])}, not {kind}")
         else:
             kind = type_of("topic", name, found)

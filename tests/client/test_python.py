@@ -316,8 +316,7 @@ def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("one_folder")
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
     script = Script(*SLOW, fresh=True)
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     python = subprocess.Popen(
         warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
     )
@@ -387,8 +386,7 @@ with archo_tui.connect() as robot:
 @pytest.mark.usefixtures("one_folder")
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
     script = Script(*SLOW)
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     python = subprocess.Popen(
         warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
     )

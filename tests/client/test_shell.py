@@ -242,8 +242,7 @@ def test_where_there_are_no_such_sockets_it_is_said(monkeypatch: pytest.MonkeyPa
 def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
     script = Script(*SLOW)
     try:
-        script.type("status\n")
-        script.until("\ngoal No goal yet")
+        script.ready()
         shell = client("go", "12", "7", "--wait")
         script.until("MOVING to 12")
         shell.send_signal(number)
@@ -261,8 +260,7 @@ def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
 def moving(*words: str) -> tuple[Script, subprocess.Popen[str]]:
     """A console, and a shell whose goal runs."""
     script = Script(*SLOW, fresh=True)  # it may be suspended
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     shell = client(*words)
     script.until("MOVING to 12")
     return script, shell
@@ -322,8 +320,7 @@ def test_what_asks_is_answered_at_the_callers_terminal(
 
 def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
     script = Script(*SLOW, fresh=True)  # it may be suspended
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     shell = client("go", "12", "--wait")
     script.until("MOVING to 12")
     script.signal(signal.SIGKILL)

@@ -494,8 +494,7 @@ async def test_the_card_of_a_console_is_its_hello() -> None:
 def begun(*words: str) -> Iterator[Script]:
     script = Script(*words, *SLOW, fresh=True)  # it may be suspended
     try:
-        script.type("status\n")
-        script.until("\ngoal No goal yet")
+        script.ready()
         yield script
     finally:
         script.close()

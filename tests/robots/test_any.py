@@ -105,6 +105,7 @@ async def test_what_is_typed_into_the_form_of_a_service_is_called_or_said() -> N
         start = node.planned[0].start
         assert (start.position.x, start.position.y, start.position.z) == (1.5, 2.5, -3.0)
         assert (start.orientation.z, start.orientation.w) == (4.0, 1.0)
+        await op.until(lambda: not isinstance(op.app.screen, MessageForm))
         screen = await form(op, "C", *"plan", "enter")
         places = {field.path: number for number, field in enumerate(screen._message_fields)}
         for path, text, said in (

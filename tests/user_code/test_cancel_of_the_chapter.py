@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.session import Session
-from archo_tui.session_options import Options
-from tests.support import chosen, clock
 from tests.support.plain import typing
+from tests.user_code.support import running
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -67,11 +65,9 @@ async def exercise(tmp_path: Path, *patches: tuple[str, str]) -> list[str]:
         text = text.replace(old, new)
     file = tmp_path / "move.py"
     file.write_text(text)
-    domain = chosen.next_domain()
-    options = Options(engine=chosen.ENGINE, domain_id=domain, node_files=[file], only=True)
     script = re.search(r"printf '(.*)' \| archo-tui --only --node move.py --plain", PAGE)
     assert script is not None
-    with Session(options, clock.current) as session:
+    with running(file) as session:
         async with typing(session.station) as person:
             person.type(script[1].replace(r"\n", "\n"))
             await person.end()

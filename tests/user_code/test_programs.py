@@ -12,8 +12,6 @@ import sys
 import threading
 import time
 import weakref
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +25,8 @@ from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.stop import HELD_BY_NOBODY
-from archo_tui.robot.state.snapshot import Hosted, Latch, Life
+from archo_tui.robot.state.snapshot import Latch, Life
 from archo_tui.session import Session
-from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.hosted import HostedThread
@@ -38,6 +35,7 @@ from tests.support import chosen
 from tests.support.night import corners
 from tests.support.shells import reached
 from tests.support.waiting import DEADLINE, wait_until
+from tests.user_code.support import running, states, texts, written
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -82,23 +80,9 @@ def talker(word: str = "made") -> Path:
     return written("talker.py", TALKER.replace("{word}", word))
 
 
-def written(name: str, text: str) -> Path:
-    file = Path(name)
-    file.write_text(text)
-    return file
-
-
 def said() -> list[str]:
     file = Path("said.txt")
     return file.read_text().split() if file.exists() else []
-
-
-@contextmanager
-def running(*files: Path, only: bool = True, **options: Any) -> Iterator[Session]:
-    """A session that runs programs."""
-    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, only=only)
-    with Session(given._replace(**options)) as session:
-        yield session
 
 
 @pytest.fixture(autouse=True)
@@ -107,20 +91,12 @@ def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
-def states(session: Session) -> dict[str, Hosted]:
-    return {hosted.name: hosted for hosted in session.host.states()}
-
-
 def lives(session: Session) -> list[tuple[str, Life]]:
     return [(hosted.name, hosted.life) for hosted in session.host.states()]
 
 
 def life(session: Session, name: str = "/talker") -> Life:
     return states(session)[name].life
-
-
-def texts(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
 
 
 def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:

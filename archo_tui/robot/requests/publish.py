@@ -63,17 +63,18 @@ async def publish(
 
     async def work(gate: Gate) -> Outcome:
         def is_stopped() -> bool:
-            return not (robot.stop_sender.stop.may_start and robot.stops.are_answered)
+            is_void = gate.is_shut or not robot.stops.are_answered
+            return moves and not robot.stop_sender.stop.lets_publish(is_void=is_void)
 
         def why_end() -> str:
-            if moves and (gate.is_shut or is_stopped()):
+            if is_stopped():
                 return "STOP"
             return "its requester" if has_left.is_set() else ""
 
         gate()
         if robot.goals.sending_has_ended:
             return Outcome(Code.CANCELLED, "not published: the console ends")
-        if moves and is_stopped():
+        if is_stopped():
             return Outcome(Code.REFUSED, HOLDS)
         publication = await robot.publications.begin(
             *(topic, message, rate, times, why_end, on_end), takes_time=takes_time
@@ -81,7 +82,7 @@ async def publish(
         begun.append(publication)
         if publication.ended:
             return _outcome(publication)
-        heard = publication.publisher.get_subscription_count()
+        heard = robot.publications.subscriber_count(topic)
         who = f"{heard or 'no'} subscriber{'s' * (heard != 1)}"
         if publication.is_over:
             return Outcome(Code.DONE, f"published; {who}")

@@ -78,7 +78,7 @@ class Publications:
 
         `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
         """
-        infos = self._node.get_subscriptions_info_by_topic(topic)
+        infos = self._subscriptions(topic)
         kept = QoSDurabilityPolicy.TRANSIENT_LOCAL
         is_kept = any(info.qos_profile.durability == kept for info in infos)
         durability = kept if is_kept else QoSDurabilityPolicy.VOLATILE
@@ -115,6 +115,14 @@ class Publications:
                 self._node.create_timer(_LOOK_PERIOD, look, clock=clock),
             ]
         return publication
+
+    def _subscriptions(self, topic: str) -> list[Any]:
+        """Return the subscriptions of other nodes."""
+        infos = self._node.get_subscriptions_info_by_topic(topic)
+        return [info for info in infos if info.node_name != self._node.get_name()]
+
+    def subscriber_count(self, topic: str) -> int:
+        return len(self._subscriptions(topic))
 
     def end(self, publication: Publication, why: str) -> None:
         """End one, unless it is over; a speed is followed by no speed if it is ended early."""
