@@ -22,7 +22,7 @@ from archo_tui.errors import ArchoError, UserFileError
 from archo_tui.handover import Handover
 from archo_tui.launch.plan import LaunchNote
 from archo_tui.parameters import files
-from archo_tui.paths import journal_file, state_file
+from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.state.events import LAUNCH
 from archo_tui.robot_file import load as robot_files
@@ -30,6 +30,7 @@ from archo_tui.robot_file.model import GoalKind
 from archo_tui.ros_names import base_name
 from archo_tui.session_options import Options, check_options
 from archo_tui.station.journal import Journal, unreleased_stop
+from archo_tui.station.places import FILE, Places
 from archo_tui.station.station import Station
 from archo_tui.station.undo import Edit
 from archo_tui.user_code.output import NodeOutput
@@ -237,6 +238,10 @@ class Session:
 
     def _make_station(self) -> Station:
         options = self.options
+        places = Places(self.robot.file, config_file(FILE))
+        places.load()
+        if places.fault:
+            self.robot.note("WARN", "console", places.fault)
         return Station(
             self.robot,
             self.host,
@@ -250,6 +255,7 @@ class Session:
             quiet=options.quiet_alarms,
             unseen=engine.no_node_hint(options.engine, self.context),
             file_is_default=options.robot is None,
+            places=places,
         )
 
     def _mistake_of(self, error: BaseException) -> str:

@@ -50,6 +50,7 @@ _PLACES: dict[Any, str] = {
     model.StopServices: "`stop`",
     model.CommandService: "Each of `commands`",
     model.Gauge: "Each of `gauges`",
+    model.Place: "Each of `places`",
     model.TopicRule: "Each of `topics`",
     model.MessageField: "A reading",
     model.ParameterRef: "A number that is a parameter",

@@ -13,6 +13,7 @@ from archo_tui.commands import (
     nodes,
     palette,
     parameters,
+    places,
     recordings,
     robot,
 )
@@ -20,6 +21,7 @@ from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
+from archo_tui.verbs.places import SavePlace, SaveQueue
 from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Give
 from archo_tui.verbs.verb import Verb
@@ -57,6 +59,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
         *(generic.AnyTopic(verb) for verb in verbs.values() if isinstance(verb, Publish)),
+        *(places.SaveUnderName(v) for v in verbs.values() if isinstance(v, (SavePlace, SaveQueue))),
         generic.WriteRobotFile(),
         generic.DescribeRobot(),
         console.AcknowledgeKey(verbs["ack"]),

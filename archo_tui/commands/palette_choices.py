@@ -16,8 +16,9 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.graph import TOPIC, Parameter
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.text.nodes import node_rows
+from archo_tui.verbs.goals import Go
 from archo_tui.verbs.parameters import Set
-from archo_tui.verbs.verb import Values, run_when_ready
+from archo_tui.verbs.verb import Values, Verb, run_when_ready
 from archo_tui.widgets.screen_state import ScreenState
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
@@ -40,6 +41,8 @@ _SEARCH_WORDS = {
     "other_robot": "namespace switch robots restart",
     "keep_robot": "export write yaml",
     "describe_robot": "robot file new discover yaml",
+    "save_place": "pose waypoint",
+    "save_queue": "list goals",
     "ack": "confirm seen",
     "diagnostics": "parts health hardware",
     "alarms": "warnings errors problems",
@@ -115,6 +118,7 @@ def palette_choices(console: Console) -> list[Choice]:
         *commands.values(),
         Choice("Choose a theme", partial(_open_themes, console), console.theme, words=_THEME_WORDS),
         Choice("Save a picture of the screen", console.write_screenshot, words=screenshot),
+        *_place_choices(console),
         *_node_choices(console),
         *_parameter_choices(console),
         *_topic_choices(console),
@@ -171,6 +175,34 @@ def _goal_choices(console: Console, typed: str) -> list[Choice]:
     reason = console.disabled_reason(go) or panel.refusal(typed)
     title = f"{kinds[0].title} {', '.join(words)}"
     return [Choice(title, partial(_send_numbers, console, go, typed), "enter", reason)]
+
+
+def _place_choices(console: Console) -> Iterator[Choice]:
+    """Yield a row for each place and each list of goals; none in a replay."""
+    if all(command.id != "go" for command in console.registry):
+        return
+    places, station = console.station.places, console.station
+    for go in (verb for verb in console.verbs.values() if isinstance(verb, Go)):
+        for name in places.of(go.kind):
+            act, words = partial(_drive_to, console, go, name), f"drive place {go.kind.title}"
+            yield Choice(f"Go to {name}", act, "", go.refusal(station), words)
+    for name, goals in places.lists.items():
+        drive = console.verbs["drive"]
+        act, title = partial(_drive_to, console, drive, name), f"Drive {name} ({len(goals)} goals)"
+        yield Choice(title, act, "", drive.refusal(station), "go list queue round")
+
+
+async def _drive_to(console: Console, verb: Verb, name: str) -> None:
+    """Send the goals of a place or a list, after the verb's question, or show why not."""
+    station = console.station
+    try:
+        values = await verb.prepare(station, verb.values([name]))
+    except (ArchoError, ValueError) as error:
+        console.show_message(f"not sent: {error}")
+        return
+    work = console.run_verb(verb, values)
+    if work is not None:
+        await work
 
 
 def _send_numbers(console: Console, go: Command, typed: str) -> None:

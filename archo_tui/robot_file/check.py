@@ -29,6 +29,8 @@ _READINGS = ("battery.charging", "motion.moving", "motion.stopped", "ask")
 Faults = Iterator[tuple[str, str]]  # Pairs of `FILE:LINE` and a sentence.
 
 _MOST_HERTZ = 1000.0
+_PLACE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
+_NO_PLACES = {"nan", "inf", "infinity", "true", "false", "yes", "no", "on", "off", "null"}
 
 
 def find_faults(robot: RobotFile) -> Faults:
@@ -40,6 +42,7 @@ def find_faults(robot: RobotFile) -> Faults:
     yield from _reading_faults(robot)
     yield from _gauge_faults(robot)
     yield from _rate_faults(robot)
+    yield from _place_faults(robot)
     for goal in robot.goals:
         yield from _goal_faults(goal)
     if robot.stop is not None:
@@ -54,6 +57,31 @@ def _rate_faults(robot: RobotFile) -> Faults:
             yield rule.where, f"rate is more than 0, at most {_MOST_HERTZ:g} Hz"
         if not 0 < rule.tolerance < 1:
             yield rule.where, "tolerance is a share: more than 0, less than 1"
+
+
+def is_place_name(text: str) -> bool:
+    """Return True for a name that cannot be taken for a value: letters, digits, `_` and `-`."""
+    return _PLACE_NAME.fullmatch(text) is not None and text.lower() not in _NO_PLACES
+
+
+def _place_faults(robot: RobotFile) -> Faults:
+    names = set()
+    goals = {goal.id: goal for goal in robot.goals}
+    for place in robot.places:
+        goal = goals.get(place.goal) if place.goal else next(iter(robot.goals), None)
+        if not is_place_name(place.name):
+            yield (
+                place.where,
+                f"{place.name!r} is no name: a letter, then letters and digits",
+            )
+        if place.name in names:
+            yield place.where, f"duplicate place {place.name}: choose another name"
+        names.add(place.name)
+        if goal is None:
+            yield place.where, f"{place.goal or 'its goal'} is no goal of this file"
+        elif place.values.keys() != goal.form.keys():
+            wanted = ", ".join(goal.form) or "none"
+            yield place.where, f"{place.name} needs a value for each field of the form: {wanted}"
 
 
 def _subscribed(robot: RobotFile) -> list[BatteryTopic | MotionTopic | PoseTopic]:

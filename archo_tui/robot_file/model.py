@@ -289,6 +289,16 @@ class Gauge:
 
 
 @dataclass(frozen=True)
+class Place:
+    """The values of a goal under a name."""
+
+    name: Annotated[str, "what is typed: `go dock`"]
+    values: Annotated[Mapping[str, Scalar], "the values, by dotted path as in the goal's `form`"]
+    goal: Annotated[str, "the goal's id; the first one if it is left out"] = ""
+    where: str = _where()
+
+
+@dataclass(frozen=True)
 class TopicRule:
     """A topic, as far as the file knows it."""
 
@@ -329,6 +339,7 @@ class RobotFile:
         tuple[str, ...],
         "the parameters that an operator changes; the others of their nodes are shown by a key",
     ] = ()
+    places: Annotated[tuple[Place, ...], "goals under a name"] = ()
     topics: Annotated[tuple[TopicRule, ...], "what is known of topics, whoever reads them"] = ()
 
     @property

@@ -24,6 +24,7 @@ from archo_tui.station.approvals import Approvals
 from archo_tui.station.conditions import Situation
 from archo_tui.station.goal_driver import Frontend, GoalDriver
 from archo_tui.station.history import History
+from archo_tui.station.places import Places
 from archo_tui.station.undo import Edit, UndoList
 from archo_tui.station.view import Recorder, View
 
@@ -62,6 +63,7 @@ class Station:
         quiet: bool = False,  # New alarms ring no bell and send no notification.
         unseen: str = "",  # The rest of the text of the alarm `NO NODES`; "" for no such alarm.
         file_is_default: bool = False,  # ARCHO's file is used for any robot.
+        places: Places | None = None,  # None: those of the robot file.
     ) -> None:
         self.quiet, self.unseen = quiet, unseen
         self.bell = AlarmBell()  # Here, so that a restarted screen does not ring again.
@@ -83,6 +85,7 @@ class Station:
             self.refresh,
             lambda end, goal: self.approvals.on_goal_ended(end, goal),
         )
+        self.places = places or Places(robot.file)
         self._releases = 0
         self.approvals = Approvals(robot, clock, self.goals, self.refresh)
         self.clients: tuple[str, ...] = ()  # The connected programs.

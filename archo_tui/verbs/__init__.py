@@ -10,6 +10,7 @@ from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.nodes import DuplicateNode, Lifecycle, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
+from archo_tui.verbs.places import Drive, SavePlace, SaveQueue, ShowPlaces
 from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.show import Events, ForgetPart, Keep, ShowDiagnostics, ShowHistory, Status
@@ -28,11 +29,14 @@ def verbs(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> dict[s
 
 
 def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterator[Verb]:
-    ask = ""
-    for number, kind in enumerate(robot.goals):
-        go = Go(kind, forms.get(kind.id), "" if number else "go")
-        ask = ask or go.how
-        yield go
+    goals = [
+        Go(kind, forms.get(kind.id), "" if number else "go")
+        for number, kind in enumerate(robot.goals)
+    ]
+    ask = goals[0].how if goals else ""
+    yield from goals
+    if goals:
+        yield from (ShowPlaces(), SavePlace(goals[0]), SaveQueue(), Drive(goals))
     yield from (Cancel(), ContinueQueue(), SkipGoal())
     yield from (StopNow(robot.stop), ReleaseStop(robot.stop), GiveUpStop())
     for command in robot.commands:

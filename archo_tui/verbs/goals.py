@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Awaitable, Iterable, Sequence
+from collections.abc import Awaitable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 from archo_tui.robot.goals.queue import QueuedGoal
-from archo_tui.robot.messages.typed import check_ranges, is_number, parse_all, texts_by_path
+from archo_tui.robot.messages.typed import (
+    check_ranges,
+    is_number,
+    parse_all,
+    texts_by_path,
+    typed_text,
+)
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
+from archo_tui.robot_file.check import is_place_name
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.ros_names import base_name
 from archo_tui.station.alarms import Alarm
@@ -43,7 +51,7 @@ def low_battery_question(station: Station, does: str) -> Question | None:
     return Question("Low battery", text, "Leave it", does)
 
 
-def _accept_low_battery(station: Station) -> None:
+def accept_low_battery(station: Station) -> None:
     """Acknowledge the alarm that was asked about, so that it does not hold the goals behind it."""
     if low_battery_question(station, "") is not None:
         station.acknowledge(_battery_alarms(station))
@@ -53,6 +61,13 @@ def _battery_alarms(station: Station) -> list[Alarm]:
     """Return the active alarms of the battery, which hold goals until they are acknowledged."""
     alarms = station.view.alarms
     return [alarm for alarm in alarms if alarm.holds_until_acknowledged and not alarm.is_over]
+
+
+class _Named(NamedTuple):
+    """A word in the place of a goal's values, which may be a place."""
+
+    word: str
+    mistake: str  # Why it is no value.
 
 
 class Go(Verb):
@@ -77,6 +92,15 @@ class Go(Verb):
             self.arguments = tuple(
                 argument._replace(completer=lambda *_: labels) for argument in self.arguments
             )
+        self.arguments = tuple(self._with_places(argument) for argument in self.arguments)
+
+    def _with_places(self, argument: Argument) -> Argument:
+        others = argument.completer
+
+        def complete(station: Station, words: Sequence[str]) -> Iterable[str]:
+            return [*(others(station, words) if others else ()), *station.places.of(self.kind)]
+
+        return argument._replace(completer=complete)
 
     @property
     def usage(self) -> str:
@@ -106,9 +130,29 @@ class Go(Verb):
             raise ValueError(check.not_installed(self.kind.action, self.kind.type))
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
-        form = self.kind.form
-        texts = [texts_by_path(self._fields, form, row) for row in rows]
-        return {GOALS: [parse_all(self._fields, form, row) for row in texts]}
+        return {GOALS: [goal for row in rows for goal in self._goals(row)]}
+
+    def _goals(self, row: Sequence[str]) -> Sequence[Mapping[str, Any] | _Named]:
+        """Return the values that words give to one goal, or the words if they may name places."""
+        fields, form = self._fields or (), self.kind.form
+        try:
+            return [parse_all(fields, form, texts_by_path(fields, form, row))]
+        except ValueError as error:
+            if row and all(map(is_place_name, row)):
+                return [_Named(word, str(error)) for word in row]
+            raise
+
+    def _values_of(self, station: Station, goal: Mapping[str, Any] | _Named) -> Mapping[str, Any]:
+        if not isinstance(goal, _Named):
+            return goal
+        if not station.places.of(self.kind):
+            raise ValueError(goal.mistake)
+        return self.parsed(station.places.find(self.kind, goal.word))
+
+    def parsed(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return the values of a file, converted to their fields' types; ValueError."""
+        texts = {path: typed_text(value) for path, value in values.items()}
+        return parse_all(self._fields or (), self.kind.form, texts)
 
     def is_found(self, station: Station, values: Values) -> bool:
         """Return True if the nodes with its limits, if any, have reported their parameters."""
@@ -119,15 +163,16 @@ class Go(Verb):
 
     async def prepare(self, station: Station, values: Values) -> Values:
         form = station.robot.snapshot.form(self.kind)
-        for goal in values[GOALS]:
+        goals = [self._values_of(station, goal) for goal in values[GOALS]]
+        for goal in goals:
             check_ranges(self._fields or (), form, goal)
-        return values
+        return {**values, GOALS: goals}
 
     def question(self, station: Station, values: Values) -> Question | None:
         return low_battery_question(station, "Send")
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        _accept_low_battery(station)
+        accept_low_battery(station)
         return station.goals.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
 
 
@@ -185,7 +230,7 @@ class SendGoal(Verb):
         return low_battery_question(station, "Send")
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        _accept_low_battery(station)
+        accept_low_battery(station)
         return station.goals.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
 
 
@@ -263,7 +308,7 @@ class ContinueQueue(Verb):
         return low_battery_question(station, "Continue")
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        _accept_low_battery(station)
+        accept_low_battery(station)
         return station.goals.resume()
 
 

@@ -23,6 +23,8 @@ TYPED = {
     "Reset the encoder": ("reset", "encoder", "zero"),
     "Charge the battery": ("charge", "battery", "charging"),
     "Send a goal to any action": ("action", "any action", "send goal"),
+    "Save where the robot is": ("place", "pose", "waypoint"),
+    "Save the running goal": ("queue", "list", "goals"),
     "Publish a message": ("publish", "pub", "message"),
     "Call any service": ("service", "call", "any service"),
     "Save a robot file": ("keep", "robot file", "yaml"),

@@ -1,0 +1,26 @@
+"""The commands that give a name to where the robot is, and to the goals of the queue."""
+
+from __future__ import annotations
+
+from archo_tui.commands.base import Console, VerbCommand
+from archo_tui.errors import ArchoError
+
+
+class SaveUnderName(VerbCommand):
+    """The command that asks for a name, and runs a verb with it."""
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_name import AskName
+
+        station = console.station
+
+        async def save(name: str) -> str:
+            try:
+                values = await self.verb.prepare(station, self.verb.values([name]))
+                outcome = await self.verb.run(station, values)
+            except (ArchoError, ValueError) as error:
+                return str(error)
+            console.show_message(outcome.text)
+            return ""
+
+        console.open(AskName(self.verb.title, f"{self.help}:", save))

@@ -1,0 +1,157 @@
+"""The places of a robot and lists of goals, each under a name: of its file, and of the user."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
+from archo_tui.parameters.save_load import write_atomically
+from archo_tui.robot.goals.queue import QueuedGoal
+from archo_tui.robot_file.check import is_place_name
+from archo_tui.robot_file.model import GoalKind, RobotFile
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.dump import block
+
+FILE = "places.yaml"  # In the folder of settings.
+_PLACES, _LISTS = "places", "lists"
+_SHAPE = "expected robots with places and lists, as archo-tui writes them"
+
+
+class Place(NamedTuple):
+    """The values of a goal under a name."""
+
+    name: str
+    goal: str  # The goal's id.
+    values: Mapping[str, Any]  # By dotted path.
+    is_own: bool  # Of the user's file.
+
+
+class Places:
+    """All places and lists of one robot. `load` and `save_...` use a file, and block."""
+
+    def __init__(self, robot: RobotFile, path: Path | None = None) -> None:
+        """Create them; `path` is the user's file, None for none."""
+        self._robot, self.path = robot, path
+        first = robot.goals[0].id if robot.goals else ""
+        self._given = [
+            Place(place.name, place.goal or first, place.values, is_own=False)
+            for place in robot.places
+        ]
+        self._own: dict[str, Place] = {}
+        self.lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {}  # Goal ids and values.
+        self.fault = ""  # Why the user's file is not read.
+
+    @property
+    def all(self) -> list[Place]:
+        """All places by name; those of the robot file come first."""
+        return [*self._given, *self._own.values()]
+
+    def of(self, kind: GoalKind) -> dict[str, Mapping[str, Any]]:
+        """Return the values of the places of a kind of goal, by name."""
+        return {place.name: place.values for place in self.all if place.goal == kind.id}
+
+    def find(self, kind: GoalKind, name: str) -> Mapping[str, Any]:
+        """Return the values of a place, whose name must be spelled exactly; ArchoError."""
+        known = self.of(kind)
+        if name not in known:
+            raise ArchoError(f"no place {name}{nearest_hint(name, known)}")
+        return known[name]
+
+    def goals(self, name: str) -> list[QueuedGoal]:
+        """Return the goals of a list; ArchoError if there is none, or no such goal any more."""
+        if name not in self.lists:
+            raise ArchoError(f"no list {name}{nearest_hint(name, self.lists)}")
+        kinds = {kind.id: kind for kind in self._robot.goals}
+        found = []
+        for goal, values in self.lists[name]:
+            if goal not in kinds or values.keys() != kinds[goal].form.keys():
+                raise ArchoError(f"{name}: the robot file has no goal {goal} with these fields")
+            found.append(QueuedGoal(kinds[goal], values))
+        return found
+
+    def save_place(self, name: str, kind: GoalKind, values: Mapping[str, Any]) -> None:
+        """Add a place of the user's own, or replace one, and write the file; ArchoError."""
+        self._check_name(name)
+        self._read_again()  # Another console may have written it.
+        self._own[name] = Place(name, kind.id, dict(values), is_own=True)
+        self._write()
+
+    def save_list(self, name: str, goals: Sequence[QueuedGoal]) -> None:
+        """Add a list of goals, or replace one, and write the file; ArchoError."""
+        self._check_name(name)
+        self._read_again()
+        self.lists[name] = [(goal.kind.id, dict(goal.values)) for goal in goals]
+        self._write()
+
+    def _check_name(self, name: str) -> None:
+        if not is_place_name(name):
+            raise ArchoError(f"{name!r} is no name: a letter, then letters, digits, _ and -")
+        if any(place.name == name for place in self._given):
+            raise ArchoError(f"{name} is a place of the robot file: choose another name")
+
+    def load(self) -> None:
+        """Read the user's file, if there is one; `fault` says why it is not read."""
+        try:
+            self._read_again()
+        except ArchoError as error:
+            self.fault = str(error)
+
+    def _read_again(self) -> None:
+        if self.path is not None:
+            self._take(self._read(self.path).get(self._robot.name))
+
+    def _write(self) -> None:
+        """Write the user's file, other robots' parts of it as they are; ArchoError."""
+        if self.path is None:
+            raise ArchoError("there is no folder for settings")
+        robots = self._read(self.path)
+        places = {
+            name: {"goal": place.goal, "values": dict(place.values)}
+            for name, place in self._own.items()
+        }
+        lists = {
+            name: [{"goal": goal, "values": dict(values)} for goal, values in goals]
+            for name, goals in self.lists.items()
+        }
+        robots[self._robot.name] = {_PLACES: places, _LISTS: lists}
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise ArchoError(f"{self.path.parent}: {error.strerror}") from None
+        write_atomically(self.path, block(robots))
+
+    def _read(self, path: Path) -> dict[str, Any]:
+        try:
+            found = bounded_yaml.load(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError) as error:
+            raise ArchoError(f"{path}: not read: {error}") from None
+        if not isinstance(found, dict):
+            raise ArchoError(f"{path}: {_SHAPE}")
+        return found
+
+    def _take(self, part: Any) -> None:
+        kinds = {kind.id: kind for kind in self._robot.goals}
+
+        def goal_of(given: Any) -> tuple[str, dict[str, Any]]:
+            goal, values = given["goal"], given["values"]
+            if goal in kinds and values.keys() != kinds[goal].form.keys():
+                raise KeyError
+            return str(goal), dict(values)
+
+        try:
+            part = part or {}
+            own = {name: goal_of(given) for name, given in part.get(_PLACES, {}).items()}
+            lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {
+                name: [*map(goal_of, given)] for name, given in part.get(_LISTS, {}).items()
+            }
+            for name in (*own, *lists):
+                self._check_name(name)
+        except (KeyError, TypeError, AttributeError):
+            raise ArchoError(f"{self.path}: {_SHAPE}") from None
+        self._own = {name: Place(name, *given, is_own=True) for name, given in own.items()}
+        self.lists = lists
