@@ -83,7 +83,7 @@ async def replay() -> str:
         await op.until("enter play")
         await op.press("enter")
         await op.until("REPLAY 20")
-        await op.press("n", "n", "n", "right")
+        await op.press("m", "m", "m", "right")
         return op.app.export_screenshot()
 
 

@@ -17,6 +17,7 @@ from archo_tui.text.state import (
     STRONG,
     WARN,
     Spans,
+    fault_text,
     seconds_text,
     time_factor_text,
 )
@@ -37,7 +38,7 @@ def goal_line(
     """Return the state of the last goal in a line, which may be wider than `width`."""
     goal = snapshot.goal
     if goal is None:
-        return no_goal_line(snapshot, ask)
+        return no_goal_line(snapshot, ask, width)
     texts = {
         Phase.SENT: (
             PLAIN,
@@ -158,13 +159,14 @@ def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spa
     return (text + after, WARN if held else PLAIN), (keys, PLAIN)
 
 
-def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
+def no_goal_line(snapshot: Snapshot, ask: str, width: int | None = None) -> Spans:
     """Return how to give the first goal of the robot file, or why it cannot be given."""
     if not snapshot.file.goals:
         return (("the robot file names no goal", OLD),)
     kind = snapshot.file.goals[0]
     why = snapshot.unavailable(kind.action)
     if why:
+        why = why if width is None else fault_text(why, width)
         return ((why, WARN if kind.action in snapshot.offered else OLD),)
     return ((f"No goal yet. {ask}".rstrip(), PLAIN),)
 

@@ -15,10 +15,12 @@ from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.session import _robots_nodes
 from archo_tui.text.event_rows import event_rows
-from archo_tui.text.state import fault_text
+from archo_tui.text.goal import goal_line
+from archo_tui.text.state import fault_text, plain_text
 from archo_tui.widgets.events_panel import event_lines, events_as_text
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
+from tests.support.states import STATES
 
 
 async def test_events_show_more_levels_on_demand() -> None:
@@ -45,6 +47,9 @@ def test_another_type_is_named_in_the_row_and_in_the_battery_panel() -> None:
     ((line, _),) = event_lines(row, 140, (0,))
     assert line.endswith(fault)  # with room for the packages
     assert fault_text(fault, 25) == "wrong type: String"
+    wrong = STATES["battery of another type"]._replace(goal=None)
+    said = plain_text(goal_line(wrong, 0.0, "", 76))
+    assert said == "move_to_shelf is Fibonacci: expected MoveToShelf"
     assert fault_text("battery_level has several types: a, b", 60).endswith("a, b")
 
 
