@@ -63,7 +63,6 @@ def up(session: Session) -> list[str]:
 @pytest.mark.parametrize(
     ("program", "nodes"),
     [
-        ("learners/battery_that_runs_itself", ["/battery_monitor"]),
         ("programs/main_has_branches", ["/motor_sim"]),
         ("programs/name_given_in_main", ["/talker"]),
         ("programs/node_made_in_main", ["/battery_monitor"]),
