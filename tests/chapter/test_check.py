@@ -3,7 +3,7 @@
 A learner in `share/learners/` has a line `=== NAME: WHY`, then what is expected: `ok: 1 2` are the
 checks that pass, `not ok 3: WORDS` is one that fails and words of its hint, `skip 1: WORDS` names
 what is there instead, `exit 2: WORDS` is all that is said of a file that cannot be hosted,
-`says: WORDS` is how a line begins, `nothing` that nothing was checked. HERE is file and line of what
+`says: WORDS` is how a line begins, `nothing` that nothing was checked. HERE is the line that
 ends in `# here`. What is not named is skipped, but for the last check, which passes. Behind
 `@@` comes the file or, of one `as` another, each change of lines.
 """
