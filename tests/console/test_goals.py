@@ -14,6 +14,7 @@ from archo_tui.paths import journal_file
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, console
+from tests.support.night import corners
 
 
 async def test_a_goal_is_typed_driven_and_arrives() -> None:
@@ -192,7 +193,7 @@ async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 
 
-@pytest.mark.parametrize("together", [True, False])
+@pytest.mark.parametrize("together", corners([True], [False]))
 async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
     together: bool,
 ) -> None:

@@ -19,6 +19,7 @@ from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
+from tests.support.night import corners
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
 
@@ -229,7 +230,7 @@ def _said(op: Console) -> list[str]:
     return [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
 
 
-@pytest.mark.parametrize("key", ["r", "c", "ctrl+x"])
+@pytest.mark.parametrize("key", corners(["r", "ctrl+x"], ["c"]))
 async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(key: str) -> None:
     async with console(*FAST) as op:
         begin = seconds()

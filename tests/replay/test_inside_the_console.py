@@ -226,6 +226,7 @@ async def test_the_live_console_has_the_size_of_a_terminal_that_changed_in_a_rep
         assert "q Quit" in op.text.splitlines()[-1]
 
 
+@pytest.mark.night
 async def test_recordings_that_were_played_do_not_stay_in_memory() -> None:
     async with recorded() as op:
         players: WeakSet[Player] = WeakSet()

@@ -19,6 +19,7 @@ from archo_tui.screens.ask_path import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
+from tests.support.night import corners
 
 
 async def edit(op: Console, name: str, typed: str) -> None:
@@ -392,23 +393,19 @@ def shown(op: Console, said: str) -> bool:
     return str(line.content).endswith(said)
 
 
-@pytest.mark.parametrize("key", ["ctrl+s", "ctrl+o"])
-async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(
-    key: str, tmp_path: Path
-) -> None:
+async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(tmp_path: Path) -> None:
+    places = hostile.places(tmp_path) | {"~nosuchuser/x": "no home folder is known for ~nosuchuser"}
     async with console() as op:
-        await op.press("4", key)
-        field = op.app.screen.query_one("#path", Input)
-        places = hostile.places(tmp_path) | {
-            "~nosuchuser/x": "no home folder is known for ~nosuchuser"
-        }
-        for typed, said in places.items():
-            field.value = typed
-            for _ in range(2):  # what exists is asked about first
-                await op.press("enter")
-            await op.until(lambda: shown(op, said))  # noqa: B023
-            assert op.app.screen.query("#path")
-        await op.press("escape")
+        for key in ("ctrl+s", "ctrl+o"):
+            await op.press("4", key)
+            field = op.app.screen.query_one("#path", Input)
+            for typed, said in places.items():
+                field.value = typed
+                for _ in range(2):  # what exists is asked about first
+                    await op.press("enter")
+                await op.until(lambda: shown(op, said))  # noqa: B023
+                assert op.app.screen.query("#path")
+            await op.press("escape")
 
 
 async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
@@ -448,47 +445,37 @@ async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_
 LABELS = ["a, b", "yes", "", "it's\n\u202e"]
 
 
-@pytest.mark.parametrize(
-    ("name", "value"), [("label", "x" * 600), ("label", "two\nlines\u202e"), ("labels", LABELS)]
-)
-async def test_a_value_that_is_sent_untouched_stays_what_it_is(name: str, value: Any) -> None:
+async def test_a_value_that_is_sent_untouched_stays_what_it_is_and_no_mark_is_sent() -> None:
+    values = {"long": "x" * 600, "lines": "two\nlines\u202e", "several": LABELS}
     made: list[Node] = []
 
     def labelled(**options: Any) -> Node:
         made.append(Node("labelled", **options))
-        made[0].declare_parameter(name, value)
+        for name, value in values.items():
+            made[0].declare_parameter(name, value)
         return made[0]
 
     async with console(node_makers=[labelled], wait=False) as op:
-        await op.until(lambda: op.app.view.snapshot.parameter(name) is not None)
-        await op.press("4")
-        names = op.parameters
-        op.send("home", *["down"] * names.index(name), "enter")
-        await op.until(lambda: op.app.screen.query("#value"))
-        await op.press("enter")
-        await op.until(f"set labelled {name}")
-        assert made[0].get_parameter(name).value == value
-        assert op.app.view.snapshot.parameter(name).value == value  # type: ignore[union-attr]
 
+        async def open_value(name: str) -> None:
+            await op.until(lambda: op.app.view.snapshot.parameter(name) is not None)
+            await op.press("4")
+            op.send("home", *["down"] * op.parameters.index(name), "enter")
+            await op.until(lambda: op.app.screen.query("#value"))
 
-async def test_what_cannot_be_shown_is_not_sent_as_its_mark() -> None:
-    def labelled(**options: Any) -> Node:
-        node = Node("labelled", **options)
-        node.declare_parameter("label", "two\nlines")
-        return node
-
-    async with console(node_makers=[labelled], wait=False) as op:
-        await op.until(lambda: op.app.view.snapshot.parameter("label") is not None)
-        await op.press("4")
-        names = op.parameters
-        op.send("home", *["down"] * names.index("label"), "enter")
-        await op.until(lambda: op.app.screen.query("#value"))
+        for name, value in values.items():
+            await open_value(name)
+            await op.press("enter")
+            await op.until(f"set labelled {name}")
+            assert made[0].get_parameter(name).value == value
+            assert op.app.view.snapshot.parameter(name).value == value  # type: ignore[union-attr]
+        await open_value("lines")
         await op.press("end", "!", "enter")
         await op.until("stands for what cannot be shown: type it again")
-        assert op.app.view.snapshot.parameter("label").value == "two\nlines"  # type: ignore[union-attr]
+        assert made[0].get_parameter("lines").value == values["lines"]
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 36)])
+@pytest.mark.parametrize("size", corners([(80, 24)], [(120, 36)]))
 async def test_where_the_table_scrolls_every_bound_keeps_its_last_digit(
     size: tuple[int, int],
 ) -> None:
