@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import string
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -119,6 +120,10 @@ class KeyedApp(TerminalApp):
             known = self._bindings.key_to_bindings.get(key, [])
             ours = [b for b in known if b.action.startswith("command(")]
             self._bindings.key_to_bindings[key] = [*ours, binding]
+            if key in string.digits:  # With alt, which escape before it is in tmux, it is no text.
+                key, action = f"alt+{key}", f"digit('{command.id}')"
+                own = [Binding(key, action, priority=True)]
+                self._bindings.key_to_bindings.setdefault(key, own)
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id; `counted` if a STOP was counted as its key was read."""
@@ -409,14 +414,15 @@ class KeyedApp(TerminalApp):
         if action == "leave_field":
             leads_out = field is not None or main.search is not None or main.is_full
             return self.screen is main and leads_out
-        if action != "command":
+        if action not in ("command", "digit"):
             return super().check_action(action, parameters)
         command = self._find_command(str(parameters[0]))
         if command is None:
             return False
         if command.where == EVERYWHERE:
             return True
-        if self.screen is not main or (field is not None and self._is_text(command, field)):
+        is_text = action == "command" and field is not None and self._is_text(command, field)
+        if self.screen is not main or is_text:
             return False
         return not command.panel or command.panel == main.focused_panel
 
@@ -429,6 +435,10 @@ class KeyedApp(TerminalApp):
         """Return the command with an id, of the replay while one is shown, but for STOP."""
         registry = self.registry if name == "stop" else self.front.registry
         return next((command for command in registry if command.id == name), None)
+
+    def action_digit(self, name: str) -> None:
+        """Run the command of a digit that was typed with alt, or directly behind an escape."""
+        self.action_command(name)
 
     def action_leave_field(self) -> None:
         """Leave the field, the search or the full screen: the first that applies."""

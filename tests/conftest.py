@@ -71,7 +71,7 @@ _POSIX = {
     *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_save_load", "test_two_processes", "test_kill"),
-    *("test_stop_is_final", "test_terminal_keys", "test_plain_walk", "test_walk_with_stops"),
+    *("test_stop_is_final", "test_terminal_keys", "test_walk_with_stops"),
     *("test_shell", "test_hostile", "test_on_the_screen", "test_pages", "test_python"),
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
     *("test_without_a_console", "test_with_a_console", "test_its_connection"),
@@ -92,7 +92,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.path.stem in _POSIX:
             item.add_marker(pytest.mark.posix)
     if not config.getoption("--night"):
-        marks = {"night"} if config.getoption("--engine") == "embedded" else {"night", "waits"}
+        is_embedded = config.getoption("--engine") == "embedded"
+        marks = {"night"} if is_embedded else {"night", "waits", "pure"}
         left = [item for item in items if any(map(item.get_closest_marker, marks))]
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if item not in set(left)]

@@ -50,6 +50,7 @@ _PLACES: dict[Any, str] = {
     model.StopServices: "`stop`",
     model.CommandService: "Each of `commands`",
     model.Gauge: "Each of `gauges`",
+    model.TopicRule: "Each of `topics`",
     model.MessageField: "A reading",
     model.ParameterRef: "A number that is a parameter",
 }
@@ -215,6 +216,8 @@ _PARTS = {
     "verbs": words,
     "stop_table": stop_table,
     "goal_table": goal_table,
+    "stop_picture": stop_picture,
+    "goal_picture": goal_picture,
 }
 
 
@@ -226,8 +229,6 @@ def files() -> dict[Path, str]:
 
     pages = {page: page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")}
     made = {page: _PART.sub(part, text) for page, text in pages.items() if _PART.search(text)}
-    made[DOCS / "pictures" / "stop_states.svg"] = stop_picture()
-    made[DOCS / "pictures" / "goal_phases.svg"] = goal_picture()
     return made | {SCHEMA: json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"}
 
 

@@ -45,8 +45,8 @@ PLAYED: tuple[tuple[tuple[str, ...], str, float], ...] = (
     (("ctrl+p", *"recordings"), "List the recordings", 1.5),
     (("enter",), "enter play", 2.0),
     (("enter",), "REPLAY 20", 2.0),
-    (("n",), "go to shelf 12: accepted", 3.0),
-    (("n", "n"), "REPLAY", 3.5),
+    (("m",), "go to shelf 12: accepted", 3.0),
+    (("m", "m"), "REPLAY", 3.5),
 )
 MOST = 400_000  # bytes
 NO_BREAK = "\u00a0"

@@ -19,6 +19,7 @@ from archo_tui.robot_file.load import default_path
 from archo_tui.verbs import verbs
 from tests.support import chosen, warm
 from tests.support.archo import ARCHO
+from tests.support.night import corners
 
 Refused = Callable[..., str]
 RED = "\N{REPLACEMENT CHARACTER}[31m"  # a sequence, as it is shown
@@ -204,6 +205,7 @@ def test_a_key_that_is_taken_is_one_line_in_each_face(
     assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
 
 
+@pytest.mark.night
 def test_without_docstrings_the_help_texts_are_there() -> None:
     command = [sys.executable, "-OO", "-m", "archo_tui", "keys"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
@@ -312,7 +314,7 @@ def test_stdout_must_be_a_terminal_too() -> None:
     master, slave = pty.openpty()
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "archo_tui"], stdin=slave, capture_output=True, check=False
+            warm.python("-m", "archo_tui"), stdin=slave, capture_output=True, check=False
         )
     finally:
         os.close(master)
@@ -441,11 +443,13 @@ STALE = (
 
 @pytest.mark.parametrize(
     ("patch", "said", "hint"),
-    [
-        (NO_ROS, "ROS 2 was not found", "pip install '.[ros2]' ./interfaces"),
-        (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
-        (STALE, "archo_interfaces is out of date, it lacks msg/BatteryStatus", "colcon build"),
-    ],
+    corners(
+        [(NO_ROS, "ROS 2 was not found", "pip install '.[ros2]' ./interfaces")],
+        [
+            (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
+            (STALE, "archo_interfaces is out of date, it lacks msg/BatteryStatus", "colcon build"),
+        ],
+    ),
 )
 def test_a_lack_of_ros_is_one_line_with_what_to_type(patch: str, said: str, hint: str) -> None:
     done = run_patched(patch, "--engine", "ros2")

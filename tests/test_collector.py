@@ -23,7 +23,6 @@ Collect = Callable[[float], None]  # a full collection that takes so many second
 
 @pytest.fixture
 def collect(monkeypatch: pytest.MonkeyPatch) -> Iterator[Collect]:
-    gc.collect()
     gc.freeze()  # all that the other tests have left: only what is made here counts
     frozen, now = gc.get_freeze_count(), 0.0
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import chosen
+from tests.support.night import corners
 
 pytestmark = pytest.mark.real_time
 
@@ -92,7 +93,9 @@ def run(program: str, folder: Path, said: str = "") -> str:
 
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="the embedded engine is what is there")
 @pytest.mark.parametrize(
-    ("program", "said"), [(CONSOLE, ""), (PLAIN, "go 12\nquit\n")], ids=["console", "plain"]
+    ("program", "said"),
+    corners([(PLAIN, "go 12\nquit\n")], [(CONSOLE, "")]),
+    ids=["plain", "console"],
 )
 def test_a_goal_is_driven_to_its_end_without_posix(program: str, said: str, tmp_path: Path) -> None:
     assert "Arrived at shelf 12" in run(program, tmp_path, said)

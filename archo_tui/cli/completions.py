@@ -70,7 +70,9 @@ def completion_script(shell: str) -> str:
     wait = "Wait until the robot is in that state"
     subparser = commands.add_parser("wait", help=wait, description=wait)
     _add_options(subparser, options_of("wait"))
-    subparser.add_argument("state", choices=("idle", "arrived", "ready", "stopped", "battery"))
+    subparser.add_argument(
+        "state", choices=("idle", "arrived", "ready", "stopped", "left", "battery")
+    )
     script = str(shtab.complete(parser, shell=shell, preamble=_PREAMBLE[shell]))
     return _with_repeated_words(script) if shell == "zsh" else script
 

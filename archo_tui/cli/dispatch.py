@@ -6,6 +6,7 @@ from argparse import Namespace
 from collections.abc import Callable
 
 from archo_tui.cli import subcommands
+from archo_tui.cli.chapter import write_chapter
 from archo_tui.cli.console import run_console
 from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.launch import launch
@@ -20,6 +21,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.stop.words import is_stop_text
 
 _RUN: dict[str, Callable[[Namespace], int]] = {
+    "chapter": write_chapter,
     "check": subcommands.check,
     "launch": launch,
     "keys": subcommands.print_keys,

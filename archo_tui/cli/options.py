@@ -222,6 +222,16 @@ def _robot_option(parser: argparse._ActionsContainer) -> None:
     )
 
 
+def _chapter_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "folder",
+        metavar="DIR",
+        nargs="?",
+        default="chapter",
+        help="the workspace that is written (chapter if it is left out); never over a file",
+    )
+
+
 def _check_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "files",
@@ -325,6 +335,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 # The help and the options of each subcommand; dispatch.py has the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
+    "chapter": ("write the chapter's files to start from", _chapter_options),
     "check": ("check nodes as the textbook's chapter asks", _check_options),
     "launch": ("run a ROS 2 launch file, without ROS", _launch_options),
     "keys": ("print all keys, in the form of keymap.yaml", _robot_option),

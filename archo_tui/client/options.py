@@ -6,7 +6,8 @@ from __future__ import annotations
 # the console's own operator.
 _LINES = {
     "stop": "stop: STOP: software stop, holds until released; does not replace the hardware stop",
-    "wait": "wait idle|arrived|ready|stopped|battery N: Wait until the robot is in that state",
+    "wait": "wait idle|arrived|ready|stopped|left N|battery N: "
+    "Wait until the robot is in that state",
 }
 _JSON = "--json", "print one JSON object per line; the last one is the result"
 _TO = "--to CONSOLE", "process number or namespace of the console, where several run"

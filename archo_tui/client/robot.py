@@ -387,13 +387,12 @@ class Robot:
             except find.NoConsole:
                 _stop({"to": card["namespace"], **robot})
 
-    def set(self, node: str, name: str, value: Any, timeout: float | None = None) -> None:
+    def set(self, *node_name_value: Any, timeout: float | None = None) -> None:
         """Set a parameter of a node, and return once the node has accepted the value.
 
         Args:
-            node: The name of the node: `motor_controller`.
-            name: The name of the parameter: `max_speed`.
-            value: A bool, number, text, or list of these, as the parameter's type is.
+            node_name_value: `"motor_controller", "max_speed", 0.5`; without the node if only one
+                has such a parameter. The value is a bool, number, text, or list of these.
             timeout: See `Robot`.
 
         Raises:
@@ -401,30 +400,31 @@ class Robot:
             Unconfirmed: The node does not answer: it may have taken the value.
             Misused: There is no such parameter, or the value is beyond its range.
         """
-        self.do("set", node, name, _text(value), timeout=timeout)
+        self.do("set", *map(_text, node_name_value), timeout=timeout)
 
-    def get(self, node: str, name: str, timeout: float | None = None) -> Any:
+    def get(self, *node_name: str, timeout: float | None = None) -> Any:
         """Return the value of a parameter: a bool, number, text, or list of these.
 
         Of a list the first 100 items are returned, of a text some 500 characters; NaN and infinity
         are texts.
 
         Args:
-            node: The name of the node: `motor_controller`.
-            name: The name of the parameter: `max_speed`.
+            node_name: `"motor_controller", "max_speed"`; without the node if only one has such a
+                parameter.
             timeout: See `Robot`.
 
         Raises:
             Misused: There is no such node or parameter.
         """
-        return self.do("get", node, name, timeout=timeout)["value"]
+        return self.do("get", *node_name, timeout=timeout)["value"]
 
     def wait(self, *what: str | float, timeout: float | None = None) -> None:
         """Wait until the robot is in a state; for a goal of your own use `GoalHandle.wait`.
 
         Args:
             *what: `idle`, `ready`, `stopped`, `arrived` (the goal that runs now, whoever sent it),
-                or `battery` and a number of percent.
+                `left` and the way of that goal at which the wait ends, in m or as the robot file
+                has it, or `battery` and a number of percent.
             timeout: See `Robot`. Nothing is cancelled after it.
 
         Raises:

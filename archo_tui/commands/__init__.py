@@ -20,6 +20,7 @@ from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.goals import Go
+from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Give
 from archo_tui.verbs.verb import Verb
 
@@ -55,6 +56,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         *(robot.FormGoalKey(goal) for goal in goals[1:]),
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
+        *(generic.AnyTopic(verb) for verb in verbs.values() if isinstance(verb, Publish)),
         generic.WriteRobotFile(),
         generic.DescribeRobot(),
         console.AcknowledgeKey(verbs["ack"]),
@@ -66,7 +68,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         parameters.EditWithInitial(),
         parameters.SwitchBoolean(),
         parameters.ToggleOnlyChanged(),
-        parameters.ToggleStandard(),
+        parameters.ToggleHidden(),
         parameters.FilterParameters(),
         parameters.UndoKey(verbs["undo"]),
         parameters.SaveKey(verbs["save"]),

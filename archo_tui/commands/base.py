@@ -20,7 +20,7 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
-from archo_tui.verbs.verb import Values, Verb
+from archo_tui.verbs.verb import Question, Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
 if TYPE_CHECKING:
@@ -215,9 +215,11 @@ class Command:
 
 
 def asking_first(
-    console: Console, verb: Verb, send: Callable[[Mapping[str, Any]], Awaitable[Outcome]]
+    console: Console,
+    ask: Callable[[Mapping[str, Any]], Question | None],
+    send: Callable[[Mapping[str, Any]], Awaitable[Outcome]],
 ) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
-    """Return the `send` of a form, which at first returns the verb's question if there is one.
+    """Return the `send` of a form, which at first returns what `ask` asks, if anything.
 
     Called again, it sends; not before _AGREE_AFTER seconds: a key may be held down.
     """
@@ -225,7 +227,7 @@ def asking_first(
 
     async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
         nonlocal asked
-        question, now = verb.question(console.station, values), console.station.clock.monotonic()
+        question, now = ask(values), console.station.clock.monotonic()
         if question is not None and (asked is None or now - asked < _AGREE_AFTER):
             asked = now if asked is None else asked
             return Outcome(Code.REFUSED, f"{question.text} Then send it again.")

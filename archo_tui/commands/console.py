@@ -121,6 +121,10 @@ _SHOWN = {
 }
 
 
+_NOW = "Now"
+_FOR_A_STATE = ("release", "continue", "skip", "ack")  # Each can run in one state only.
+
+
 class PanelKey(Command):
     def __init__(self, number: int, title: str) -> None:
         self.number = number
@@ -156,29 +160,32 @@ class ShowHelpEverywhere(ShowHelp):
 
 
 def _help_entries(console: Console, panel: Panel | None) -> list[Entry]:
-    """Return all keys: those of a panel first, then those that work everywhere."""
+    """Return all keys: first those for the state, those of the focus, and those of everywhere."""
     from archo_tui.screens.help import Entry
 
-    here, everywhere = "", EVERYWHERE.capitalize()
-    entries = []
+    here = f"Here, in {panel.title_text}" if panel is not None else ""
+    taken = panel.field_keys if panel is not None else ()
+    entries = [Entry(here, key, word, True) for key, word in taken]
     for command in console.registry:
         if isinstance(command, PanelKey):
             continue
         entry = _help_entry(console, command)
-        is_local = entry.key and command.where != EVERYWHERE
-        if (
-            panel is not None
-            and is_local
-            and (command.panel == panel.number or command.id in dict(panel.keys))
-        ):
-            here = f"Here, in {panel.title_text}"
+        if entry.key and entry.works and command.id in _FOR_A_STATE:
+            entry = entry._replace(section=_NOW)
+        elif panel is not None and entry.key and command.where != EVERYWHERE:
             key = panel.other_keys.get(command.id, entry.key)
-            entry = entry._replace(section=here, key=key)
-        entries.append(entry)
+            if any(key == other for other, _ in taken):
+                continue
+            if command.panel == panel.number or command.id in dict(panel.keys):
+                entry = entry._replace(section=here, key=key)
+        if command.id == "release":  # While stopped, that is what is asked for first.
+            entries.insert(0, entry)
+        else:
+            entries.append(entry)
     panels = sum(isinstance(command, PanelKey) for command in console.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", True))
-    first = {here: 0, everywhere: 1}
-    return sorted(entries, key=lambda entry: (first.get(entry.section, 2), not entry.key))
+    first = {_NOW: 0, here: 1, EVERYWHERE.capitalize(): 2}
+    return sorted(entries, key=lambda entry: (first.get(entry.section, 3), not entry.key))
 
 
 def _help_entry(console: Console, command: Command) -> Entry:
@@ -223,6 +230,14 @@ class Suspend(Command):
         console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
 
 
+# Of a robot that runs elsewhere; nodes of this process end, and with them the STOP that they hold.
+_STAYS_STOPPED = (
+    "The robot is stopped, and stays so: the STOP holds on until R in a console, or archo-tui "
+    "release, releases it."
+)
+_STAYS_OPEN = "The STOP is not confirmed, and once this console has ended nobody repeats it."
+
+
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; if a goal runs, asks first and cancels it"
@@ -231,7 +246,13 @@ class Quit(Command):
         goal, station = console.station.running_goal, console.station
         if goal is None:
             # A goal may be on its way to the robot, so the choice still matters.
-            return self._end(console, station.on_disconnect)
+            end = partial(self._end, console, station.on_disconnect)
+            snapshot = station.robot.snapshot
+            if not (station.attached and snapshot.is_stopped):
+                return end()
+            text = _STAYS_OPEN if snapshot.open_stop is not None else _STAYS_STOPPED
+            console.confirm("Quit", text, "Stay", {"Quit": end})
+            return None
         if not goal.mine:
             self._leave_another(console)
             return None

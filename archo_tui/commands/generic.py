@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import asyncio
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,9 @@ from archo_tui.commands.base import Command, Console, VerbCommand, Work, asking_
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.messages.types import TypedField
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state.graph import TOPIC
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.load import dump, without
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
@@ -20,16 +23,22 @@ from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 from archo_tui.verbs.names import type_of
+from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.topics import LISTENING, robot_file_text
-from archo_tui.verbs.verb import Verb
+from archo_tui.verbs.verb import Question, Verb
 
 if TYPE_CHECKING:
     from archo_tui.screens.choose import Choice
 
+_LOOK_PERIOD = 0.02  # Seconds between two looks whether a publication has begun.
+
 
 class _GenericCommand(VerbCommand):
-    """The base of commands that list actions or services, and open a form for the chosen one."""
+    """The base of commands that list names on the graph, and open a form for the chosen one."""
+
+    more_fields: Sequence[TypedField] = ()  # Behind those of the message.
+    form: Mapping[str, FormField] = {}  # Labels, units and limits of them.
 
     def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         """Return the actions or services on the graph: the types of each by its full name."""
@@ -64,8 +73,16 @@ class _GenericCommand(VerbCommand):
             console.show_message(not_installed(name, kind))
             return
         typed = console.typed.setdefault(name, {})
-        send = asking_first(console, self.verb, partial(self.send, console, name, kind))
-        console.open(MessageForm(f"{name}  {kind}", message_fields, send, typed))
+        send = partial(self.send, console, name, kind)
+        asking = asking_first(console, partial(self.question, console, name, kind), send)
+        fields = (*message_fields, *self.more_fields)
+        console.open(MessageForm(f"{name}  {kind}", fields, asking, typed, self.form))
+
+    def question(
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+    ) -> Question | None:
+        """Return the question before what is sent; None for none."""
+        return self.verb.question(console.station, values)
 
     async def send(
         self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
@@ -108,6 +125,71 @@ class AnyGoal(_GenericCommand):
             used = replace(goal, form={path: FormField() for path in _paths(values)})
             console.used = replace(console.used, goals=(*known, used))
         return outcome
+
+
+class AnyTopic(_GenericCommand):
+    """The command that publishes to any topic on the graph, once or until it is ended."""
+
+    more_fields = (TypedField(RATE, "double", 1.0), TypedField(TIMES, "int32", 1))
+    form = {
+        RATE: FormField(label="Rate", unit="Hz", low=0.01, high=MAX_RATE),
+        TIMES: FormField(label="Times (0: until cancelled)", low=0),
+    }
+
+    def __init__(self, verb: Publish) -> None:
+        super().__init__(verb)
+        self._running: set[asyncio.Future[Outcome]] = set()  # The loop holds tasks weakly.
+
+    def disabled_reason(self, console: Console) -> str:
+        no_topic = "" if self.types_by_name(console) else "no topic is on the graph"
+        return super().disabled_reason(console) or no_topic
+
+    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+        topics = (found for found in console.view.snapshot.resources if found.kind == TOPIC)
+        return {found.name: found.types for found in topics}
+
+    async def open_form(self, console: Console, name: str) -> None:
+        await self._open_form(console, name)
+
+    def question(
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+    ) -> Question | None:
+        moves = console.view.snapshot.moves_by(name)
+        given = {**_publish_values(name, values), "type": type_name, "moves": moves}
+        return self.verb.question(console.station, given)
+
+    async def send(
+        self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
+    ) -> Outcome:
+        """Begin to publish, and return once it has begun: the form closes, and it goes on."""
+        station = console.station
+        try:
+            prepared = await self.verb.prepare(station, _publish_values(name, values))
+        except ValueError as error:
+            return Outcome(Code.MISUSE, str(error))
+        except ArchoError as error:
+            return Outcome(Code.REFUSED, str(error))
+        publishing = asyncio.ensure_future(self.verb.run(station, prepared))
+        self._running.add(publishing)
+        publishing.add_done_callback(self._running.discard)
+        active = station.robot.publications
+        while not publishing.done() and not any(p.count for p in active.active):
+            await station.clock.sleep(_LOOK_PERIOD)
+        console.update_screen()
+        if not publishing.done():
+            outcome = Outcome(Code.ACCEPTED, "publishing; ctrl+c ends it")
+        else:
+            outcome = publishing.result()
+        if outcome.ok:
+            console.show_message(outcome.text, name)
+        return outcome
+
+
+def _publish_values(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of `pub` for those of its form."""
+    fields = {path: value for path, value in values.items() if path not in (RATE, TIMES)}
+    rate, times = values.get(RATE, 1.0), values.get(TIMES, 1) or None
+    return {"topic": name, "field=value": [], "rate": rate, "times": times, "fields": fields}
 
 
 class AnyService(_GenericCommand):

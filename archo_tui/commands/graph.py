@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
+from archo_tui.commands.generic import AnyTopic
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.messages import ros2_command
 from archo_tui.robot.messages.definitions import definitions_text
@@ -66,4 +67,6 @@ def _watched(console: Console, name: str, types: Sequence[str]) -> WatchedTopic:
         console.show_message(command, title="Copied the command")
 
     follow = partial(console.station.robot.follow_topic, name)
-    return WatchedTopic(name, follow, partial(in_daemon, definitions_text, types), copy)
+    commands = (command for command in console.registry if isinstance(command, AnyTopic))
+    publish = next((partial(command.open_form, console, name) for command in commands), None)
+    return WatchedTopic(name, follow, partial(in_daemon, definitions_text, types), copy, publish)

@@ -9,12 +9,13 @@ from archo_tui.commands.base import EVERYWHERE, Command, Console
 
 class OpenPalette(Command):
     id, key = "palette", "ctrl+p"
-    help = "Open the command palette: every command, parameter, node and topic, and the themes"
+    help = "Open the command palette: every command, parameter, node and topic"
     where = EVERYWHERE
 
     def run(self, console: Console) -> None:
-        from archo_tui.commands.palette_choices import CommandPalette, goal_choices, palette_choices
+        from archo_tui.commands import palette_choices as palette
 
-        if not any(isinstance(screen, CommandPalette) for screen in console.screens):
-            rows, goals = partial(palette_choices, console), partial(goal_choices, console)
-            console.open(CommandPalette("Commands", rows, goals))
+        if not any(isinstance(screen, palette.CommandPalette) for screen in console.screens):
+            rows = partial(palette.palette_choices, console)
+            typed = partial(palette.typed_choices, console)
+            console.open(palette.CommandPalette("Commands", rows, typed))

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from archo_tui.commands import graph, nodes, parameters
 from archo_tui.commands.base import Command, Console
+from archo_tui.errors import ArchoError
+from archo_tui.robot.graph.parameter_values import parse
 from archo_tui.robot.messages.values import text_of
-from archo_tui.robot.state.graph import TOPIC
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state.graph import TOPIC, Parameter
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.text.nodes import node_rows
+from archo_tui.verbs.parameters import Set
+from archo_tui.verbs.verb import Values, run_when_ready
 from archo_tui.widgets.screen_state import ScreenState
 
 _NUMBER = re.compile(r"[-+]?\d+(\.\d*)?")
-_FIRST = ("go", "cancel", "stop")
+_FIRST = ("release", "go", "cancel", "stop")
 _DUPLICATES = ("palette", "quit_everywhere")  # The same commands by another key.
 _FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
+_THEME_WORDS = "colours colors appearance dark night light bright day high contrast"
 _SEARCH_WORDS = {
     "go": "drive move target send",
     "cancel": "abort call back",
@@ -29,6 +36,7 @@ _SEARCH_WORDS = {
     "release": "unlock resume clear reset stop",
     "send_goal": "action",
     "call": "request",
+    "pub": "message topic send",
     "other_robot": "namespace switch robots restart",
     "keep_robot": "export write yaml",
     "describe_robot": "robot file new discover yaml",
@@ -40,7 +48,7 @@ _SEARCH_WORDS = {
     "switch": "toggle flag",
     "only_changed": "difference differ diff modified",
     "filter": "find search",
-    "ros_own": "hidden own use_sim_time",
+    "all_parameters": "hidden own use_sim_time ros every standard",
     "resource": "interface message info type definition",
     "undo": "back revert",
     "save": "export write dump yaml",
@@ -69,7 +77,7 @@ _SEARCH_WORDS = {
 
 
 class CommandPalette(Choose):
-    """The command palette: commands, nodes, parameters, topics and themes in one list."""
+    """The command palette: commands, nodes, parameters and topics in one list."""
 
     empty_text = "no command matches"
 
@@ -96,25 +104,62 @@ class CommandPalette(Choose):
 
 
 def palette_choices(console: Console) -> list[Choice]:
-    """Return all rows: go, cancel and STOP first, then what can run, then everything else."""
+    """Return all rows, those that can be done now first: of them release, go, cancel and STOP."""
     commands = {
         c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES
     }
     first = [commands.pop(name) for name in _FIRST if name in commands]
-    return [
+    screenshot = "screenshot export svg"
+    rows = [
         *first,
-        *sorted(commands.values(), key=lambda choice: bool(choice.reason)),
+        *commands.values(),
+        Choice("Choose a theme", partial(_open_themes, console), console.theme, words=_THEME_WORDS),
+        Choice("Save a picture of the screen", console.write_screenshot, words=screenshot),
         *_node_choices(console),
         *_parameter_choices(console),
         *_topic_choices(console),
-        *_theme_choices(console),
-        Choice(
-            "Save a picture of the screen", console.write_screenshot, words="screenshot export svg"
-        ),
     ]
+    return sorted(rows, key=lambda choice: bool(choice.reason))
 
 
-def goal_choices(console: Console, typed: str) -> list[Choice]:
+def typed_choices(console: Console, typed: str) -> list[Choice]:
+    """Return a row for a line that is a command by itself: `12 7`, or `set max_speed 0.2`."""
+    return [*_goal_choices(console, typed), *_set_choices(console, typed)]
+
+
+def _set_choices(console: Console, typed: str) -> list[Choice]:
+    """Return a row that sets a parameter, as `Set motor_controller max_speed to 0.2`, or no row."""
+    edit, verb = parameters.Edit(), Set()
+    if all(command.id != edit.id for command in console.registry):
+        return []  # A replay has no commands that act.
+    try:
+        values = verb.values(shlex.split(typed.removeprefix(f"{verb.id} ")))
+        found = verb.find_parameter(console.station, values)
+        reason = edit.disabled_reason(console) or _mistake(found, values["value"])
+    except (ArchoError, ValueError):
+        return []
+    title = f"Set {found.node.lstrip('/')} {found.name} to {values['value']}"
+    return [Choice(title, partial(_set, console, verb, values), "enter", reason)]
+
+
+def _mistake(parameter: Parameter, typed: str) -> str:
+    """Return why a parameter cannot have a typed value, or ""."""
+    try:
+        parse(parameter, typed)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+async def _set(console: Console, verb: Set, values: Values) -> None:
+    try:
+        outcome = await run_when_ready(console.station, verb, values)
+    except (ArchoError, ValueError) as error:
+        outcome = Outcome(Code.MISUSE, f"not set: {error}")
+    console.report_failure(outcome)
+
+
+def _goal_choices(console: Console, typed: str) -> list[Choice]:
     """Return a row that sends typed numbers as goals, as `Go to shelf 7, 3`, or no row."""
     go = next((command for command in console.registry if command.id == "go"), None)
     kinds, panel = console.view.snapshot.file.goals, console.main.goal
@@ -182,10 +227,15 @@ def _topic_choices(console: Console) -> Iterator[Choice]:
             yield Choice(f"Topic {resource.name}", act, words=words)
 
 
-def _theme_choices(console: Console) -> Iterator[Choice]:
+def _open_themes(console: Console) -> None:
     themes = console.available_themes
-    for name in sorted(themes, key=lambda name: (name not in _FIRST_THEMES, name)):
-        now = "now" if name == console.theme else ""
-        act = partial(setattr, console, "theme", name)
-        shade = "dark night" if themes[name].dark else "light bright day"
-        yield Choice(f"Theme {name}", act, now, words=f"colours colors appearance {shade}")
+    rows = [
+        Choice(
+            f"Theme {name}",
+            partial(setattr, console, "theme", name),
+            "now" if name == console.theme else "",
+            words="dark night" if themes[name].dark else "light bright day",
+        )
+        for name in sorted(themes, key=lambda name: (name not in _FIRST_THEMES, name))
+    ]
+    console.open(Choose("Themes", rows))

@@ -96,13 +96,13 @@ class ToggleOnlyChanged(_InParameters):
         console.main.parameters.toggle_changed()
 
 
-class ToggleStandard(_InParameters):
-    id, key = "ros_own", "full_stop"
-    help = "Show or hide the parameters that every ROS node has"
+class ToggleHidden(_InParameters):
+    id, key = "all_parameters", "full_stop"
+    help = "Show or hide the other parameters: those that an operator seldom changes"
     gives_way = True
 
     def run(self, console: Console) -> None:
-        console.main.parameters.toggle_standard()
+        console.main.parameters.toggle_hidden()
         console.update_screen()
 
 

@@ -13,7 +13,7 @@ from archo_tui.text.alarm import timeline
 # The console's commands that change nothing; a replay has no others of them.
 _HARMLESS = frozenset(
     (
-        *("only_changed", "ros_own", "filter", "save", "details", "level", "search"),
+        *("only_changed", "all_parameters", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
         *("longer", "resource", "diagnostics", "help", "help_everywhere", "palette", "suspend"),
         *(f"panel_{number}" for number in range(1, 9)),
@@ -52,8 +52,8 @@ def read_only_commands(player: Player, commands: tuple[Command, ...]) -> tuple[C
         StepMessage(player, "message_after", "full_stop", 1),
         ChangeSpeed(player, "slower", "left_curly_bracket", -1),
         ChangeSpeed(player, "faster", "right_curly_bracket", 1, "Speed"),
-        StepMark(player, "next_mark", "n", 1, "Mark"),
-        StepMark(player, "mark_before", "N", -1),
+        StepMark(player, "next_mark", "m", 1, "Mark"),
+        StepMark(player, "mark_before", "M", -1),
         *shown,
         PanelKey(TIME, "Time line"),
         ShowRecordedAlarms(player),

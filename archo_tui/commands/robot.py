@@ -70,7 +70,7 @@ class FormGoalKey(VerbCommand):
             return outcome
 
         form = console.view.snapshot.form(kind)
-        sends = asking_first(console, self._go, send)
+        sends = asking_first(console, partial(self._go.question, console.station), send)
         console.open(MessageForm(kind.title, message_fields, sends, typed, form))
         return None
 
@@ -95,6 +95,8 @@ class CancelKey(VerbCommand):
         is_ours = running is not None and running.mine and running.phase != Phase.CANCELLING
         if console.repeated and not is_ours:
             return None
+        if running is None and console.station.robot.publications.active:
+            return console.run_verb(self.verb, {goals.RUNNING: None})
         if running is None:
             dialog = console.screen
             if isinstance(dialog, Dismissable) and dialog.is_asking:

@@ -52,7 +52,7 @@ class Assistants:
             text = f"an assistant has no {word[:40]}: a person does that at the console"
             return {"id": number, "code": Code.REFUSED.value, "text": text}
         verb = self._verbs[word]
-        values, _ = parse(verb, self._station, rest)
+        values, _ = parse(verb, rest)
         outcome = await run_when_ready(self._station, verb, values)
         result = {"id": number, "code": outcome.code.value, "text": outcome.text}
         data = data_of(outcome)

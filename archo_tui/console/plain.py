@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 # All in seconds.
 _PAUSE_BEFORE_ANSWER = 0.3  # Since the line before an answer to an assistant; no paste has it.
 _READER_PATIENCE = 2.0  # For a slow reader of the output, before the next line is carried out.
+_NOT_WAITED_FOR = "not waited for any longer"
 _LAST_WRITE = 0.5  # At the end, for STOPs to be answered and the output to be written.
 _QUICK_ANSWER = 0.2  # For a line's answer before `cancel` overtakes it; nearly all have one then.
 
@@ -241,7 +242,7 @@ class Plain:
         request: dict[str, Any] = {"words": words}
         follows = words[0] == "echo" and FOLLOW in words
         verb = self._verbs.get(words[0])
-        is_slow = words[0] == "wait" or (verb is not None and bool(verb.started_text))
+        is_slow = words[0] == "wait" or (verb is not None and bool(verb.started_text or verb.lasts))
         if follows:
             words = [word for word in words if word != FOLLOW]
             request = {"words": words, "follow": True, "as_text": True}
@@ -257,9 +258,10 @@ class Plain:
                 await self._conditions.wait(lambda: work.done() or self._input.has_line_or_end)
                 if await session.give_up():
                     if not follows:
-                        self._printer.print_text(f"{words[0]}: not waited for any longer")
+                        ends = "ended" if verb is not None and verb.lasts else _NOT_WAITED_FOR
+                        self._printer.print_text(f"{words[0]}: {ends}")
                     return
-            else:
+            elif words[:2] != ["wait", "left"]:  # A cancel behind that is meant for then.
                 await self._let_cancels_overtake(work)
             result = await work
         finally:
@@ -282,7 +284,8 @@ class Plain:
 
     @property
     def _is_cancel_next(self) -> bool:
-        is_sent = self._robot.snapshot.running_goal is not None
+        publishes = bool(self._robot.publications.active)
+        is_sent = self._robot.snapshot.running_goal is not None or publishes
         return is_sent and self._input.is_cancel_next and not self._is_asking
 
     def _print_result(self, word: str, result: dict[str, Any]) -> None:

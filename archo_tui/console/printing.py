@@ -64,9 +64,12 @@ class Printer:
             return
         if before is not None and before.number != goal.number:
             before = None
-        if is_goal_news(before, goal):
-            now = self._clock.monotonic()
-            self.print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
+        now = self._clock.monotonic()
+        for at, state in goal_states(before, goal, now):
+            if is_goal_news(before, state):
+                text = line_by_line.goal_text(snapshot._replace(goal=state), at, self._status.ask)
+                self.print_timed(f"goal {text}", self._clock.now() + at - now)
+            before = state
 
     def print_alarms(self, changed: list[Alarm]) -> None:
         """Print the new state of each alarm, with the text and a remedy of a raised one."""
@@ -128,16 +131,33 @@ def is_event_news(
     return not (is_refusal and is_of_goal)
 
 
+def goal_states(before: Goal | None, goal: Goal, now: float) -> Iterable[tuple[float, Goal]]:
+    """Yield a goal at each remaining way that came since `before`, and as it is; with the times."""
+    base, way = (goal, goal.way[:-1]) if goal.is_running else (before, goal.way)
+    since = before.way[-1][0] if before is not None and before.way else 0.0
+    for at, remaining in way:
+        if at > since and base is not None and not goal.unreadable:
+            yield at, base._replace(remaining=remaining, heard=at)
+    yield now, goal
+
+
 def is_goal_news(before: Goal | None, goal: Goal) -> bool:
     """Return True if a line is printed for a goal: it reached a milestone no answer has told."""
     is_changed = before is None or _milestone(before) != _milestone(goal)
-    return is_changed and not _is_in_answer(before, goal)
+    return _is_long_step(before, goal) or (is_changed and not _is_in_answer(before, goal))
 
 
 def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
     """Return the parts of a goal's state that are printed when one changes."""
     quarter = min(int(goal.fraction() * 4), 3)
     return goal.phase, bool(goal.unreadable), _has_feedback(goal), quarter
+
+
+def _is_long_step(before: Goal | None, goal: Goal) -> bool:
+    """Return True if a feedback is a tenth of the way or more from the one before."""
+    if before is None or before.remaining is None or goal.remaining is None or not goal.length:
+        return False
+    return abs(before.remaining - goal.remaining) >= goal.length / 10
 
 
 def _is_in_answer(before: Goal | None, goal: Goal) -> bool:

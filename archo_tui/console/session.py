@@ -215,7 +215,9 @@ class Session:
         self.requester.waits = self._is_assistant or (self._is_waiting and not self._keeps_goals)
         word = words[0] if isinstance(words, list) and words else None
         verb = self._handler.verbs.get(word) if isinstance(word, str) else None
-        waits = word in ("wait", "echo") or (verb is not None and bool(verb.started_text))
+        waits = word in ("wait", "echo") or (
+            verb is not None and bool(verb.started_text or verb.lasts)
+        )
         self._calls_service = False
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))
@@ -362,7 +364,7 @@ class Session:
         verb, rest = choose_verb(verbs, station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
-        values, yes = parse(verb, station, rest)
+        values, yes = parse(verb, rest)
         self._calls_service = isinstance(verb, Call)
         if self._calls_service:
             values = {**values, TIMEOUT: timeout_of(request)}
@@ -397,7 +399,7 @@ class Session:
         if word == "echo":
             verb = self._handler.verbs["echo"]
             assert isinstance(verb, Echo)
-            values, _ = parse(verb, station, words)
+            values, _ = parse(verb, words)
             prepared = await prepare_when_found(station, verb, values)
             if isinstance(prepared, Outcome):
                 raise ArchoError(prepared.text)

@@ -1,4 +1,4 @@
-"""The conditions of `wait`: `idle`, `arrived`, `ready`, `stopped`, `battery 50`."""
+"""The conditions of `wait`: `idle`, `arrived`, `ready`, `stopped`, `left 9`, `battery 50`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.snapshot import Latch
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
+from archo_tui.text.goal import remaining_text
 from archo_tui.text.state import no_data_text
 from archo_tui.verbs.verb import DISCOVERY_TIME, Verb
 
-WAITS = "idle, arrived, ready, stopped or battery N"
+WAITS = "idle, arrived, ready, stopped, left N or battery N"
 POLL_PERIOD = 0.05  # Seconds between two checks.
 _Check = Callable[[], Outcome | None]  # Returns None while the condition does not hold yet.
 
@@ -90,15 +91,27 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             return Outcome(Code.REFUSED, "the goal is not known")
         return goal.outcome_at(station.clock.monotonic())
 
+    def left() -> Outcome | None:
+        """Return success once a goal that ran has so little of its way left, or its outcome."""
+        if (outcome := arrived()) is not None:
+            return outcome
+        goal = _newest_state_of(station, running) if running is not None else None
+        if goal is None or goal.remaining is None or goal.remaining > number:
+            return None
+        return Outcome(Code.DONE, remaining_text(goal))
+
     checks = {"idle": idle, "ready": ready, "arrived": arrived, "stopped": stopped}
     if len(words) == 1 and words[0] in checks:
         return checks[words[0]]
-    if len(words) == 2 and words[0] == "battery":
+    if len(words) == 2 and words[0] in ("left", "battery"):
         try:
-            percent = parse_number(words[1])
+            number = parse_number(words[1])
         except ValueError:
-            raise ValueError(f"battery: not a number of percent: {words[1]}") from None
-        if not 0 <= percent <= 100:
+            unit = " of percent" if words[0] == "battery" else ""
+            raise ValueError(f"{words[0]}: not a number{unit}: {words[1]}") from None
+        if words[0] == "left":
+            return left
+        if not 0 <= number <= 100:
             raise ValueError(f"battery: from 0 to 100 percent, not {words[1]}")
         if robot.file.battery is None:
             raise ValueError("the robot file names no battery")
@@ -106,7 +119,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         def charged() -> Outcome | None:
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
-            if charge is None or charge < percent or old:  # An old charge says nothing about now.
+            if charge is None or charge < number or old:  # An old charge says nothing about now.
                 return None
             return Outcome(Code.DONE, f"{charge:.1f} %")
 

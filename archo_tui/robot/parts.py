@@ -25,6 +25,7 @@ from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -63,6 +64,7 @@ class Parts:
     stops: Stops  # The STOPs that were read. Any thread.
     stop_sender: StopSender
     goals: Goals
+    publications: Publications
     goal_timer: Timer  # Checks the goals while any runs.
 
     @property

@@ -37,6 +37,7 @@ from archo_tui.robot.readings.telemetry import Telemetry
 from archo_tui.robot.reporter import MAX_UNREAD, Reporter
 from archo_tui.robot.requests import goals as goal_requests
 from archo_tui.robot.requests import nodes as node_requests
+from archo_tui.robot.requests import publish as publish_requests
 from archo_tui.robot.requests import services as service_requests
 from archo_tui.robot.requests import stop as stop_requests
 from archo_tui.robot.requests import topics as topic_requests
@@ -49,6 +50,7 @@ from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot.updates import POLL_PERIOD, WATCH_PERIOD, Poller, check_goals
 from archo_tui.robot_file.model import RobotFile
 
@@ -98,7 +100,7 @@ class Robot(Parts):
         self.clock_offsets, self.sim_clock = ClockOffsets(), SimClock(node, clock, send_soon)
         self.telemetry = Telemetry(
             *(node, file, clock, partial(updates.on_reading, self)),
-            *(self.reporter.warn, partial(updates.on_stamp, self), file.record),
+            *(self.reporter.warn, partial(updates.on_stamp, self), file.unshown_topics),
         )
         self.parameters = Parameters(
             *(node, clock, self.services, submit, send_soon),
@@ -111,6 +113,7 @@ class Robot(Parts):
             frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
             watching,
         )
+        self.publications = Publications(node, self.services, steady)
         self.goal_timer = node.create_timer(WATCH_PERIOD, partial(check_goals, self), clock=steady)
         self.goal_timer.cancel()
         self.stops = Stops()
@@ -161,6 +164,9 @@ class Robot(Parts):
     set_log_level = node_requests.set_log_level
     change_lifecycle = node_requests.change_lifecycle
     lifecycle_transitions = node_requests.lifecycle_transitions
+
+    publish = publish_requests.publish
+    end_publications = publish_requests.end_publications
 
     form = topic_requests.form
     inspect = topic_requests.inspect

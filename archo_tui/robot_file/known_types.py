@@ -131,6 +131,7 @@ GOAL_POSES: Mapping[str, tuple[str, str]] = {
 # Packages of services and topics that nodes have for ROS itself; a robot file names none of them.
 OF_ROS = frozenset({"lifecycle_msgs", "rcl_interfaces", "type_description_interfaces"})
 
+INITIAL_POSE, TEXT = "geometry_msgs/msg/PoseWithCovarianceStamped", "std_msgs/msg/String"
 COMMANDS = ("std_srvs/srv/Trigger", "std_srvs/srv/Empty")  # Their requests have no field.
 TOGGLES: Mapping[str, str] = {"std_srvs/srv/SetBool": "data"}  # The bool of the request.
 

@@ -235,7 +235,8 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
     """Return a copy of a robot file without the parts that need something which is not there.
 
     Parts are left out for their topic, their action, or the service that they call; `record` and
-    the STOP's release stay. A copy that lacks a part gets the name of a robot without a name.
+    the STOP's release stay. A copy that lacks a part is of another robot: it has no name, and
+    shows all parameters.
     """
     battery, motion, pose, stop = robot.battery, robot.motion, robot.pose, robot.stop
     kept = replace(
@@ -249,7 +250,7 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
         gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
         diagnostics="" if robot.diagnostics in names else robot.diagnostics,
     )
-    return kept if kept == robot else replace(kept, name=RobotFile.name)
+    return kept if kept == robot else replace(kept, name=RobotFile.name, shown=())
 
 
 def plain(value: Any) -> Any:

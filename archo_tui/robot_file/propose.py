@@ -27,6 +27,7 @@ from archo_tui.robot_file.model import (
     RemainingField,
     RobotFile,
     StopServices,
+    TopicRule,
 )
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.yaml_text import dump as yaml_dump
@@ -252,7 +253,7 @@ def _words(name: str) -> set[str]:
 
 # The file.
 
-Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics"]
+Part = Literal["battery", "motion", "pose", "goals", "stop", "commands", "diagnostics", "topics"]
 
 
 class Entry(NamedTuple):
@@ -302,9 +303,10 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     chosen += _mark_other_robots(pair for pair in found if pair[0].part == "commands")
     where = _common_namespace(chosen, namespace)
     chosen += [pair for pair in found if pair[0].part == "diagnostics"][:1]
+    chosen += [pair for pair in found if pair[0].part == "topics"]
     used: set[str] = set()
     entries = tuple(_with_file_names(entry, where, used) for entry, _ in chosen)
-    used = {sighting.name for _, sighting in chosen}
+    used = {sighting.name for entry, sighting in chosen if entry.part != "topics"}
     used |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
     unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in used)
     return Proposal(where, entries, unknown)
@@ -329,10 +331,12 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
     if sighting.kind == "topic":
         yield from _battery(sighting)
         yield from _known_topic(sighting, "motion")
-        yield from _known_topic(sighting, "pose")
+        if not _is_initial_pose(sighting):
+            yield from _known_topic(sighting, "pose")
         if known_types.DIAGNOSTICS in sighting.types:
             reason = topic_reason(sighting, known_types.DIAGNOSTICS)
             yield Entry("diagnostics", sighting.name, reason)
+        yield from _topic_rules(sighting)
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
@@ -374,6 +378,28 @@ def _known_topic(sighting: Sighting, part: Literal["motion", "pose"]) -> Iterato
     kind = next((kind for kind in sighting.types if kind in known), None)
     if kind is not None:
         yield Entry(part, make(sighting.name, {kind: known[kind]}), topic_reason(sighting, kind))
+
+
+def _is_initial_pose(sighting: Sighting) -> bool:
+    return known_types.INITIAL_POSE in sighting.types and "initial" in sighting.name.lower()
+
+
+def _topic_rules(sighting: Sighting) -> Iterator[Entry]:
+    """Yield the rules for a topic: its rate, or that a message to it asks no question.
+
+    Whether a text moves the robot, and a rate is the right one, a person decides.
+    """
+    if sighting.rate is not None:
+        rated = TopicRule(sighting.name, rate=float(f"{sighting.rate:.2g}"))
+        reason = f"{sighting.name} came at {sighting.rate:.2g} Hz: shall another rate be an alarm?"
+        yield Entry("topics", rated, reason, is_sure=False)
+    rule = TopicRule(sighting.name, moves=False)
+    listens = f"{sighting.name} is a {sighting.types[0]}, and `pub` asks nothing before it:"
+    if _is_initial_pose(sighting):
+        yield Entry("topics", rule, f"{listens} it only tells where the robot is")
+    elif known_types.TEXT in sighting.types:
+        reason = f"{listens} does no text move the robot? Then uncomment it"
+        yield Entry("topics", rule, reason, is_sure=False)
 
 
 def _command(sighting: Sighting) -> Iterator[Entry]:
@@ -480,7 +506,7 @@ def _unknown_line(sighting: Sighting) -> str:
 
 # Its text.
 
-_LISTS = ("goals", "commands")
+_LISTS = ("goals", "commands", "topics")
 _NO_STOP = (
     "No service that looks like a STOP was seen: without one, ctrl+x cancels every goal instead."
 )
@@ -509,8 +535,10 @@ def text_of(proposal: Proposal, head: str) -> str:
 def _parts(entries: tuple[Entry, ...]) -> Iterator[str]:
     for part, group in groupby(entries, key=lambda entry: entry.part):
         if part in _LISTS:
-            yield f"{part}:\n"
-            for entry in group:
+            items = list(group)
+            is_any_sure = any(entry.is_sure for entry in items)
+            yield f"{part}:\n" if is_any_sure else _comment(f"{part}:")
+            for entry in items:
                 item = yaml_dump.mixed([plain(entry.value)])
                 item = item if entry.is_sure else _comment(item)
                 yield indent(_comment(entry.reason) + item, "  ")

@@ -11,7 +11,7 @@ VERBS = (
     *("params", "get", "set", "undo", "save", "load"),
     *("nodes", "topics", "echo", "hz", "interface"),
     *("start", "halt", "copy", "log_level", "lifecycle"),
-    *("send_goal", "call"),
+    *("send_goal", "call", "pub"),
 )
 # The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow", "--once")
@@ -22,11 +22,11 @@ RESERVED = frozenset(
         *("help", "quit"),
         # Subcommands of archo-tui.
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
-        *("recordings", "replay", "rewind", "robot", "launch", "look"),
+        *("recordings", "replay", "rewind", "robot", "launch", "look", "chapter"),
         # Commands that only the screen has, as named in a keymap.
         *("cancel_all", "keep_robot", "describe_robot", "other_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
-        *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
+        *("edit", "restore", "switch", "only_changed", "all_parameters", "filter"),
         *("start_stop", "restart", "details", "resource"),
         *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
         *("shorter", "longer"),

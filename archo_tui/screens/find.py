@@ -38,7 +38,10 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
 def matching_rows(
     typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
 ) -> Sequence[T]:
-    """Return the rows that every typed word fits, the best first; all if nothing is typed."""
+    """Return the rows that every typed word fits, the best first; all if nothing is typed.
+
+    Letters that are only scattered over a name count where nothing fits better.
+    """
     words = typed.casefold().split()
 
     def rank(row: T) -> tuple[Fit, int]:
@@ -47,7 +50,9 @@ def matching_rows(
 
     ranked = [(rank(row), row) for row in rows]
     matches = [(rank, row) for rank, row in ranked if rank[0] != Fit.NONE]
-    return [row for _, row in sorted(matches, key=lambda match: match[0])]
+    best = sorted(matches, key=lambda match: match[0])
+    is_found = best and best[0][0][0] < Fit.SCATTERED
+    return [row for rank, row in best if not is_found or rank[0] < Fit.SCATTERED]
 
 
 def matched_spans(typed: str, name: str) -> list[tuple[int, int]]:

@@ -40,13 +40,15 @@ from archo_tui.widgets.search import Search
 
 _WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
 _FIELD_WIDTH, _FIELD_HEIGHT = 80, 20  # Cells from which on the goal's field is in sight.
+_NARROW = 80  # Cells below which panels lie one below the other.
 _LARGE_WIDTH, _LARGE_HEIGHT = 110, 41  # Cells of the panels from which on the history is below.
 _CLOCK = 9  # Cells of the time of day.
 _AROUND = 3  # Rows of header, banner and footer.
 _TIME_LINE = 2  # Rows of the time line of a replay.
 _BORDER = 2  # Rows of a panel's border.
 _MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
-_MIN_EVENTS = 8  # Rows of the events.
+_MIN_EVENTS = 8  # Rows of the events where there are 30 rows.
+_FEW_EVENTS, _FEW_PARAMETERS = 5, 5  # Rows with a border on a small one, for three and for two.
 # Seconds that the first drawing waits for the robot's nodes, so that it is not done twice.
 _NODES_TIMEOUT = 0.3
 # Seconds until the screen is drawn even if no layout for its size was reported.
@@ -103,8 +105,8 @@ class MainScreen(Base[None]):
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
         self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
-        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
-        self.goal.on_typed = self._on_goal_typed
+        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel(robot)
+        self.goal.on_typed = self._on_field_changed
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
@@ -179,8 +181,7 @@ class MainScreen(Base[None]):
             self._focused_last = focused
             if isinstance(focused, Rows):  # A tab or a click has moved the focus there.
                 focused.show_cursor()
-        if self._view is not None and self._is_filled:
-            self._show_footer(self._view, self._commands)
+        self._on_field_changed()
 
     def _mark_focused(self) -> None:
         """Show which panel has the focus; with `:focus-within` Textual would visit every widget."""
@@ -282,21 +283,13 @@ class MainScreen(Base[None]):
         return self.size.height - self.rows_around
 
     def _fit(self) -> None:
-        """Set the heights of the panels on a large screen, by the length of their lists."""
+        """Set the heights of the panels by the length of their lists; Events have what is left."""
         self.set_class(self._is_large, "-large")
-        nodes, rows = None, ""  # On a smaller one, the style sheet sets the heights.
-        if (self._is_wide or self._is_large) and not self.is_full:
-            height = self._height
-            nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
-            goal = self.goal.styles.height
-            upper = int(goal.value if goal else 0) + max(self.parameters.lines, 3) + _BORDER
-            if self._is_large:
-                upper = min(upper, height - _MIN_HISTORY - _MIN_EVENTS)
-                events = max(min(height // 3, height - upper - _MIN_HISTORY), _MIN_EVENTS)
-                rows = f"{upper} 1fr {events}"
-            else:
-                upper = min(max(upper, _MIN_HISTORY), height - max(_MIN_EVENTS, height // 3))
-                rows = f"{upper} 1fr"
+        nodes, rows = None, ""  # On a tiny screen, or full of one panel, the style sheet does it.
+        if self.size.width >= _NARROW and not self.is_full:
+            listed = min(max(self.nodes.lines, 5), 12) + _BORDER
+            nodes = listed if self._is_wide or self._is_large else None
+            rows = self._rows_of_grid(listed)
         if (nodes, rows) != self._heights:
             self._heights = nodes, rows
             self.nodes.styles.height = nodes
@@ -304,6 +297,34 @@ class MainScreen(Base[None]):
                 self._grid.styles.grid_rows = rows
             else:
                 self._grid.styles.clear_rule("grid_rows")
+
+    def _rows_of_grid(self, nodes: int) -> str:
+        """Return the heights of the rows of panels, as Textual writes them."""
+        least = self._grid.styles.min_height
+        height = max(self._height, int(least.value) if least else 0)
+        goal = int(self.goal.styles.height.value) if self.goal.styles.height else 0
+        if self._is_large:
+            upper = goal + self._parameter_rows(height - _MIN_HISTORY - _MIN_EVENTS - goal)
+            events = max(min(height // 4, height - upper - _MIN_HISTORY), _MIN_EVENTS)
+            return f"{upper} 1fr {events}"
+        if self._is_wide:
+            most = height - max(_MIN_EVENTS, height // 3)
+            return f"{max(goal + self._parameter_rows(most - goal), _MIN_HISTORY)} 1fr"
+        few_events = _MIN_EVENTS if self.size.height >= _TALL else _FEW_EVENTS
+        if self.size.width >= _LARGE_WIDTH:
+            left = sum(self._panels[number].outer_size.height for number in (1, 2)) + nodes
+            most = height - few_events
+            return f"{min(max(left, goal + self._parameter_rows(most - goal)), most)} 1fr"
+        top = 7 if self._grid.has_class("-gauges") else 5
+        is_searched = self.has_class("-search-panel-6")  # The field has one of the rows.
+        few = _FEW_PARAMETERS - 2 if is_searched else _FEW_PARAMETERS
+        room = max(height - top - goal - few_events, few)
+        return f"{top} {goal + self._parameter_rows(room)} 1fr"
+
+    def _parameter_rows(self, most: int) -> int:
+        """Return the rows of Parameters, with descriptions if all of them have room."""
+        wanted = (max(lines + _BORDER, _FEW_PARAMETERS) for lines in self.parameters.lines)
+        return next((rows for rows in wanted if rows <= most), most)
 
     def focus_panel(self, number: int) -> None:
         """Focus a panel by its number, and scroll to it; without room, it fills the screen.
@@ -336,6 +357,7 @@ class MainScreen(Base[None]):
         self.call_after_refresh(self._after_layout)
 
     def _after_layout(self) -> None:
+        self._fit()  # Some heights are those of the panels beside.
         self._draw_from_now_on()
         # The widget that had the focus has no room any more.
         if self.app.app_focus and self.focused not in self.focus_chain:
@@ -395,13 +417,10 @@ class MainScreen(Base[None]):
     def _show(self, view: ScreenState, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
         header, clock = bars.header(view, width - _CLOCK), bars.clock(view)
-        banner = bars.banner(view, width)
         self._header.show(header)
         self._clock.show(clock)
-        self._banner.show(banner)
         gap = " " * max(width - header.cell_length - clock.cell_length, 0)
-        self.show_head([Content.assemble(header, gap, clock), banner])
-        self._show_footer(view, commands)
+        self._show_hints(view, commands, Content.assemble(header, gap, clock))
         for panel in panels:
             self._show_panel(panel, view)
         self._fit()
@@ -424,16 +443,32 @@ class MainScreen(Base[None]):
         is_needed = self._view is not None and bars.is_banner_needed(self._view)
         return max(len(self.head) - 1, 0) + is_needed
 
+    def _show_hints(self, view: ScreenState, commands: list[FooterKey], header: Content) -> None:
+        """Show banner and footer, whose keys are others in a field."""
+        banner = bars.banner(view, self.size.width, self._is_text)
+        self._banner.show(banner)
+        self.show_head([header, banner])
+        self._show_footer(view, commands)
+
+    def _is_text(self, command: str) -> bool:
+        """Return True if the focused field takes a key as text, or is where `go` leads to."""
+        focused = self.focused
+        if not isinstance(focused, Field) or self._view is None:
+            return False
+        is_goal = command == "go" and focused is self.goal.focused_field
+        return is_goal or focused.is_typed(self._view.key(command))
+
+    def _on_field_changed(self) -> None:
+        """Update what is said of keys: the focus is in another place, or a field has other text."""
+        if self._view is not None and self._is_filled:
+            self._show_hints(self._view, self._commands, self.head[0])
+            self._show_panel(self.goal, self._view)
+
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show the focused field's keys, and those of the commands that are no text in it."""
-        focused = self.focused
-        field_keys = focused.keys if isinstance(focused, Field) else ()
-        if field_keys and isinstance(focused, Field):  # Of the others, those that are no text now.
-            commands = [
-                c
-                for c in commands
-                if c.everywhere or not (c.command == "go" or focused.is_typed(view.key(c.command)))
-            ]
+        field_keys = self.focused.keys if isinstance(self.focused, Field) else ()
+        if field_keys:  # Of the others, those that are no text now.
+            commands = [c for c in commands if c.everywhere or not self._is_text(c.command)]
         content = commands, self.size.width, view.key("palette"), field_keys
         if content != self._footer_content:  # Drawing it at each view would take too long.
             self._footer_content = content
@@ -443,11 +478,6 @@ class MainScreen(Base[None]):
     def forget_refusal(self) -> None:
         """Remove the hint in the goal's form: a key was pressed."""
         self.goal.forget_hint()
-
-    def _on_goal_typed(self) -> None:
-        """Update the footer: in a field with text, letters are text and no commands."""
-        if self._view is not None and self._is_filled:
-            self._show_footer(self._view, self._commands)
 
     def on_panel_outdated(self, message: Panel.Outdated) -> None:
         """Show the last view again in the panel that asks for it."""

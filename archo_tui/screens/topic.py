@@ -25,7 +25,7 @@ from archo_tui.ros_names import base_name
 from archo_tui.screens.dialog import Dialog, main_screen
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
-from archo_tui.terminal.app import start_worker
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.text.graph import topic_lines
 from archo_tui.text.state import WARN
 from archo_tui.text.topic import summary
@@ -51,7 +51,7 @@ _WIDE = 160  # Columns from which the Graph stays in sight beside it.
 _LEAST_BESIDE = 80  # Columns that it takes at least then.
 _PLOT_ROWS = 6  # Of one plot, with its caption, where there is room.
 _PLOT_SHARE = 0.4  # Of the height, that all plots take at most.
-_KEYS = "p plot  space freeze  / narrow  t type  y copy  esc close"
+_KEYS = "p plot  P publish  space freeze  / narrow  t type  y copy  esc close"
 _FEW_KEYS = "p plot  space freeze  / narrow  esc close"
 _FOLD_KEYS = "enter fold"
 _ELEMENT_KEYS = "i element"  # Behind them while an array is open.
@@ -67,6 +67,8 @@ class WatchedTopic(NamedTuple):
     follow: Follow  # Gets what returns the needed parts, and what takes each view; cancel it.
     read_type: Callable[[], Awaitable[str]]  # The definition as text.
     copy: Callable[[TopicView], None]  # Copies the command that shows the topic in a shell.
+    # Opens the form of a message to publish; None in a replay.
+    publish: Callable[[], Coroutine[Any, Any, None]] | None = None
 
 
 class _DrawnField(NamedTuple):
@@ -90,6 +92,7 @@ class TopicDialog(Dialog[None]):
         ("enter", "fold", "Open or close a message or an array"),
         ("i", "choose_element", "Go to an element of an open array by its index"),
         ("p", "plot", "Plot the field, or plot it no more"),
+        ("P", "publish", "Publish a message to the topic"),
         ("space", "freeze", "Show no newer messages, or show them again"),
         ("slash", "narrow", "Show the fields whose path has a text"),
         ("t", "show_type", "The definition of the type"),
@@ -305,6 +308,10 @@ class TopicDialog(Dialog[None]):
             self._search.close()
         else:
             self.dismiss()
+
+    def action_publish(self) -> None:
+        if self._topic.publish is not None:
+            start_worker(self.app, self._topic.publish, COMMANDS)
 
     def action_narrow(self) -> None:
         """Open the search field, which narrows the list to the fields whose path has a text."""

@@ -283,4 +283,5 @@ class Station:
             requests=self.approvals.waiting,
             restart_waits=bool(self.waiting_restart) and not self.is_restarting,
             is_restarting=self.is_restarting,
+            publishes=tuple(each.text for each in self.robot.publications.active),
         )

@@ -35,6 +35,7 @@ class View:
     requests: tuple[ApprovalRequest, ...] = ()  # The oldest first.
     restart_waits: bool = False  # For the release of a STOP, and then for a key.
     is_restarting: bool = False
+    publishes: tuple[str, ...] = ()  # What the console itself publishes, in words.
     replay: str = ""  # In a replay, words that say so.
 
     @property

@@ -8,6 +8,7 @@ gets whole sequences only, of the forms that it knows.
 from __future__ import annotations
 
 import codecs
+import string
 
 from textual import events
 from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
@@ -138,6 +139,8 @@ class Keyboard:
         # Textual's table has characters for some keys that type none, such as alt+1.
         if len(sequence) == 2 and not isinstance(ANSI_SEQUENCES_KEYS.get(sequence), tuple):
             keys = [alt_key(sequence[1])]
+            if sequence[1] in string.digits:  # In tmux, escape and then a panel's number.
+                keys.insert(0, events.Key("escape", ESCAPE))
         return [*(keys or [])]
 
     def _parse_by_textual(self, sequence: str) -> list[Message]:

@@ -78,7 +78,8 @@ def goal_line(
     if goal.is_running and not goal.kind.stop_cancels:
         rest += "   STOP does not cancel it"
     if goal.is_running and snapshot.running > 1:
-        rest += f"   +{snapshot.running - 1} more"
+        others = snapshot.running - 1
+        rest += f"   +{others} other goal{'s'[: others > 1]}"
     has_room = width is None or _WORD_WIDTH + 1 + len(rest) <= width
     if len(word) <= _WORD_WIDTH and has_room:
         return (f"{word:<{_WORD_WIDTH}}", tone), (f" {rest}", PLAIN)
@@ -169,11 +170,13 @@ def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
 
 
 def keys_to_press(kind: GoalKind, go_key: str) -> str:
-    """Return `Press g, type the shelf, press enter.`."""
+    """Return `Press g, type the shelf, press enter.`; in the field, without a key, the rest."""
     labels = [given.label or path for path, given in kind.form.items()]
-    what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
-    what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
-    return f"Press {go_key}, {what}press enter."
+    what = labels[0].lower() if len(labels) == 1 else ", ".join(labels)
+    what = f"the {what}" if len(labels) == 1 else what
+    steps = f"press {go_key}" if go_key else "", f"type {what}" if what else "", "press enter"
+    text = ", ".join(filter(None, steps))
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def running_word(goal: Goal) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state.goal import Goal, Phase
 from archo_tui.robot.state.snapshot import Snapshot
-from archo_tui.text.goal import NO_ESTIMATE, goal_line
+from archo_tui.text.goal import NO_ESTIMATE, goal_line, remaining_text
 from archo_tui.text.state import (
     Spans,
     battery_word,
@@ -73,7 +73,8 @@ def goal_text(snapshot: Snapshot, now: float, ask: str) -> str:
     if re.search(rf"(?<!\w){re.escape(found.name)}(?!\w)", text):
         return text
     word, _, rest = text.partition(", ")
-    return ", ".join(filter(None, (word, found.name, rest)))
+    left = remaining_text(found) if found.phase is Phase.CANCELLING else ""
+    return ", ".join(filter(None, (word, found.name, left, rest)))
 
 
 def ended_goal_text(found: Goal) -> str:

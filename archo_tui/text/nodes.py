@@ -20,6 +20,7 @@ class NodeRow(NamedTuple):
     # change each second.
     second: float
     is_lost: bool = False  # No message of the robot arrives.
+    publishes: str = ""  # Of the console itself: what a person publishes from it.
 
     @property
     def name(self) -> str:
@@ -35,6 +36,8 @@ class NodeRow(NamedTuple):
 
     def word(self) -> tuple[str, str, str]:
         """Return glyph, text and tone of the node's state; no text if all is well."""
+        if self.publishes:
+            return "▶", f"{self.publishes}, cancel ends it", STRONG
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error}", STRONG
@@ -109,4 +112,8 @@ def node_rows(view: View) -> tuple[NodeRow, ...]:
         state = states.get(name, NodeState(name))
         return NodeRow(state, hosted.get(name), 0.0 if state.heard is None else view.second, lost)
 
-    return tuple(map(row, sorted(states.keys() | hosted.keys())))
+    ours = []
+    for text in view.publishes:
+        name, _, often = text.partition(", ")
+        ours.append(NodeRow(NodeState(name), None, 0.0, publishes=often))
+    return (*ours, *map(row, sorted(states.keys() | hosted.keys())))

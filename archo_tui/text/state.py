@@ -6,6 +6,7 @@ for terminals without colours.
 
 from __future__ import annotations
 
+import math
 from itertools import groupby
 
 from archo_tui.robot.state.readings import GaugeReading
@@ -37,7 +38,7 @@ def no_data_text(snapshot: Snapshot) -> str:
 
     If its file names no topic, a node on the graph counts as data.
     """
-    topics = snapshot.file.topics
+    topics = snapshot.file.shown_topics
     heard = (snapshot.battery.received, snapshot.motion.received, snapshot.pose.received)
     is_heard = any(time is not None for time in (*heard, *(g.received for g in snapshot.gauges)))
     if is_heard or snapshot.diagnostics or (snapshot.nodes and not topics):
@@ -136,16 +137,21 @@ def charge_bar(percentage: float | None, threshold: float | None, width: int, to
     return tuple(("".join(cell for cell, _ in run), tone) for tone, run in runs)
 
 
-def motion_line(snapshot: Snapshot, now: float) -> Spans:
-    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`."""
-    motion, parts = snapshot.motion, []
-    count = motion_unit(snapshot, "count")
-    if count is not None:
-        parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
-    if speed := speed_text(snapshot):
-        parts.append(speed)
+def motion_line(snapshot: Snapshot, now: float, width: int | None = None) -> Spans:
+    """Return count and speed, as far as the robot file names them: `15 420 ticks 0.80 m/s`.
+
+    Beyond a width the count loses its unit, its blanks, and is left out; the speed stays whole.
+    """
+    motion, unit, speed = snapshot.motion, motion_unit(snapshot, "count"), speed_text(snapshot)
+    counts = [""]
+    if unit is not None:
+        grouped = thousands(motion.count)
+        counts = [f"{grouped:>9} {unit}".rstrip(), grouped, grouped.replace(" ", ""), ""]
+    room = math.inf if width is None else width - len(speed) - 1
+    parts = next(count for count in counts if len(count.strip()) <= room or not count), speed
     tone = OLD if motion.received is None or motion.is_old(now) else PLAIN
-    return tuple((f"{' ' if number else ''}{part}", tone) for number, part in enumerate(parts))
+    shown = enumerate(filter(None, parts))
+    return tuple((f"{' ' if number else ''}{part}", tone) for number, part in shown)
 
 
 def speed_text(snapshot: Snapshot) -> str:

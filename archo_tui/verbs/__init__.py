@@ -10,6 +10,7 @@ from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.nodes import DuplicateNode, Lifecycle, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
+from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.show import Events, ForgetPart, Keep, ShowDiagnostics, ShowHistory, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
@@ -43,4 +44,4 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
     yield from (Nodes(), Topics(), Echo(), Hz(), ShowInterface())
     yield from (StartNode(), StopNode(), DuplicateNode(), LogLevel(), Lifecycle())
-    yield from (SendGoal(), Call())
+    yield from (SendGoal(), Call(), Publish())

@@ -197,13 +197,14 @@ def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
 
 class Cancel(Verb):
     id, title = "cancel", "Cancel"
-    help = "Cancel the running goal, or every goal; the queue behind it is held"
+    help = "Cancel the running goal, or every goal; the queue behind it is held; end pub, too"
     arguments = (Argument("--all", "boolean", optional=True),)
     acts = may_ask = survives_stop = True
 
     def is_found(self, station: Station, values: Values) -> bool:
         """Return True once a goal runs, or enough was found to know of another client's."""
-        found = station.robot.snapshot.offered or station.robot.snapshot.actions
+        snapshot, publishes = station.robot.snapshot, station.robot.publications.active
+        found = snapshot.offered or snapshot.actions or publishes
         return station.running_goal is not None or bool(found)
 
     async def prepare(self, station: Station, values: Values) -> Values:
@@ -219,6 +220,9 @@ class Cancel(Verb):
         return Question("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
 
     async def run(self, station: Station, values: Values) -> Outcome:
+        ended = await station.robot.end_publications()
+        if ended and values[RUNNING] is None and station.running_goal is None:
+            return Outcome(Code.DONE, f"ended: pub {ended}")
         staying = station.goals.staying
         outcome = await self._cancel(station, values)
         if not (outcome.ok and staying):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os.path
-import shlex
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,9 +31,11 @@ from archo_tui.verbs.verb import (
     Question,
     Values,
     Verb,
+    is_settled,
 )
 
 CHANGE = "change"  # The key of `undo`'s value: the change to undo.
+TOLD = "told"  # The key of `set`'s value: the node, if the name alone told it.
 SAME = "All parameters already have the values in the file."
 NOBODY = "no node has reported its parameters yet"
 
@@ -42,12 +44,17 @@ def _unreported_lines(snapshot: Snapshot) -> list[str]:
     return [f"{node.lstrip('/')} {why}" for node, why in sorted(snapshot.unreported.items())]
 
 
-def _owners(station: Station, _: Sequence[str]) -> Iterable[str]:
-    return [parameter.node for parameter in station.robot.snapshot.parameters]
+def _owners_and_names(station: Station, _: Sequence[str]) -> Iterable[str]:
+    """Return the nodes, and the names that only one of them has."""
+    known = station.robot.snapshot.parameters
+    counts = Counter(parameter.name for parameter in known)
+    return [*(p.node for p in known), *(name for name, count in counts.items() if count == 1)]
 
 
 def _names(station: Station, words: Sequence[str]) -> Iterable[str]:
-    return [parameter.name for parameter in _parameters_of(station, words[0])]
+    """Return the names behind a node; behind a name, its values."""
+    names = [parameter.name for parameter in _parameters_of(station, words[0])]
+    return names or _values(station, ["", words[0]])
 
 
 def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
@@ -57,18 +64,28 @@ def _values(station: Station, words: Sequence[str]) -> Iterable[str]:
 
 
 def _parameters_of(station: Station, node: str) -> list[Parameter]:
+    """Return the parameters of a node; of all nodes if it is ""."""
     known = station.robot.snapshot.parameters
+    if not node:
+        return [*known]
     name = full_name(station.robot.snapshot, node, {p.node for p in known})
     return [parameter for parameter in known if parameter.node == name]
 
 
 class _ParameterVerb(Verb):
-    """The base of the verbs that show or set one parameter."""
+    """The base of the verbs that show or set one parameter, whose node the name alone may tell."""
 
     arguments: tuple[Argument, ...] = (
-        Argument("node", completer=_owners),
+        Argument("node", completer=_owners_and_names, optional=True),
         Argument("name", completer=_names),
     )
+
+    def values(self, words: Sequence[str]) -> Values:
+        is_without_node = len(words) - ("--" in words) == len(self.arguments) - 1
+        return super().values(["", *words] if is_without_node else words)
+
+    def is_found(self, station: Station, values: Values) -> bool:
+        return bool(values.get("node")) or is_settled(station)  # Others may have the name, too.
 
     def find_parameter(self, station: Station, values: Values) -> Parameter:
         """Return the parameter that the values name.
@@ -76,10 +93,12 @@ class _ParameterVerb(Verb):
         Raises ArchoError, and NotPossible if its node has not reported its parameters.
         """
         snapshot, name = station.robot.snapshot, values["name"]
-        of_node = _parameters_of(station, values["node"])
-        found = next((parameter for parameter in of_node if parameter.name == name), None)
-        if found is not None:
-            return found
+        of_node = _parameters_of(station, values.get("node", ""))
+        found = [parameter for parameter in of_node if parameter.name == name]
+        if len(found) == 1:
+            return found[0]
+        if not values.get("node"):
+            raise self._unclear(name, of_node, [parameter.node for parameter in found])
         owners = {p.node for p in snapshot.parameters}
         node, nodes = full_name(snapshot, values["node"], owners), {n.name for n in snapshot.nodes}
         if node not in nodes | owners:
@@ -89,6 +108,16 @@ class _ParameterVerb(Verb):
             raise NotPossible(f"{node} {snapshot.unreported[node]}")
         near = nearest_hint(name, [parameter.name for parameter in of_node])
         raise ArchoError(f"{node} has no parameter {name}{near}")
+
+    def _unclear(self, name: str, known: Iterable[Parameter], nodes: Sequence[str]) -> ArchoError:
+        """Return the error for a name that no node has, or several."""
+        if nodes:
+            having = ", ".join(node.lstrip("/") for node in nodes)
+            return ArchoError(f"{name} is in several nodes, so say in which: {having}")
+        if any(name.lstrip("/") == parameter.node.lstrip("/") for parameter in known):
+            return ArchoError(f"{name} is a node: needs {self.usage}")
+        near = nearest_hint(name, {parameter.name for parameter in known})
+        return NotOnGraphError(f"no node has a parameter {name}{near}")
 
     async def prepare(self, station: Station, values: Values) -> Values:
         return {**values, "parameter": self.find_parameter(station, values)}
@@ -111,23 +140,21 @@ class Set(_ParameterVerb):
         Argument("value", rest=True, completer=_values),
     )
 
-    def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: set NODE NAME VALUE` for the words NAME VALUE if one node has the parameter."""
-        known = station.robot.snapshot.parameters
-        nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
-        return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
-
     async def prepare(self, station: Station, values: Values) -> Values:
         parameter = self.find_parameter(station, values)
         try:
             value = parse(parameter, values["value"])
         except ValueError as error:
-            raise ArchoError(f"{values['node']} {values['name']}: {error}") from None
-        return {**values, "value": value}
+            node = parameter.node.lstrip("/")
+            raise ArchoError(f"{node} {parameter.name}: {error}") from None
+        told = "" if values.get("node") else f"{parameter.node.lstrip('/')} "
+        return {**values, "node": parameter.node, "value": value, TOLD: told}
 
     async def run(self, station: Station, values: Values) -> Outcome:
         parameter = self.find_parameter(station, values)
-        return await station.set_parameters(parameter.node, {parameter.name: values["value"]})
+        set_now = station.set_parameters(parameter.node, {parameter.name: values["value"]})
+        outcome = await set_now
+        return outcome._replace(text=f"{values.get(TOLD, '')}{outcome.text}")
 
 
 class Undo(Verb):

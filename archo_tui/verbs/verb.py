@@ -99,6 +99,7 @@ class Verb:
         lists: True if it shows all of something, and so waits until that is known.
         may_ask: True if `question` may return one.
         started_text: The text that is shown at once if the outcome takes seconds; "" for others.
+        lasts: True if it goes on while its requester waits, and ends with the waiting.
         has_goals: True if it sends goals, whose ends can be waited for.
         service: The service or action that a node must offer, as the robot file names it; "" for
             none.
@@ -116,6 +117,7 @@ class Verb:
     lists = False
     may_ask = False
     started_text = ""
+    lasts = False
     has_goals = False
     service = ""
 
@@ -148,10 +150,6 @@ class Verb:
         if len(words) > len(wanted) and not (wanted and (wanted[-1].many or wanted[-1].rest)):
             raise ValueError(f"takes only {self.usage}" if self.usage else "takes no values")
         return given
-
-    def hint(self, station: Station, words: Sequence[str]) -> str:
-        """Return `: ` and the line that was probably meant by refused words, or ""."""
-        return ""
 
     @property
     def usage(self) -> str:
@@ -262,8 +260,8 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
     raise UnknownVerbError(f"no command {word!r}{hint}")
 
 
-def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """Parse the words after a verb into values, and True for `--yes`; ValueError has a hint.
+def parse(verb: Verb, words: Sequence[str]) -> tuple[Values, bool]:
+    """Parse the words after a verb into values, and True for `--yes`; or raise ValueError.
 
     `--yes` may stand anywhere before `--`, if the verb may ask.
     """
@@ -272,10 +270,7 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
     if yes:
         kept = [word for word in options if word != YES]
         words = [*kept, "--", *literal] if literal else kept
-    try:
-        return verb.values(words), yes
-    except ValueError as error:
-        raise ValueError(f"{error}{verb.hint(station, words)}") from None
+    return verb.values(words), yes
 
 
 def candidates(verbs: Mapping[str, Verb], station: Station, words: Sequence[str]) -> list[str]:
@@ -351,11 +346,18 @@ def is_settled(station: Station) -> bool:
     return bool(snapshot.nodes) and are_reported and not missing
 
 
+def _has_unseen(station: Station) -> bool:
+    """Return True while a node that runs in this process has not been found on the graph."""
+    seen = {node.name for node in station.robot.snapshot.nodes}
+    return any(node.life.is_running and node.name not in seen for node in station.host.states())
+
+
 async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Values | Outcome:
     """Return the values for a verb's `question` and `run`, or why it is refused.
 
     What is refused is tried again until the robot is settled, for a missing name at least until
-    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT. Raises what `prepare` raises,
+    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT; at any time, a missing name is
+    waited for while a node that runs here is not on the graph yet. Raises what `prepare` raises,
     and Void if a STOP was read meanwhile, unless the verb changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
@@ -376,9 +378,11 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
             except (ArchoError, ValueError) as error:
                 fault = error
             # A node that the robot file does not name may be found after those that it names.
-            may_come = isinstance(fault, NotOnGraphError) and station.age < DISCOVERY_TIME
+            is_name = isinstance(fault, NotOnGraphError)
+            may_come = is_name and station.age < DISCOVERY_TIME
             may_come |= bool(verb.service) and verb.service not in station.robot.snapshot.offered
-            if is_last or (is_settled(station) and not may_come):
+            is_hosted = is_name and station.clock.monotonic() < patience and _has_unseen(station)
+            if not is_hosted and (is_last or (is_settled(station) and not may_come)):
                 if isinstance(fault, NotPossible):
                     return Outcome(Code.REFUSED, str(fault))
                 raise fault

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ def header(view: View, width: int) -> Content:
         what.insert(3, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
     assistants = [client for client in view.clients if client.startswith(ASSISTANT)]
     programs = len(view.clients) - len(assistants)
-    shells = f"{programs} shell{'s'[: programs > 1]}" if programs else ""
+    shells = _count(programs, "shell") if programs else ""
     count = f"{len(assistants)} " if len(assistants) > 1 else ""
     asking = f"{count}{ASSISTANT}{'s' if count else ''}" if assistants else ""
     namespace = view.namespace if view.namespace != "/" else ""
@@ -92,11 +92,14 @@ def _clock_text(time: int) -> Content:
     return Content.styled(f"{time_of_day(time)} ", "bold")
 
 
-def banner(view: ScreenState, width: int) -> Content:
+def banner(
+    view: ScreenState, width: int, is_text: Callable[[str], bool] = lambda _: False
+) -> Content:
     """Return the most important alarm with its advice, and how many others there are.
 
     An assistant's request takes its place, unless an alarm of high priority is active and
-    unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys. An
+    unacknowledged. Without alarms, an operator who has never sent a goal sees the first keys, but
+    those of commands that `is_text` says the field with the focus takes as text, or is for. An
     active unacknowledged alarm is reversed over the whole width, but not in a replay.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
@@ -105,9 +108,11 @@ def banner(view: ScreenState, width: int) -> Content:
     names = [alarm.name for alarm in view.alarms if alarm.state == AlarmState.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
-        return Content.styled(f" {shelved}", "$quiet") if shelved else _first_keys(view, width)
+        if shelved:
+            return Content.styled(f" {shelved}", "$quiet")
+        return _first_keys(view, width, is_text)
     alarm, key = shown[0], view.key("ack")
-    more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
+    more = f"   +{_count(len(shown) - 1, 'alarm')}" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
     texts = [
         view.advice(alarm),
@@ -141,6 +146,10 @@ def banner(view: ScreenState, width: int) -> Content:
     return Content.assemble(shown_line, gap).stylize(f"{style} reverse")
 
 
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s'[: number > 1]}"
+
+
 def is_banner_needed(view: View) -> bool:
     """Return True if the banner shows a request or an alarm, so that nothing may cover it."""
     return bool(view.requests) or any(a.state != AlarmState.SHELVED for a in view.alarms)
@@ -159,7 +168,8 @@ def _clickable(text: str, command: str) -> Content:
 def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Content:
     """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
     request, key = view.requests[0], view.key("alarms")
-    more = f"   +{len(view.requests) - 1} more" if len(view.requests) > 1 else ""
+    others = len(view.requests) - 1
+    more = f"   +{_count(others, 'request')}" if others else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
     hint = f"({key} answer, {request.seconds_left(view.now):.0f} s)"
     room = width - cell_len(f" ?    {hint}{more}")
@@ -181,7 +191,7 @@ def _shorten_cause(text: str, room: int) -> str:
     return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
 
 
-def _first_keys(view: ScreenState, width: int) -> Content:
+def _first_keys(view: ScreenState, width: int, is_text: Callable[[str], bool]) -> Content:
     """Return `g go to shelf   ? keys   c charge the battery`, the keys for a new operator."""
     robot = view.snapshot.file
     if not view.has_never_sent_goal or view.watching or not robot.goals:
@@ -192,7 +202,7 @@ def _first_keys(view: ScreenState, width: int) -> Content:
         words[given.id] = (given.help or given.title).partition(",")[0].lower()
     shown: list[Content] = []  # As many as fit.
     for name, word in words.items():
-        if key := view.key(name):
+        if (key := view.key(name)) and not is_text(name):
             hint = key_content(name, key, word, blocked=name in view.blocked)
             width -= hint.cell_length + 3
             if width >= 0:

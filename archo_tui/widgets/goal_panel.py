@@ -110,7 +110,7 @@ class GoalPanel(Panel):
         width, rows = self._bar.size
         self.show_keys(view)
         self._bar.show(goal_strip(snapshot.goal, width, rows))
-        go = view.key("go")
+        go = "" if self.focused_field else view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
         line = goal_line(snapshot, view.now, ask, width)
         self._line.show_spans(line)
@@ -121,6 +121,15 @@ class GoalPanel(Panel):
         self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
+
+    @property
+    def focused_field(self) -> Field | None:
+        """Return the field that has the focus; None if none has."""
+        return next((field for field in self.fields if field is self.screen.focused), None)
+
+    @property
+    def field_keys(self) -> Sequence[tuple[str, str]]:  # type: ignore[override]
+        return self.focused_field.keys if self.focused_field is not None else ()
 
     def make_read_only(self) -> None:
         """Give the panel itself the focus, for a replay, which hides the form."""

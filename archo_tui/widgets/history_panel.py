@@ -127,7 +127,7 @@ def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
         place, group = cells - 1 - int((now - goal.time) / span * cells), [goal]
         if not 0 <= place < cells:
             continue
-        while groups and place + _mark_width(group, groups[-1][1]) > groups[-1][0]:
+        while groups and place + len(_mark_text(group)) >= groups[-1][0]:  # A blank is between.
             group = groups.pop()[1] + group
             place = max(min(place, cells - len(_mark_text(group))), 0)
         groups.append((place, group))
@@ -138,7 +138,7 @@ def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
         text = f"{_mark_text(group)} {_short_target(group[0])}".rstrip() if len(group) == 1 else ""
         at = min(place, cells - len(text))
         before = row[max(at - 1, 0) : place] if at < place else []
-        around = before + row[place + 1 : at + len(text) + 1]
+        around = before + row[place + 1 : at + len(text) + 2]  # Two blanks behind a name.
         if text and at >= 0 and set(around) <= {" "}:
             row[place] = " "
             row[at : at + len(text)] = text
@@ -151,11 +151,6 @@ def _mark_text(group: Sequence[Goal]) -> str:
     if len(group) == 1:
         return next(iter(glyphs))
     return " ".join(f"{glyphs[glyph]}{glyph}" for glyph in "✓?✗" if glyphs[glyph])
-
-
-def _mark_width(group: Sequence[Goal], following: Sequence[Goal]) -> int:
-    """Return the cells of a mark, with a blank behind it if one of both marks is a count."""
-    return len(_mark_text(group)) + (len(group) > 1 or len(following) > 1)
 
 
 def _short_target(goal: Goal) -> str:

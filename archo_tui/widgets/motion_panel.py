@@ -57,7 +57,7 @@ class MotionPanel(Panel, can_focus=True):
         self.show_publishers(view, self._topic)
         self.show_keys(view)
         width = self._word.size.width
-        line = ("", PLAIN), *motion_line(view.snapshot, view.now)
+        line = ("", PLAIN), *motion_line(view.snapshot, view.now, width)
         self._line.show_spans(aligned(line, width))
         state = motion_word(view.snapshot, view.now, width)
         release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"

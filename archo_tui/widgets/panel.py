@@ -31,6 +31,8 @@ class Panel(Container, QuietFocus):
     title_text = ""
     # Pairs of a command's id and a word, for the lower border.
     keys: Sequence[tuple[str, str]] = ()
+    # Of the field with the focus, each with its word.
+    field_keys: Sequence[tuple[str, str]] = ()
     # The keys of commands, by id, that differ within this panel.
     other_keys: Mapping[str, str] = {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from textual.app import ComposeResult
 from textual.content import Content
@@ -11,6 +11,7 @@ from textual.widget import Widget
 from archo_tui.robot.graph.parameter_values import range_text
 from archo_tui.robot.messages.values import same, text_of
 from archo_tui.robot.state.graph import Parameter
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.safe_text import harmless
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -20,7 +21,6 @@ from archo_tui.widgets.search import Search
 
 _NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
 _TYPE_WIDTH, _RANGE_WIDTH = (8, 9), (7, 11)
-_LARGE = 24  # Rows of the list from which descriptions have lines of their own.
 FLASH = 0.6  # Seconds of a highlight.
 _STANDARD_NAMES = ("use_sim_time", "start_type_description_service")
 _STANDARD_PREFIX = "qos_overrides."
@@ -36,13 +36,15 @@ class ParametersPanel(Panel):
         *(("only_changed", "changed"), ("save", "save"), ("load", "load")),
     )
 
-    def __init__(self) -> None:
+    def __init__(self, robot: RobotFile) -> None:
         super().__init__()
+        self._names = robot.shown
         self._parameters: tuple[Parameter, ...] = ()
         self._only_changed = False
-        self._shows_standard = False
-        self._standard_count = 0  # Standard parameters that the key hides or shows.
-        self.lines = 0  # For everything, so that a filter moves no panel.
+        self._shows_all = False
+        self._hidden_count = 0  # Parameters that the key hides or shows.
+        # For everything, so that a filter moves no panel; with the descriptions, and without.
+        self.lines = 0, 0
         # Changed by somebody else just now.
         self._flashing: frozenset[tuple[str, str]] = frozenset()
         self._rows: Rows[Parameter] = Rows(
@@ -91,15 +93,14 @@ class ParametersPanel(Panel):
             if not view.changing:
                 self._flash(before)
             self._refill()
-        self._show_standard_hint(view)
+        self._show_hidden_hint(view)
 
-    def _show_standard_hint(self, view: ScreenState) -> None:
-        """Show in the title how many standard parameters of ROS a key shows or hides."""
-        key, does = view.key("ros_own"), "hides" if self._shows_standard else "shows"
-        noun = "parameter" if self._standard_count == 1 else "parameters"
-        text = f"{key} {does} {self._standard_count} standard {noun}".lstrip()
-        note = f"   [not bold $quiet][@click=app.command('ros_own')]{text}[/][/]"
-        self.show_title(note if self._standard_count else "")
+    def _show_hidden_hint(self, view: ScreenState) -> None:
+        """Show in the title how many other parameters a key shows or hides."""
+        key, does = view.key("all_parameters"), "hides" if self._shows_all else "shows"
+        text = f"{key} {does} {self._hidden_count} more".lstrip()
+        note = f"   [not bold $quiet][@click=app.command('all_parameters')]{text}[/][/]"
+        self.show_title(note if self._hidden_count else "")
 
     def _flash(self, before: Sequence[Parameter]) -> None:
         """Highlight the parameters whose value differs from before, unless animations are off."""
@@ -134,24 +135,27 @@ class ParametersPanel(Panel):
         self._refill()
         self._rows.redraw_all()
 
-    def toggle_standard(self) -> None:
-        """Show or hide the unchanged parameters that ROS gives every node, as `use_sim_time`.
+    def toggle_hidden(self) -> None:
+        """Show or hide the unchanged parameters that an operator seldom changes.
 
         While a search or `toggle_changed` narrows the table, the choice shows only afterwards.
         """
-        self._shows_standard = not self._shows_standard
+        self._shows_all = not self._shows_all
         self._refill()
 
     def _refill(self) -> None:
         shown, typed = self._parameters, self.search.search_text
         empty = "nothing" if shown else self._waiting
-        others = tuple(p for p in shown if p.is_changed or not _is_standard(p))
-        self.lines = 1 + len(shown if self._shows_standard else others)
-        self._standard_count = 0
+        # Of a node that has none of the robot file's `shown`, all are shown.
+        nodes = {p.node for p in shown if p.name in self._names}
+        others = tuple(p for p in shown if p.is_changed or not _is_hidden(p, self._names, nodes))
+        listed = shown if self._shows_all else others
+        self.lines = 1 + len(listed) + sum(bool(p.description) for p in listed), 1 + len(listed)
+        self._hidden_count = 0
         if not (self._only_changed or typed):
-            self._standard_count = len(shown) - len(others)
-            shown = shown if self._shows_standard else others
-            empty = "nothing but ROS's own" if self._standard_count else empty
+            self._hidden_count = len(shown) - len(others)
+            shown = shown if self._shows_all else others
+            empty = "nothing but what is hidden" if self._hidden_count else empty
         if self._only_changed and shown:
             shown = tuple(p for p in shown if p.is_changed)
             empty = "nothing differs from the start"
@@ -175,9 +179,11 @@ class ParametersPanel(Panel):
         self._titles.show(Content.styled(titles, "bold"))
 
 
-def _is_standard(parameter: Parameter) -> bool:
-    """Return True for a parameter that ROS gives each node: `use_sim_time`, `qos_overrides` ..."""
-    return parameter.name in _STANDARD_NAMES or parameter.name.startswith(_STANDARD_PREFIX)
+def _is_hidden(parameter: Parameter, shown: Sequence[str], nodes: Collection[str]) -> bool:
+    """Return True for what ROS gives each node, and what these nodes have besides `shown`."""
+    is_left_out = parameter.node in nodes and parameter.name not in shown
+    is_standard = parameter.name in _STANDARD_NAMES or parameter.name.startswith(_STANDARD_PREFIX)
+    return is_standard or is_left_out
 
 
 def _value_text(parameter: Parameter, both: bool) -> str:
@@ -215,7 +221,7 @@ def parameter_columns(
         room -= node - least
     name = column((p.name for p in parameters), _NAME_WIDTH, _NAME_WIDTH + max(room, 0))
     lines = len(parameters) + sum(bool(p.description) for p in parameters)
-    described = max(width - node - 2, 0) if max(lines, _LARGE) <= rows else 0
+    described = max(width - node - 2, 0) if lines <= rows else 0
     return node, name, value, kind, allowed, described
 
 

@@ -19,7 +19,7 @@ from tests.assistant.support import fake_console
 
 pytestmark = pytest.mark.real_time
 
-RANDOM_CALLS = 10_000
+RANDOM_CALLS = 5000
 NAMES = ("status", "events", "history", "parameters", "stop", "go", "wait", "cancel")
 OTHERS = ("release", "set", "allow", "answer", "go --yes", "", "Stop", "\x1b[31m", "call" * 999)
 ARGUMENTS = ("kind", "values", "request", "seconds", "level", "minutes", "node", "name", "words")

@@ -170,15 +170,3 @@ def test_without_the_extra_it_is_one_line() -> None:
     assert (done.returncode, done.stdout) == (2, "")
     said = "mcp needs another package: pip install '.[mcp]' in a clone of archo-tui"
     assert done.stderr == f"archo-tui: {said}\n"
-
-
-def test_nothing_but_its_own_process_imports_it() -> None:
-    code = (
-        "import sys, archo_tui.cli, archo_tui.app, archo_tui.console.plain, archo_tui.session;"
-        "import archo_tui.client.robot, archo_tui.console.session, archo_tui.client.shell;"
-        "found = {'mcp', 'mcp_types', 'pydantic', 'anyio', 'archo_tui.client.mcp'};"
-        "sys.exit(f'imported: {found & set(sys.modules)}' if found & set(sys.modules) else 0)"
-    )
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == 0, done.stderr

@@ -10,6 +10,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -22,21 +24,42 @@ from rosbags.highlevel import AnyReader
 from archo_tui.paths import state_file
 from archo_tui.recordings import bag, store
 from archo_tui.recordings.store import Recording
-from tests.support import clock, warm
+from archo_tui.session import Session
+from archo_tui.session_options import Options
+from tests.support import chosen, clock, warm
 from tests.support.bags import add, received, write
-from tests.support.console import FAST, LONG, Console, console
-from tests.support.quiet import outside
+from tests.support.console import FAST, LONG, console
+from tests.support.night import corners
+from tests.support.plain import Typed, typing
+from tests.support.quiet import outside, until, while_passes
 
 
 def found() -> list[Recording]:
     return store.list_recordings(state_file("recordings"))
 
 
-async def recorded(op: Console, count: int = 1) -> list[Recording]:
+@asynccontextmanager
+async def operated(*args: str, makers: Sequence[Any] = ()) -> AsyncIterator[tuple[Typed, Session]]:
+    """A console without a screen: what is recorded is the same."""
+    options = Options(
+        chosen.ENGINE, domain_id=chosen.next_domain(), ros_args=args, node_makers=makers
+    )
+    with Session(options, clock.current) as session:
+        async with typing(session.station) as person:
+            await until(lambda: makers or "emergency_stop" in session.robot.snapshot.offered)
+            yield person, session
+
+
+async def recorded(session: Session, count: int = 1) -> list[Recording]:
     """What is there when the seconds behind a trigger have passed, and the disk has it."""
-    await op.at(clock.seconds() + 6.5)
-    await outside(lambda: len(found()) >= count or op.session.box.failure, "a recording")
+    await while_passes(6.5)
+    await outside(lambda: len(found()) >= count or session.box.failure, "a recording")
     return found()
+
+
+async def stopped(person: Typed) -> None:
+    person.type("stop\n")
+    await person.until("STOP: confirmed")
 
 
 def said(recording: Recording) -> list[str]:
@@ -48,12 +71,12 @@ def said(recording: Recording) -> list[str]:
 
 
 async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
-    async with console(*FAST) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("✓ ARRIVED")
-        await op.press("ctrl+x")
-        pressed = op.session.station.clock.now()
-        (recording,) = await recorded(op)
+    async with operated(*FAST) as (person, session):
+        person.type("go 12\n")
+        await person.until("Arrived at shelf 12")
+        await stopped(person)
+        pressed = session.station.clock.now()
+        (recording,) = await recorded(session)
         assert recording.name.endswith("_STOP")
         assert (recording.why, recording.kept) == ("STOP", False)
         assert "GOAL: Arrived at shelf 12" in said(recording)
@@ -61,27 +84,27 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
         behind = recording.start + recording.seconds - pressed
         assert 3.9 < behind < 6.5
         wanted = f"recorded {recording.name}: STOP"  # which is said once it is written
-        await op.until(lambda: wanted in [event.text for event in op.app.view.snapshot.events])
+        await until(lambda: wanted in [event.text for event in session.robot.snapshot.events])
 
 
 @pytest.mark.waits
 async def test_an_arrival_and_a_cancel_are_nothing_to_record() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("MOVING to 12")
-        await op.press("ctrl+c")
-        await op.until("✗ CANCELLED")
-        await op.at(clock.seconds() + 20)
+    async with operated(*LONG) as (person, _):
+        person.type("go 12\n")
+        await person.until("goal MOVING to 12")
+        person.type("cancel\n")
+        await person.until("CANCELLED")
+        await while_passes(20.0)
     assert found() == []
 
 
 async def test_what_happens_soon_after_is_in_the_same_recording_and_named() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("MOVING to 12")
-        await op.press("ctrl+x")
-        await op.until("✗ ABORTED")
-        (recording,) = await recorded(op)
+    async with operated(*LONG) as (person, session):
+        person.type("go 12\n")
+        await person.until("goal MOVING to 12")
+        await stopped(person)
+        await person.until("ABORTED")
+        (recording,) = await recorded(session)
     assert sorted(recording.why.split(", ")) == ["STOP", "shelf 12: aborted"]
 
 
@@ -94,29 +117,18 @@ class Crashing(Node):
 
 
 async def test_a_crash_is_recorded() -> None:
-    async with console(node_makers=[Crashing], wait=False) as op:
-        await op.until("NODE CRASHED /crashing")
-        (recording,) = await recorded(op)
+    async with operated(makers=[Crashing]) as (person, session):
+        await person.until("crashed: ")
+        (recording,) = await recorded(session)
     assert recording.why == "node crashed /crashing"
     assert recording.name.endswith("_node_crashed_crashing")
 
 
 async def test_the_last_minute_is_kept_by_hand() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("keep last")
-        await op.press("enter")
-        await op.until("The last 60 s are recorded, and the next 5 s.")
-        (recording,) = await recorded(op)
+    async with operated(*FAST) as (person, session):
+        person.type("keep\n")
+        (recording,) = await recorded(session)
     assert (recording.why, recording.kept) == ("kept", True)
-
-
-async def test_what_is_not_complete_at_the_end_is_written_too() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
-    assert [one.why for one in found()] == ["STOP"]
-    assert op.session.unrecorded == ""
 
 
 @pytest.mark.waits
@@ -131,18 +143,16 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
         finish(*given)
 
     monkeypatch.setattr(bag.BagWriter, "finish", slow)
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        await op.at(clock.seconds() + 6.5)
+    async with operated(*FAST) as (person, session):
+        await stopped(person)
+        await while_passes(6.5)
         await outside(began.is_set, "the disk")
-        await op.press("R")
-        await op.until("Release the stop")
-        await op.press("y")
-        await op.until("● IDLE")
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
+        person.type("release --yes\n")
+        await person.until("release stop: Released")
+        person.type("stop\n")
+        await until(lambda: session.robot.snapshot.is_stopped)
         goes_on.set()
-        first, second = await recorded(op, 2)
+        first, second = await recorded(session, 2)
     assert [first.why, second.why] == ["STOP", "STOP"]
     assert said(second).count("YOU: STOP: confirmed") == 2  # the first is in its last minute
     assert "YOU: release stop: Released; nothing resumes by itself" in said(second)
@@ -155,35 +165,33 @@ async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
     def full(_: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device", "recordings")
 
-    async with console(*FAST) as op:
+    async with operated(*FAST) as (person, session):
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", full)
-            await op.press("ctrl+x")
-            assert await recorded(op) == []
-        await op.press("A")
-        await op.until("RECORDING NOT WRITTEN: No space left on device: recordings")
-        await op.press("escape")
+            await stopped(person)
+            assert await recorded(session) == []
+        person.type("alarms\n")
+        await person.until("RECORDING NOT WRITTEN: No space left on device: recordings")
         assert list(state_file("recordings").iterdir()) == []
-        op.session.station.recorder.keep()
-        await op.at(clock.seconds() + 6.5)
+        session.station.recorder.keep()
+        await while_passes(6.5)
         await outside(found, "a recording")  # the failure before it stands until then
         (recording,) = found()
-        await op.until(lambda: not op.session.box.trouble)
+        await until(lambda: not session.box.trouble)
     assert recording.kept
 
 
 async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
     state_file("recordings").parent.mkdir(parents=True)
     state_file("recordings").write_text("a file where the folder would be")
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        await op.at(clock.seconds() + 6.5)
-        await outside(lambda: op.session.box.failure, "what the disk says")
-        await op.press("A")
-        await op.until("RECORDING NOT WRITTEN")
-        await op.press("escape", "R")
-        await op.until("Release the stop")
-    assert op.session.unrecorded.startswith("recording not written: ")
+    async with operated(*FAST) as (person, session):
+        await stopped(person)
+        await while_passes(6.5)
+        await outside(lambda: session.box.failure, "what the disk says")
+        person.type("alarms\nrelease --yes\n")
+        await person.until("RECORDING NOT WRITTEN")
+        await person.until("release stop: Released")
+    assert session.unrecorded.startswith("recording not written: ")
 
 
 def fill(folder: Path) -> None:
@@ -319,19 +327,19 @@ async def test_what_waits_for_the_disk_at_the_end_is_written_too(
         finish(*given)
 
     monkeypatch.setattr(bag.BagWriter, "finish", slow)
-    async with console(*FAST) as op:
-        for _ in range(2):
-            op.session.station.recorder.keep()
-            await op.at(clock.seconds() + 6.5)
+    async with operated(*FAST) as (person, session):
+        session.station.recorder.keep()
+        await while_passes(6.5)
+        await stopped(person)  # whose seconds are not over
         goes_on.set()
-    assert [one.why for one in found()] == ["kept", "kept"]
-    assert op.session.unrecorded == ""
+    assert [one.why for one in found()] == ["kept", "STOP"]
+    assert session.unrecorded == ""
 
 
 async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+x")
-        (recording,) = await recorded(op)
+        (recording,) = await recorded(op.session)
         await op.press("ctrl+p")
         await op.type("list recordings")
         await op.press("enter")
@@ -350,11 +358,11 @@ async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
 
 
 async def test_a_stop_of_a_robot_that_is_stopped_already_is_recorded_too() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        assert len(await recorded(op)) == 1
-        await op.press("ctrl+x")
-        first, second = await recorded(op, 2)
+    async with operated(*FAST) as (person, session):
+        await stopped(person)
+        assert len(await recorded(session)) == 1
+        person.type("stop\n")
+        first, second = await recorded(session, 2)
         assert (first.why, second.why) == ("STOP", "STOP")
 
 
@@ -362,20 +370,20 @@ TO_2248 = 225 * 365.25 * 86400.0  # Seconds from the tests' Unix time.
 
 
 @pytest.mark.parametrize(
-    ("before", "jump"), [(0.0, 3600.0), (0.0, -3600.0), (TO_2248, -TO_2248), (TO_2248, 0.0)]
+    ("before", "jump"),
+    corners([(0.0, -3600.0)], [(0.0, 3600.0), (TO_2248, -TO_2248), (TO_2248, 0.0)]),
 )
 async def test_a_clock_that_is_set_behind_a_stop_makes_the_recording_no_longer(
     before: float, jump: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with console(*FAST) as op:
-        kind, wrong = type(op.session.station.clock), [before]
+    async with operated(*FAST) as (person, session):
+        kind, wrong = type(session.station.clock), [before]
         now = kind.now
         monkeypatch.setattr(kind, "now", lambda self: now(self) + wrong[0])
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
+        await stopped(person)
         wrong[0] += jump
-        at_end = op.session.station.clock.now()
-        (recording,) = await recorded(op)
+        at_end = session.station.clock.now()
+        (recording,) = await recorded(session)
     assert recording.why == "STOP"
     assert 4.5 < recording.seconds < 66.5
     assert abs(recording.start - at_end) < 66.5

@@ -1,11 +1,10 @@
 """`archo-tui check`: what learners write, right and wrong, and what each of them is told.
 
-A learner in `share/learners/` has a line `=== NAME: WHY`, then what is expected: `ok: 1 2` are the
-checks that pass, `not ok 3: WORDS` is one that fails and words of its hint, `skip 1: WORDS` names
-what is there instead, `exit 2: WORDS` is all that is said of a file that cannot be hosted,
-`says: WORDS` is how a line begins, `nothing` that nothing was checked. HERE is the line that
-ends in `# here`. What is not named is skipped, but for the last check, which passes. Behind
-`@@` comes the file or, of one `as` another, each change of lines.
+A text in `share/learners.txt` begins with what is expected of it: `# ok: 1 2` are the checks that
+pass, `# not ok 3: WORDS` is one that fails and words of its hint, `# skip 1: WORDS` names what is
+there instead, `# exit 2: WORDS` is all that is said of a file that cannot be hosted, `# says:
+WORDS` how a line begins, `# nothing` that nothing was checked. HERE is the file and the line that
+ends in `# here`. What is not named is skipped, but for the last check, which passes.
 """
 
 from __future__ import annotations
@@ -16,20 +15,20 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import archo_bringup
 import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.cli import main
-from tests.support import chosen, clock
+from tests.support import chosen, clock, learners
+from tests.support.learners import LEARNERS
 from tests.support.plain import operated
 from tests.support.quiet import until
 
 LISTINGS = Path(textbook.__file__).parent
 OURS = Path(archo_bringup.__file__).parent
-FOLDER = Path(__file__).parent.parent / "share" / "learners"
 RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
 LAST = 11  # no node crashes
 _SHORT = 0.05  # s; what sleeps in a constructor, before there is anybody to move the clock
@@ -84,49 +83,28 @@ def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
             condition.notify_all()
 
 
-class Learner(NamedTuple):
-    """A file, and what it is told."""
-
-    text: str
-    expected: list[str]
-
-
-def _read_learners() -> dict[str, Learner]:
-    learners = dict[str, Learner]()
-    for path in sorted(FOLDER.glob("*.txt")):
-        for part in path.read_text().split("=== ")[1:]:
-            (head, *expected), *changes = (text.splitlines() for text in part.split("@@\n"))
-            name, _, base = head.partition(":")[0].partition(", as ")
-            text = learners[base].text if base else ""
-            for change in changes:
-                old = "".join(f"{line[1:]}\n" for line in change if line[:1] != "+")
-                new = "".join(f"{line[1:]}\n" for line in change if line[:1] != "-")
-                assert old == text or f"\n{text}".count(f"\n{old}") == 1 or not base, (name, old)
-                text = f"\n{text}".replace(f"\n{old}", f"\n{new}")[1:] if base else new
-            learners[name] = Learner(text, expected)
-    return learners
-
-
-LEARNERS = _read_learners()
-
-
 class Expected:
-    """What a learner is told."""
+    """What is said of a file."""
 
     def __init__(self, name: str) -> None:
+        lines, text = LEARNERS[name]
         places = {
             mark.upper(): f"{name}.py:{number}"
             for mark in ("here", "there")
-            for number, line in enumerate(LEARNERS[name].text.splitlines(), 1)
+            for number, line in enumerate(text.splitlines(), 1)
             if line.endswith(f"  # {mark}")
         }
         self.passes: set[int] = set()
         self.failures: dict[int, list[str]] = {}
         self.skips: dict[int, str] = {}
-        self.refused, self.nothing = "", False
+        self.refused = ""
         self.says: list[str] = []
-        for line in LEARNERS[name].expected:
-            what, number, said = re.fullmatch(r"(\D+?) ?(\d*)(?:: (.+))?", line).groups("")  # type: ignore[union-attr]
+        self.nothing = "# nothing" in lines
+        for line in lines:
+            found = re.fullmatch(r"# (ok|not ok|skip|exit|says) ?(\d*): (.+)", line)
+            if found is None:
+                continue
+            what, number, said = found.groups()
             words = re.sub(r"\b(T?HERE)\b", lambda place: places[place[0]], said)
             if what == "ok":
                 self.passes |= {int(word) for word in words.split()}
@@ -136,11 +114,8 @@ class Expected:
                 self.skips[int(number)] = words
             elif what == "says":
                 self.says.append(words)
-            elif what == "exit":
-                self.refused = words
             else:
-                assert what == "nothing", line
-                self.nothing = True
+                self.refused = words
 
 
 @pytest.mark.filterwarnings("ignore:MultiThreadedExecutor is used with a single thread")
@@ -151,13 +126,12 @@ def test_a_learner_is_told(
     if name == "stop_shuts_rclpy_down" and chosen.ENGINE == "ros2":
         pytest.skip("there the answer leaves before the node ends")
     expected = Expected(name)
-    if expected.refused.endswith("__init__"):
+    if expected.refused.endswith("BatteryMonitor.__init__ "):
         limits = {"embedded": 0.5, "ros2": 5.0}
         monkeypatch.setattr("archo_tui.cli.check._START_TIME", limits)
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", limits[chosen.ENGINE])
-    (here / f"{name}.py").write_text(LEARNERS[name].text)
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
-    code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
+    code = main(["check", "--engine", chosen.ENGINE, str(learners.write(name, here))])
     said = capsys.readouterr()
     if expected.refused:
         assert code == 2

@@ -22,11 +22,14 @@ from archo_tui.paths import journal_file
 from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
 from archo_tui.station import approvals
+from archo_tui.station.station import Station
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import AT_ONCE, FAST, LONG, Console, click, console
 from tests.support.night import corners
 from tests.support.peer import Peer
+from tests.support.plain import Typed
+from tests.support.robot import making
 from tests.support.shells import Raw, heard, own_socket, raw, served, until
 from tests.support.waiting import DEADLINE
 
@@ -44,6 +47,28 @@ async def beside(*args: str, **options: Any) -> AsyncIterator[tuple[Console, Raw
         assistant = await raw()
         yield op, assistant
         assistant.close()
+
+
+@asynccontextmanager
+async def at_a_terminal(*args: str, **options: Any) -> AsyncIterator[tuple[Typed, Raw]]:
+    """The same where a person reads and types lines."""
+    async with served(at_terminal=True, ros_args=args, **options) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        yield person, assistant
+        assistant.close()
+
+
+def station(person: Typed) -> Station:
+    return person._plain._station
+
+
+async def allows(person: Typed, number: int = 1) -> None:
+    """A person allows it, once it was read."""
+    await heard(person, f"(allow {number} or deny {number}, within 60 s)")
+    since = seconds()
+    await until(lambda: seconds() > since + 1.1)
+    person.type(f"allow {number}\n")
 
 
 async def asks(assistant: Raw, wanted: Any = GO) -> dict[str, Any]:
@@ -288,44 +313,46 @@ async def test_what_a_notice_hides_is_not_allowed_until_it_was_read_without_it()
         await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
 
-@pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
+async def test_a_request_is_void_once_a_stop_may_have_changed_what_it_means() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        await op.press("ctrl+x")
+        await op.until(lambda: "An assistant asks" not in op.text)
+        said = await says(assistant, "wait", "request", "1")
+        assert said["code"] == "void"
+
+
+@pytest.mark.parametrize("way", ["stop", "goal", "time", "gone"])
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with beside(*LONG) as (op, assistant):
+    async with at_a_terminal(*LONG) as (person, assistant):
         await asks(assistant)
         other = await raw()
-        await opened(op)
         if way == "stop":
             assert (await other.ask("stop"))["code"] == "done"
-        elif way == "key":
-            await op.press("ctrl+x")
         elif way == "goal":
             assert (await other.ask("go", "3"))["code"] == "accepted"
         elif way == "time":
             monkeypatch.setattr(approvals, "LIFETIME", 0.0)
         else:
             assistant.close()
-        await op.until(lambda: "An assistant asks" not in op.text)
-        await op.until(lambda: not op.app.station.approvals.waiting)
-        refused = op.app.station.approvals.answer(1, allowed=True)
+        await until(lambda: not station(person).approvals.waiting)
+        refused = station(person).approvals.answer(1, allowed=True)
         assert refused.text.startswith("request 1 is ")
         if way != "gone":
             said = await says(assistant, "wait", "request", "1")
             assert said["code"] == ("expired" if way == "time" else "void")
-        goals = [*op.app.view.snapshot.history, op.app.view.snapshot.goal]
+        snapshot = station(person).robot.snapshot
+        goals = [*snapshot.history, snapshot.goal]
         assert all(goal is None or goal.target == "3" for goal in goals)
         other.close()
 
 
 async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
     made: list[Peer] = []
-
-    def peer(**options: Any) -> Peer:
-        made.append(Peer(**options))
-        return made[-1]
-
-    async with beside(*LONG, node_makers=[*ROBOT, peer]) as (op, assistant):
+    async with beside(*LONG, node_makers=[*ROBOT, making(made, Peer)]) as (op, assistant):
         await op.until("2 consoles")
         await asks(assistant)
         made[0].tell("stop")
@@ -368,44 +395,39 @@ async def test_a_no_is_followed_by_a_pause_and_hides_no_alarm() -> None:
 
 
 async def test_what_waits_is_withdrawn_by_cancel() -> None:
-    async with beside(*FAST) as (op, assistant):
+    async with at_a_terminal(*FAST) as (person, assistant):
         await asks(assistant)
         said = await says(assistant, "cancel")
         assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
-        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is void"
+        assert station(person).approvals.answer(1, allowed=True).text == "request 1 is void"
 
 
-async def test_each_request_tells_of_its_own_goal() -> None:
-    async with beside(*FAST) as (op, assistant):
-        for shelf in (5, 6):
+async def test_each_request_tells_of_its_own_goal_and_once_allowed_is_once() -> None:
+    async with at_a_terminal(*FAST) as (person, assistant):
+        for number, shelf in ((1, 5), (2, 6)):
             await asks(assistant, {"kind": "go", "values": {"shelf_number": shelf}})
-            await allowed(op)
-            number = str(shelf - 4)
-            assert (await says(assistant, "wait", "request", number))["code"] == "arrived"
-        for number, shelf in (("1", 5), ("2", 6)):
-            told = await says(assistant, "wait", "request", number)
+            await allows(person, number)
+            told = await says(assistant, "wait", "request", str(number), timeout=DEADLINE)
+            assert told["code"] == "arrived"
+        for number, shelf in ((1, 5), (2, 6)):
+            told = await says(assistant, "wait", "request", str(number))
             assert told["data"]["values"] == {"shelf_number": shelf}
+        again = station(person).approvals.answer(1, allowed=True)
+        assert again.text == "request 1 is allowed"
+        assert len(station(person).robot.snapshot.history) == 2
 
 
 async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+    async with at_a_terminal(*LONG) as (person, assistant):
+        snapshot = station(person).robot.snapshot
+        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
         await asks(assistant)
         other = await raw()
         assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
-        await allowed(op)
-        await op.until("Shelf: at most 10, not 12")
-        assert op.app.view.snapshot.history == ()
+        await allows(person)
+        await heard(person, "Shelf: at most 10, not 12")
+        assert station(person).robot.snapshot.history == snapshot.history == ()
         other.close()
-
-
-async def test_once_allowed_is_once() -> None:
-    async with beside(*FAST) as (op, assistant):
-        await asks(assistant)
-        await allowed(op)
-        await op.until("Arrived at shelf 12")
-        assert op.app.station.approvals.answer(1, allowed=True).text == "request 1 is allowed"
-        assert len(op.app.view.snapshot.history) == 1
 
 
 async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
@@ -415,31 +437,32 @@ async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
             assert said["code"] == "asked"
         assert (await asks(assistant))["text"] == "3 requests wait for a person already"
         await op.until("asks: go to shelf 1 ")
-        await op.until("+2 more")
+        await op.until("+2 requests")
 
 
 async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:
-    async with beside(*LONG) as (op, assistant):
+    async with at_a_terminal(*LONG) as (person, assistant):
         await asks(assistant)
-        await allowed(op)
-        await op.until("MOVING to 12")
+        await allows(person)
+        await heard(person, "MOVING to 12")
         assistant.close()
-        await op.until("✗ CANCELLED")
+        await heard(person, "CANCELLED")
 
 
 async def test_it_cancels_its_own_goals_only() -> None:
-    async with beside(*LONG) as (op, assistant):
-        await op.press("g", *"3", "enter")
-        await op.until("MOVING to 3")
+    async with at_a_terminal(*LONG) as (person, assistant):
+        person.type("go 3\n")
+        await heard(person, "MOVING to 3")
         refused = await says(assistant, "cancel")
         assert refused["code"] == "refused"
         assert "no goal of this assistant runs" in refused["text"]
         assert (await asks(assistant))["text"].startswith("another goal runs")
-        await op.press("ctrl+c")
-        await op.until("✗ CANCELLED")
+        person.type("cancel\n")
+        await heard(person, "CANCELLED")
+        await until(lambda: station(person).robot.snapshot.running_goal is None)
         await asks(assistant)
-        await allowed(op)
-        await op.until("MOVING to 12")
+        await allows(person)
+        await heard(person, "MOVING to 12")
         assert (await says(assistant, "cancel"))["code"] == "accepted"
         ended = await says(assistant, "wait", "request", "1")
         assert ended["code"] == "cancelled"
@@ -461,7 +484,7 @@ OTHERS = [
 
 
 async def test_it_has_no_other_verbs() -> None:
-    async with beside(*FAST) as (op, assistant):
+    async with at_a_terminal(*FAST) as (person, assistant):
         await asks(assistant)
         for words in OTHERS:
             said = await says(assistant, *words)
@@ -469,7 +492,7 @@ async def test_it_has_no_other_verbs() -> None:
             # what was an assistant once is one to its end
             said = await assistant.ask(*words)
             assert said["code"] in ("refused", "misuse"), words
-            assert op.app.view.snapshot.goal is None
+            assert station(person).robot.snapshot.goal is None
 
 
 MISUSED = [
@@ -487,19 +510,19 @@ MISUSED = [
 
 
 async def test_what_cannot_be_meant_is_said_and_nobody_is_asked() -> None:
-    async with beside(*FAST) as (op, assistant):
-        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+    async with at_a_terminal(*FAST) as (person, assistant):
+        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
         for wanted, why in MISUSED:
             said = await asks(assistant, wanted)
             assert (said["code"], why in said["text"]) == ("misuse", True), said
-            assert op.app.view.requests == ()
+            assert station(person).approvals.waiting == ()
 
 
 async def test_a_request_waits_for_limits_that_were_not_reported_yet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    async with beside(*FAST) as (op, assistant):
-        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+    async with at_a_terminal(*FAST) as (person, assistant):
+        await until(lambda: station(person).robot.snapshot.parameter("shelf_count"))
         known = threading.Event()
         monkeypatch.setattr(Go, "is_found", lambda *_: known.is_set())
         assistant.send({"id": 1, "assistant": True, "ask": GO})
@@ -510,23 +533,24 @@ async def test_a_request_waits_for_limits_that_were_not_reported_yet(
         other.close()
 
 
-async def test_who_gives_up_waiting_may_ask_again() -> None:
-    async with beside(*FAST) as (op, assistant):
+async def test_who_gives_up_waiting_may_ask_again_and_at_most_three_wait() -> None:
+    async with at_a_terminal(*FAST) as (person, assistant):
         await asks(assistant)
         assistant.send({"id": 2, "assistant": True, "words": ["wait", "request", "1"]})
         assistant.send({"give_up": True})
         assert (await assistant.result())["code"] == "cancelled"
-        assert (await asks(assistant))["code"] == "asked"
-        assert [one.number for one in op.app.station.approvals.waiting] == [1, 2]
+        for _ in range(2):
+            assert (await asks(assistant))["code"] == "asked"
+        assert [one.number for one in station(person).approvals.waiting] == [1, 2, 3]
+        assert (await asks(assistant))["text"] == "3 requests wait for a person already"
 
 
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
-    async with beside(*FAST) as (op, assistant):
+    async with at_a_terminal(*FAST) as (person, assistant):
         assert (await says(assistant, "status"))["code"] == "done"
         assert (await says(assistant, "stop"))["code"] == "done"
-        line = " ".join(op.line("STOP: confirmed").split())
-        assert f"✓ assistant {os.getpid()}: STOP: confirmed" in line
-        await op.until("STOPPED: look for the cause")
+        await heard(person, f"assistant {os.getpid()}: STOP: confirmed")
+        await until(lambda: station(person).robot.snapshot.is_stopped)
         said = await asks(assistant)
         assert said["text"] == "the robot is stopped: a person has to release it first"
 
@@ -539,7 +563,7 @@ async def test_nobody_is_asked_who_only_watches() -> None:
 
 
 async def test_it_sees_what_there_is_with_ages() -> None:
-    async with beside(*FAST) as (_, assistant):
+    async with at_a_terminal(*FAST) as (_, assistant):
         status = await says(assistant, "status")
         assert status["data"]["battery"]["source"] == "measured"
         assert (await says(assistant, "events"))["code"] == "done"
@@ -560,7 +584,7 @@ async def test_no_motion_without_a_yes_whatever_is_called(
         *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
     ]
     values: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
-    async with beside(*FAST) as (op, assistant):
+    async with at_a_terminal(*FAST) as (person, assistant):
         for _ in range(calls):
             if choose.random() < 0.5:
                 kind = choose.choice(["go", "fly", None])
@@ -569,7 +593,7 @@ async def test_no_motion_without_a_yes_whatever_is_called(
                 )
             else:
                 await says(assistant, *choose.choice(words), timeout=0.001)
-        snapshot = op.app.view.snapshot
+        snapshot = station(person).robot.snapshot
         assert (snapshot.goal, snapshot.history) == (None, ())
 
 

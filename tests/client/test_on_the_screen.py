@@ -91,7 +91,7 @@ async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_qui
 def listening(terminal: Terminal) -> None:
     """Until programs can reach the console in it."""
     terminal.until(lambda: sockets.socket_paths())
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
 
 
 def test_a_screen_that_crashes_ends_a_wait_honestly_and_serves_the_next_program(
@@ -129,6 +129,6 @@ def test_a_console_that_gets_a_signal_cancels_and_says_so_to_the_shell(
 def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
     terminal = Terminal("--no-remote")
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     assert said("status").code == 3
     assert not sockets.socket_paths()

@@ -17,6 +17,7 @@ from archo_tui.cli.verb_help import helps, verbs_of_file
 from archo_tui.client import find, shell
 from archo_tui.errors import ArchoError
 from tests.support.console import FAST, LONG
+from tests.support.robot import making
 from tests.support.ros import begin
 from tests.support.shells import heard, raw, said, served, typed, until
 from tests.support.waiting import DEADLINE
@@ -84,12 +85,7 @@ class Deaf(Node):
 
 async def test_a_call_that_is_not_answered_in_its_time_may_still_be_done() -> None:
     made: list[Deaf] = []
-
-    def make(**given: Any) -> Deaf:
-        made.append(Deaf(**given))
-        return made[-1]
-
-    async with served(make):
+    async with served(making(made, Deaf)):
         asked = asyncio.ensure_future(typed("call", "/ponder", "--timeout", "0.5"))
         await until(lambda: made and made[0].asked)
         told = await asked
@@ -105,6 +101,12 @@ NOBODY = "no console runs here"
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
+        (
+            "go 12",
+            3,
+            f"archo-tui: {NOBODY}: start archo-tui, or archo-tui --plain; "
+            "ARCHO_TUI_SOCKETS is set: only /",
+        ),
         ("release", 3, f"archo-tui: {NOBODY}"),
         ("reset", 3, f"archo-tui: {NOBODY}"),
         ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
@@ -120,6 +122,7 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
     told = said(*words.split())
     assert (told.code, told.out) == (code, "")
     assert told.err.startswith(text)
+    assert told.err.count("\n") == 1
 
 
 def test_without_a_console_every_verb_has_its_help() -> None:
@@ -148,7 +151,7 @@ async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
         for words in (["wait", "--help"], ["wait", "idle", "--help"]):
             told, as_json = await typed(*words), await typed(*words, "--json")
             assert (told.code, as_json.code) == (0, 0)
-            assert told.out.startswith("wait idle|arrived|ready|stopped|battery N: ")
+            assert told.out.startswith("wait idle|arrived|ready|stopped|left N|battery N: ")
             assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
 
 

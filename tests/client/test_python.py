@@ -77,39 +77,37 @@ async def test_parameters_are_set_and_read_in_their_types() -> None:
 
     def change(robot: Robot) -> Any:
         robot.set("named", "names", names)
-        robot.set("named", "speed", 0.5)
-        return robot.get("named", "names"), robot.get("named", "speed", timeout=DEADLINE)
+        robot.set("speed", 0.5)  # of the only node that has it
+        return robot.get("named", "names"), robot.get("speed", timeout=DEADLINE)
 
     async with served(Named):
         assert await does(change) == (names, 0.5)
 
 
-@pytest.mark.parametrize(
-    ("work", "error", "said"),
-    [
-        (lambda robot: robot.go(99), Refused, "shelf 99 is not in 1 .. 40"),
-        (lambda robot: robot.go("there"), Misused, "there"),
-        (lambda robot: robot.go(b"5"), Misused, "b'5': .* bytes"),
-        (lambda robot: robot.go(5, kind="stop"), Misused, "use robot.stop()"),
-        (lambda robot: robot.go(5, kind="Stop!"), Misused, "use robot.stop()"),
-        (lambda robot: robot.go(kind="status"), Misused, "it sends no goals"),
-        (lambda robot: robot.go(12, timeout="30 s"), Misused, "not a time in s: 30 s"),
-        (lambda robot: robot.do("release"), Misused, "nothing to release|add --yes|no stop"),
-        (lambda robot: robot.wait("battery", 100, timeout=0), RanOut, "not yet"),
-        (lambda robot: robot.wait("idle", timeout=float("nan")), Misused, "not a time in s"),
-        (lambda robot: archo_tui.connect("1"), Unreached, "no console 1"),
-    ],
-)
-async def test_each_end_is_an_error_of_its_own(
-    work: Callable[[Robot], Any], error: type[NotDone], said: str, unlimited: Path
-) -> None:
+NOT_DONE: list[tuple[Callable[[Any], Any], type[NotDone], str]] = [
+    (lambda robot: robot.go(99), Refused, "shelf 99 is not in 1 .. 40"),
+    (lambda robot: robot.go("there"), Misused, "there"),
+    (lambda robot: robot.go(b"5"), Misused, "b'5': .* bytes"),
+    (lambda robot: robot.go(5, kind="stop"), Misused, "use robot.stop()"),
+    (lambda robot: robot.go(5, kind="Stop!"), Misused, "use robot.stop()"),
+    (lambda robot: robot.go(kind="status"), Misused, "it sends no goals"),
+    (lambda robot: robot.go(12, timeout="30 s"), Misused, "not a time in s: 30 s"),
+    (lambda robot: robot.do("release"), Misused, "nothing to release|add --yes|no stop"),
+    (lambda robot: robot.wait("battery", 100, timeout=0), RanOut, "not yet"),
+    (lambda robot: robot.wait("idle", timeout=float("nan")), Misused, "not a time in s"),
+    (lambda robot: archo_tui.connect("1"), Unreached, "no console 1"),
+]
+
+
+async def test_each_end_is_an_error_of_its_own(unlimited: Path) -> None:
     async with served(robot=unlimited, ros_args=FAST) as person:
-        if said.startswith("nothing to release"):
-            await does(lambda robot: robot.stop())
-        with pytest.raises(error, match=said) as raised:
-            await does(work)
-        assert isinstance(raised.value, ArchoError)
-        assert error.__name__ in archo_tui.__all__
+        for work, error, said in NOT_DONE:
+            if said.startswith("nothing to release"):
+                await does(lambda robot: robot.stop())
+            with pytest.raises(error, match=said) as raised:
+                await does(work)
+            assert isinstance(raised.value, ArchoError)
+            assert error.__name__ in archo_tui.__all__
         assert "goal MOVING" not in person.said
 
 
@@ -164,6 +162,7 @@ async def test_a_goal_that_ends_otherwise_raises() -> None:
             await asyncio.to_thread(robot.go, 5)
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("code", "error"),
     [
@@ -317,8 +316,7 @@ def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("one_folder")
 def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
     script = Script(*SLOW, fresh=True)
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     python = subprocess.Popen(
         warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
     )
@@ -388,8 +386,7 @@ with archo_tui.connect() as robot:
 @pytest.mark.usefixtures("one_folder")
 def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
     script = Script(*SLOW)
-    script.type("status\n")
-    script.until("\ngoal No goal yet")
+    script.ready()
     python = subprocess.Popen(
         warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
     )
@@ -497,11 +494,7 @@ async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() ->
         await until(lambda: person.said.count("STOP: confirmed") == 2)
 
 
-def test_without_a_console_nothing_is_reached() -> None:
-    with pytest.raises(Unreached, match="no console runs here"):
-        archo_tui.connect()
-
-
+@pytest.mark.pure
 def test_help_explains_each_argument_that_is_public() -> None:
     assert "/north" in pydoc.render_doc(archo_tui.connect)
     for kind in (Robot, GoalHandle):

@@ -214,6 +214,7 @@ async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
         for mouth in mouths:
             assert await asyncio.to_thread(mouth) == code, (state, mouth.__name__)
     reached = ["status", "status"] if codes[0] == 0 else []
+    assert not [path for path in sockets.socket_paths() if "gone" in path]
     for console in running:
         assert console.words() == [[word] for word in (*reached, "stop", "stop")]
     for made in listen:  # what waits to be read when it wakes
@@ -237,7 +238,10 @@ def unread(made: socket.socket) -> list[bytes]:
     return found.splitlines()
 
 
-async def test_a_suspended_console_that_is_not_meant_is_in_nobodys_way() -> None:
+async def test_a_suspended_console_that_is_not_meant_is_in_nobodys_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(find, "WAKE_TIMEOUT", 1.0)
     async with answering("/north") as north:
         with listening("/south", 9) as (south, _):
             assert (await typed("status", "--to", "/north")).code == 0
@@ -246,7 +250,12 @@ async def test_a_suspended_console_that_is_not_meant_is_in_nobodys_way() -> None
             told = await typed("status")
             assert told.code == 3
             assert "the console of pid 9, /south, does not answer" in told.err
-        assert north.words() == [["status"], ["stop"]]
+            told = await typed("stop")
+            assert told.code == 3
+            assert "pid 9, /south, does not answer yet: STOP waits for it" in told.err
+            assert "/south, embedded: not confirmed: the robot may be moving" in told.err
+            assert "/north, embedded: confirmed" in told.err
+        assert north.words() == [["status"], ["stop"], ["stop"]]
 
 
 async def test_a_verb_goes_to_the_console_that_can_act_and_a_stop_to_both() -> None:
@@ -426,31 +435,34 @@ STOP = b'{"id": 1, "words": ["stop"]}\n'
 STATUS_LINE = b'{"id": 2, "words": ["status"]}\n'
 
 
-@pytest.mark.parametrize(
-    "sent",
-    [
-        [STOP],
-        [STATUS_LINE, STOP],  # the answer to the first has nobody to go to
-        [STATUS_LINE * 3000, STOP],
-        [b'{"words": ["st\\u006fp"]}\n'],
-        [STOP[:-1]],
-        [b"stop\n"],
-        [b"STOP!"],
-        [b'{"id": 1, "words": ["Stop;", "now"]}\n'],
-        [b'{"id": 1, "words": "stop"}\n'],
-        [b'{"id": 1, "words": ["", "stop"], "to": 0, "engine": [], "domain": null}\n'],
-    ],
-    ids=lambda sent: repr(b"".join(sent))[-40:],
-)
-async def test_a_stop_of_a_client_that_has_gone_is_carried_out(
-    sent: list[bytes],
-) -> None:
+SENT: list[list[bytes]] = [
+    [STOP],
+    [STATUS_LINE, STOP],  # the answer to the first has nobody to go to
+    [STATUS_LINE * 3000, STOP],
+    [b'{"words": ["st\\u006fp"]}\n'],
+    [STOP[:-1]],
+    [b"stop\n"],
+    [b"STOP!"],
+    [b'{"id": 1, "words": ["Stop;", "now"]}\n'],
+    [b'{"id": 1, "words": "stop"}\n'],
+    [b'{"id": 1, "words": ["", "stop"], "to": 0, "engine": [], "domain": null}\n'],
+]
+
+
+async def test_a_stop_of_a_client_that_has_gone_is_carried_out() -> None:
     async with served() as person:
-        await typed("status")  # greeted: what comes is not the first
-        with held():
+        stops = person._plain._station.robot.stops
+        for number, sent in enumerate(SENT, 1):
+            await typed("status")  # greeted: what comes is not the first
+            with held():
+                with reached() as gone:
+                    for data in sent:
+                        gone.send(data)
+            await until(lambda n=number: stops.count == n, lambda sent=sent: repr(sent[0][:80]))  # type: ignore[misc]
+        for _ in range(50):
             with reached() as gone:
-                for data in sent:
-                    gone.send(data)
+                gone.send(STOP)
+        await until(lambda: stops.count == len(SENT) + 50)
         await heard(person, "STOP: confirmed")
 
 
@@ -468,16 +480,6 @@ async def test_a_stop_behind_what_cannot_be_answered_is_read(
         await heard(person, "STOP: confirmed")
 
 
-async def test_of_fifty_clients_that_send_stop_and_leave_every_stop_is_read() -> None:
-    async with served() as person:
-        for _ in range(50):
-            with reached() as gone:
-                gone.send(STOP)
-        stops = person._plain._station.robot.stops
-        await until(lambda: stops.count == 50)
-        await heard(person, "STOP: confirmed")
-
-
 async def test_the_card_of_a_console_is_its_hello() -> None:
     async with served():
         one = await raw()
@@ -492,8 +494,7 @@ async def test_the_card_of_a_console_is_its_hello() -> None:
 def begun(*words: str) -> Iterator[Script]:
     script = Script(*words, *SLOW, fresh=True)  # it may be suspended
     try:
-        script.type("status\n")
-        script.until("\ngoal No goal yet")
+        script.ready()
         yield script
     finally:
         script.close()

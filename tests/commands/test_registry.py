@@ -45,7 +45,7 @@ KEYS = {
         "question_mark": "help",
     },
     "in Parameters": {
-        "d": "only_changed", "full_stop": "ros_own", "u": "undo", "enter": "edit",
+        "d": "only_changed", "full_stop": "all_parameters", "u": "undo", "enter": "edit",
         "backspace": "restore",
         "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
     },
@@ -64,9 +64,9 @@ KEYS = {
     "ListDialog": {"escape": "close", "q": "close"},
     "DiagnosticList": {"f": "forget", "enter": "close"},
     "TopicDialog": {
-        "enter": "fold", "i": "choose_element", "p": "plot", "space": "freeze", "slash": "narrow",
-        "t": "show_type", "y": "copy", "escape": "leave", "q": "close", "left": "step(-1)",
-        "right": "step(1)",
+        "enter": "fold", "i": "choose_element", "p": "plot", "P": "publish", "space": "freeze",
+        "slash": "narrow", "t": "show_type", "y": "copy", "escape": "leave", "q": "close",
+        "left": "step(-1)", "right": "step(1)",
     },
     "AnswerRequest": {
         "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",

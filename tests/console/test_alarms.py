@@ -48,7 +48,7 @@ async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
     async with console(*FAST, *quiet) as op:
         await op.press("ctrl+x")
         await op.until("STOPPED: look for the cause")
-        await op.until("+1 more")
+        await op.until("+1 alarm")
         await op.press("A")
         await op.until("▲ MED   since ")
         assert "STOPPED: look for the cause, then press R to release" in op.words
@@ -177,7 +177,7 @@ async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told
         assert node.cancelled[0] - node.answered == pytest.approx(0.3, abs=0.3)
         begin(node, node.end.set_result, True)
         await op.until("Cancelled at last")
-        await op.until("STOPPED: look for the cause   +1 more")
+        await op.until("STOPPED: look for the cause   +1 alarm")
         await op.press("a")
         await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
 

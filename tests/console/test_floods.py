@@ -127,10 +127,12 @@ async def test_dozens_of_nodes_with_twenty_parameters_each() -> None:
             await op.until(lambda: len(op.app.view.snapshot.parameters) > count * 20, 60)
             await keys_answer(op)
             await op.press("4", "end")
-            await op.until(lambda: "ticks_per_revolution" in op.text)
+            await op.until(lambda: "max_speed" in op.text)
             await op.press("slash")
             await op.type("guest_007")
-            await op.until(lambda: "guest_007" in op.text and "guest_008" not in op.text)
+            await op.until(
+                lambda: "guest_007 gain" in op.words and "guest_008 gain" not in op.words
+            )
         finally:
             ending.set()
             thread.join(10)

@@ -82,8 +82,7 @@ async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_
         await op.until("Reset the encoder to zero")
         await op.press("enter")
         await op.until("reset encoder: zero")
-        await op.press("ctrl+p")
-        await op.type("theme")
+        await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
 
 
@@ -97,7 +96,7 @@ async def test_letters_are_commands_again_behind_enter() -> None:
 
 async def test_letters_do_nothing_behind_a_dialog() -> None:
     async with console(*FAST) as op:
-        await op.press("4", "ctrl+end", "enter")
+        await op.press("4", "full_stop", "ctrl+end", "enter")
         await op.until("ticks_per_revolution is read-only")
         await op.press("r", "c", "q")
         await op.press("escape")
@@ -154,10 +153,10 @@ async def test_a_click_does_what_the_key_does() -> None:
         footer = lines[-1]
         await op.pilot.click(offset=(footer.index("r Reset") + 1, len(lines) - 1))
         await op.until("reset encoder: zero")
-        row = next(n for n, line in enumerate(lines) if "wheel_radius" in line)
+        row = next(n for n, line in enumerate(lines) if "max_speed" in line)
         await op.pilot.click(offset=(60, row))
         await op.pilot.click(offset=(60, row))
-        await op.until(" motor_controller wheel_radius ")
+        await op.until(" motor_controller max_speed ")
         await op.press("escape")
         border = next(n for n, line in enumerate(lines) if "c charge" in line)
         await op.pilot.click(offset=(lines[border].index("c charge") + 2, border))
@@ -306,3 +305,32 @@ async def test_help_lists_the_keys_of_the_panel_first_and_narrows_by_what_is_typ
         assert "Go to panel" not in op.text
         await op.press("f1")
         await op.until(lambda: op.app.screen is op.app.main)
+
+
+async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "question_mark")
+        field = [op.text.index(word) for word in ("Here, in Go to shelf", "Recent goals", "Leave")]
+        assert field == sorted(field)
+        assert field[-1] < op.text.index("Everywhere")
+        await op.press("escape", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+x")
+        await op.until("held: 7")
+        await op.press("question_mark")
+        now = op.text.index("Now")
+        assert op.text.index("Release the stop") < op.text.index("Continue the held queue")
+        assert now < op.text.index("Release the stop") < op.text.index("Here, in")
+
+
+async def test_a_hint_that_is_true_already_is_not_shown() -> None:
+    async with console(*FAST) as op:
+        await op.press("4")
+        assert "Press g, type the shelf, press enter." in op.text
+        assert "g go to shelf ? keys" in op.words
+        await op.press("g")
+        assert "No goal yet. Type the shelf, press enter." in op.text
+        assert "g go to shelf" not in op.words
+        assert "? keys" in op.words
+        await op.press("1")
+        assert "? keys" not in op.words  # it is text behind a digit

@@ -49,6 +49,24 @@ async def test_leaving_it_running_does_not_cancel() -> None:
     assert it.said == ["quit: the goal to shelf 12 is left running"]
 
 
+@pytest.mark.parametrize(
+    ("state", "said"),
+    [
+        ("motor stopped", "the STOP holds on until R in a console"),
+        ("motor stop not confirmed", "once this console has ended nobody repeats it"),
+    ],
+)
+async def test_quitting_while_stopped_says_what_becomes_of_the_stop(state: str, said: str) -> None:
+    it = Asked(attached=True)
+    robot: Any = it.app.station.robot
+    robot.snapshot = STATES[state]._replace(goal=None)
+    async with it.app.run_test(size=(120, 36)):
+        shown = await it.press("q")
+        assert said in " ".join(shown.replace("┃", " ").split())
+        await it.press("escape", "q", "tab", "enter")
+        assert not it.app.is_running
+
+
 async def test_nodes_of_this_process_cannot_be_left_running() -> None:
     it = Asked()
     async with it.app.run_test(size=(120, 36)):

@@ -223,8 +223,7 @@ async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field(
 
 async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:
     async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("theme")
+        await op.press("ctrl+p", *"theme", "enter")
         await op.until("Theme nord")
         assert "^x" in op.text.splitlines()[-1]
         await stop_works(op)

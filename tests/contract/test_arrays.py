@@ -16,6 +16,8 @@ from unique_identifier_msgs.msg import UUID
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.pure
+
 SIXTEEN = list(range(16))
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from tests.support import chosen
 
+pytestmark = pytest.mark.pure
+
 IMPORTED = {
     "rclpy": (
         "init shutdown try_shutdown ok spin spin_once spin_until_future_complete create_node "

@@ -15,6 +15,8 @@ from rclpy.time import Time
 
 from tests.support.ros import Ros
 
+pytestmark = pytest.mark.pure
+
 UNSET, DEBUG, INFO, WARN, ERROR, FATAL = LoggingSeverity
 ROOT = ""
 

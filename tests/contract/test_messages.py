@@ -15,6 +15,8 @@ from unique_identifier_msgs.msg import UUID
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.pure
+
 
 def test_fields_start_at_zero_false_and_empty() -> None:
     status = BatteryStatus()

@@ -286,6 +286,7 @@ def test_an_error_of_a_value_ends_by_the_parameters_name(ros: Ros) -> None:
         node.declare_parameter("word", "x")
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("text", "value"),
     [
@@ -328,6 +329,7 @@ FILE = """\
 """
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("nodes", "wild", "values"),
     [
@@ -344,6 +346,7 @@ def test_a_file_holds_parameters_for_nodes_and_for_all(
     assert _read(tmp_path, wild, nodes) == values
 
 
+@pytest.mark.pure
 def test_a_file_holds_parameters_for_a_node_by_its_whole_name(tmp_path: Path) -> None:
     assert _read(tmp_path, False, ["/one"]) == {"gain": 1, "sub.x": 2}
     for nodes in (None, ["no"]):
@@ -418,6 +421,7 @@ def test_names_are_given_as_a_list_to_another_nodes_client(ros: Ros) -> None:
             ask("ab")
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("text", "error"), [("a: b: c", yaml.YAMLError), ("{a: 1}", AssertionError)]
 )

@@ -27,6 +27,8 @@ from std_msgs.msg import (
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.pure
+
 VALUE = ParameterValue(
     type=9,
     string_array_value=["a", "bcd"],

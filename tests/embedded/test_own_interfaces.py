@@ -74,7 +74,7 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
 def test_of_the_keys_typed_while_it_restarts_only_stop_counts(tmp_path: Path) -> None:
     source = package(tmp_path, "float32 temperature")
     terminal = Terminal("--interfaces", str(source))
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     package(tmp_path, "float32 humidity")
     terminal.until("the console restarts; ^x is STOP meanwhile")
     terminal.write("g7\r\x18")
@@ -117,17 +117,10 @@ def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
         own_interfaces.find(package(tmp_path), "ros2")
 
 
-@pytest.mark.real_time
-@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
 def test_a_second_folder_adds_to_the_first_and_may_use_its_types(tmp_path: Path) -> None:
     things(tmp_path, first_msgs="float32 x", second_msgs="first_msgs/Thing inner")
     folders = [tmp_path / "first_msgs", tmp_path / "second_msgs"]
     assert [*own_interfaces.find_all(folders, "embedded").packages] == ["first_msgs", "second_msgs"]
-    script = Script("--interfaces", str(folders[0]), "--interfaces", str(folders[1]))
-    script.type("status\n")
-    script.until("battery ")
-    script.type("quit\n")
-    script.end()
 
 
 def test_of_several_packages_one_with_a_mistake_is_named_and_the_others_are_used(
@@ -168,10 +161,12 @@ def test_a_node_runs_on_the_good_package_beside_a_bad_one(
     tmp_path: Path,
 ) -> None:
     things(tmp_path / "src", bad_msgs="floot32 x", good_msgs="float32 temperature")
+    things(tmp_path / "more", user_msgs="good_msgs/Thing inner")
     node = tmp_path / "teller.py"
     of_good = TELLER.replace("archo_interfaces", "good_msgs").replace("BatteryStatus", "Thing")
     node.write_text(of_good)
-    script = Script("--interfaces", str(tmp_path / "src"), "--only", "--node", str(node))
+    folders = ("--interfaces", str(tmp_path / "src"), "--interfaces", str(tmp_path / "more"))
+    script = Script(*folders, "--only", "--node", str(node))
     script.until("bad_msgs/msg/Thing.msg:1: ")
     script.until("the last is temperature")
     script.type("quit\n")

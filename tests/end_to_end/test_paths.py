@@ -43,7 +43,7 @@ def running(words: str) -> list[int]:
 def test_a_goal_in_tmux_with_the_terminal_as_before(tmux: Tmux, tmp_path: Path) -> None:
     check = "stty -a | cmp - before && echo SANE"
     tmux.start(f"cd {tmp_path}; stty -a > before; {ARCHO}; echo CODE $?; {check}")
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("g", "1", "2", "Enter")
     tmux.until("Arrived at shelf 12")
     tmux.type("C-q")
@@ -53,7 +53,7 @@ def test_a_goal_in_tmux_with_the_terminal_as_before(tmux: Tmux, tmp_path: Path) 
 
 def test_operating_over_ssh_says_who_it_was(tmux: Tmux, sshd: Sshd) -> None:
     tmux.start(sshd.command(ARCHO))
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("r")
     tmux.until("reset encoder: zero")
     tmux.type("C-x")
@@ -70,7 +70,7 @@ def test_a_killed_link_ends_the_process_and_cancels_the_goal(
 ) -> None:
     words = f"{words} -p route_length:=500.0"
     tmux.start(sshd.command(f"{ARCHO} {words}"))
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("g", "1", "2", "Enter")
     tmux.until("m left of")
     assert running(words)
@@ -84,7 +84,7 @@ def test_a_killed_link_ends_the_process_and_cancels_the_goal(
 def test_a_terminal_that_is_not_read_for_30_s_costs_nothing(tmux: Tmux, sshd: Sshd) -> None:
     exact = "-p drain_min:=0.01 -p drain_max:=0.01 -p publish_period:=0.05"
     tmux.start(sshd.command(f"{ARCHO} --ros-args {exact}"))
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("Escape")
     tmux.until("Panels")
     tmux.type("6", "e", "l")
@@ -121,11 +121,11 @@ def memory(pid: int) -> int:
 
 def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
     tmux.start(ARCHO)
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     for step in range(60):
         tmux.resize(20 + 37 * step % 180, 5 + 17 * step % 50)
     tmux.resize(120, 36)
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("g", "7", "Enter")
     tmux.until("Arrived at shelf 7")
     tmux.type("C-q")
@@ -135,7 +135,7 @@ def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
 def test_kill_9_leaves_the_journal_whole(tmux: Tmux) -> None:
     words = f"{SLOW} -p route_length:=77.0"
     tmux.start(f"{ARCHO} {words}")
-    tmux.until("wheel_radius")
+    tmux.until("max_speed")
     tmux.type("r")
     tmux.until("reset encoder: zero")
     (pid,) = running(words)

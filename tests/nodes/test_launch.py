@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.pure
+
 LAUNCH = Path(__file__).parent.parent.parent / "nodes" / "launch" / "archo_comms.launch.py"
 
 

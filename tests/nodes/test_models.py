@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from archo_bringup import battery_model, motion
 
+pytestmark = pytest.mark.pure
+
 
 @pytest.mark.parametrize(("percentage", "volts"), [(87.5, 24.1), (0.0, 20.6), (100.0, 24.6)])
 def test_voltage_follows_the_charge(percentage: float, volts: float) -> None:

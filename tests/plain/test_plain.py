@@ -156,12 +156,11 @@ async def test_a_line_is_split_as_a_shell_does() -> None:
         assert told in said
 
 
-async def test_the_node_that_a_set_lacks_is_named() -> None:
-    async with operated(ros_args=QUICK) as person:
-        person.type("params\n")
-        await person.until("ticks_per_revolution")
-        person.type("set max_speed '1 0'\n")
-        await person.until("needs NODE NAME VALUE: set motor_controller max_speed '1 0'")
+async def test_the_node_of_a_parameter_that_no_other_one_has_is_inferred_and_told() -> None:
+    code, said = await plain("set max_speed 0.25\nget max_speed\n")
+    assert code == 0, said
+    assert "YOU console: set motor_controller max_speed 0.25: max_speed is 0.25" in said
+    assert "motor_controller max_speed is 0.25, was 0.8 at the start" in said
 
 
 async def test_an_error_that_comes_twice_before_it_is_seen_is_printed_once() -> None:

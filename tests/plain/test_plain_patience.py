@@ -8,6 +8,7 @@ import pytest
 from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node
 
+from archo_tui.robot.state.snapshot import Hosted, Life
 from tests.support.clock import seconds
 from tests.support.hesitant import Hesitant
 from tests.support.plain import operated
@@ -56,6 +57,23 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
         await person.until("alone up")
         assert person.said.count(said) == 2
         assert seconds() - began < 0.5
+
+
+async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with operated(Alone) as person:
+        host, began = person._plain._station.host, seconds()
+        await until(lambda: seconds() > began + 6.0)
+        coming = (*host.states(), Hosted("/coming", Life.STARTING))
+        monkeypatch.setattr(host, "states", lambda: coming)
+        began = seconds()
+        person.type("get coming gain\n")
+        await until(lambda: seconds() > began + 3.0)
+        assert "failed" not in person.said
+        monkeypatch.undo()
+        await person.until("failed: get: no node /coming is on the graph")
+        assert seconds() - began < 4.0
 
 
 class Late(Node):

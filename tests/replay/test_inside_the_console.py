@@ -16,6 +16,7 @@ from weakref import WeakSet
 import pytest
 
 from archo_tui.commands import recordings
+from archo_tui.commands.base import IN_PANEL
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.paths import state_file
 from archo_tui.recordings.replay.bag import BagFile, BagMessage
@@ -79,9 +80,12 @@ async def test_enter_plays_a_recording_and_q_leads_back_again_and_again() -> Non
         await play(op)
         assert live_line(op).startswith(" LIVE   ARCHO   ● online")
         assert "q Live robot" in op.text.splitlines()[-1]
-        await op.press("n", "right")
+        await op.press("m", "right")
         assert "recorded: ▲ STOPPED" in op.text
         assert "STOPPED" not in live_line(op)
+        live = {c.key: c.id for c in op.app.registry if c.key and c.where != IN_PANEL}
+        here = {command.key: command.id for command in op.app.front.registry}
+        assert {key for key in here if live.get(key, here[key]) != here[key]} <= {"ctrl+c"}
         await op.at(before + 3.0)
         await op.press("q")
         assert op.app.screen is op.app.main

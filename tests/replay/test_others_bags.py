@@ -78,7 +78,7 @@ async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
         assert re.search(r"▲  \S*dashboard: ", watcher.text)
         low = BEGIN + 24.0  # below 20 % at 21, seen in the next second, and 2 s of it
         assert watcher.app.view.alarms[0].since == low
-        await watcher.press("home", "n")
+        await watcher.press("home", "m")
         assert watcher.player.position == low
         await watcher.press("left", "left", "left", "left")
         assert "LOW BATTERY" not in watcher.text

@@ -105,13 +105,13 @@ async def test_marks_lead_to_what_happened(drive: Path) -> None:
         said = []
         while "There is no mark after this moment." not in watcher.text:
             said.append(watcher.text.splitlines()[-2][18:].strip())
-            await watcher.press("n")
+            await watcher.press("m")
         assert said[:3] == ["", "YOU: go to shelf 12: accepted", "GOAL: Arrived at shelf 12"]
         assert "YOU: STOP: confirmed" in ", ".join(said)
         assert "STOPPED: look for the cause" in ", ".join(said)
         for _ in said[1:]:
             assert "There is no mark before this moment." not in watcher.text
-            await watcher.press("N")
+            await watcher.press("M")
         assert "There is no mark before this moment." in watcher.text
 
 
@@ -195,7 +195,7 @@ async def test_a_click_on_the_line_goes_there(drive: Path) -> None:
 
 async def test_it_ends_at_once_whatever_ran_then(drive: Path) -> None:
     async with replay(drive) as watcher:
-        await watcher.press("n")
+        await watcher.press("m")
         assert watcher.app.view.snapshot.running_goal is not None
         await watcher.press("q")
         assert watcher.app._exit

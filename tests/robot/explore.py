@@ -81,6 +81,8 @@ class World(NamedTuple):
     outsiders_left: int = 0  # Releases that no console makes, and only the robot's reports tell.
     is_reported: bool = True  # The robot has reported its motion since.
     is_past: bool = False  # The STOP was given up or released: nothing follows it any more.
+    publications_left: int = 0  # Messages that are typed to be published without end.
+    publishes: int | None = None  # STOPs that had been read when what is published was typed.
     is_last: bool = False  # A STOP is the last that the operator asked for.
 
 
@@ -318,6 +320,10 @@ def type_goal(world: World) -> World:
     return world._replace(goals=(*world.goals, goal), goals_left=world.goals_left - 1)
 
 
+def publish(world: World) -> World:
+    return world._replace(publishes=world.stops_read, publications_left=world.publications_left - 1)
+
+
 def _with_goal(world: World, place: int, **changes: Any) -> World:
     goals = list(world.goals)
     goals[place] = goals[place]._replace(**changes)
@@ -356,6 +362,10 @@ def pass_time(world: World) -> World:
     facts = module.Facts(runs(world), True, bool(served(world)))
     stop, todo = world.stop.tick(0.0, facts)
     world = world._replace(stop=stop)
+    if world.publishes is not None:
+        is_void = world.publishes < world.stops_read
+        if not stop.lets_publish(is_void=is_void):
+            world = world._replace(publishes=None)
     for what, turn in todo:
         if what is module.StopEffect.SEND:
             promise(stop.open is not None, "only an open STOP is sent again")
@@ -488,6 +498,8 @@ def moves(world: World) -> Iterator[tuple[str, Callable[[World], World]]]:
         yield "somebody releases", outside
     if world.goals_left:
         yield "type goal", type_goal
+    if world.publications_left and world.stop.lets_publish(is_void=False):
+        yield "publish", publish
     for place, goal in enumerate(world.goals):
         then = {
             "typed": ("send", send_goal),
@@ -520,6 +532,9 @@ def check(world: World) -> None:
         is_old = goal.stops < world.stops_read and world.passed >= 1
         if goal.phase == "moving" and is_old:
             promise(goal.is_asked, "a goal from before a STOP that runs behind it is cancelled")
+    if world.publishes is not None and world.passed >= 1:
+        is_behind = world.publishes < world.stops_read
+        promise(not is_behind, "nothing is published behind a STOP that came after it")
     if stop.open is not None:
         open_for = -stop.open.asked
         if open_for >= 1.0 and world.other_runs and world.passed:
@@ -573,22 +588,47 @@ def follow(world: World, *way: str) -> World:
 
 
 _ALONE: dict[str, Any] = {"stops_left": 1, "peer_left": (), "goals_left": 0, "restarts_left": 0}
+# By day, without what is left of calls that the machine makes by itself; seconds in all.
 SMALL: dict[str, Callable[..., World]] = {
     "a release": partial(begin, 1, **{**_ALONE, "sends_left": 0}),
+    "a goal": partial(begin, 1, **{**_ALONE, "goals_left": 1, "releases_left": 0, "sends_left": 0}),
+    "a message that is published without end": partial(
+        begin, 1, **{**_ALONE, "publications_left": 1, "releases_left": 1, "sends_left": 0}
+    ),
+    "a restart": partial(begin, 1, **{**_ALONE, "restarts_left": 1, "releases_left": 0}),
+    "a peer": partial(
+        begin, 1, stops_left=1, releases_left=0, goals_left=0, sends_left=0, restarts_left=0
+    ),
+    "a peer's STOP and a restart": partial(
+        begin, 1, peer_left=("stop",), stops_left=1, releases_left=0, goals_left=0, sends_left=0
+    ),
+    "a robot that reports its stop, and a restart": partial(
+        begin,
+        1,
+        reports="stop",
+        **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
+    ),
+    "a robot that reports its stop, and somebody who releases": partial(
+        begin,
+        1,
+        reports="stop",
+        outsiders_left=1,
+        **{**_ALONE, "releases_left": 0, "sends_left": 0},
+    ),
+}
+# Further worlds, for the night: minutes in all.
+LARGE: dict[str, Callable[..., World]] = {
     "a goal and a release": partial(begin, 1, **{**_ALONE, "goals_left": 1, "sends_left": 0}),
     "a peer and a restart": partial(
         begin, 1, stops_left=1, releases_left=0, goals_left=0, sends_left=0
     ),
-    "a robot that reports its stop, and a restart": partial(
+    "somebody who releases, and a restart of a robot that reports its stop": partial(
         begin,
         1,
         reports="stop",
         outsiders_left=1,
         **{**_ALONE, "restarts_left": 1, "releases_left": 0, "sends_left": 0},
     ),
-}
-# Further worlds, for the night: minutes in all.
-LARGE: dict[str, Callable[..., World]] = {
     "two servers and a release": partial(begin, 2, **_ALONE),
     "two servers and a restart": partial(
         begin, 2, **{**_ALONE, "restarts_left": 1, "releases_left": 0}

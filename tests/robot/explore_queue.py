@@ -417,7 +417,7 @@ def explore(world: World) -> Found:
 
 _ALL: dict[str, Any] = {"stops_left": 1, "leaves_left": 1, "cancels_left": 1}
 SMALL: dict[str, Callable[..., World]] = {
-    "a client's list": partial(begin, (SHELL, 3), stops_left=1, leaves_left=1),
+    "a client's list": partial(begin, (SHELL, 2), stops_left=1, leaves_left=1),
     "two lists": partial(begin, (YOU, 2), (SHELL, 1), leaves_left=1, cancels_left=1),
     "a restart and the end of a screen": partial(
         begin, (YOU, 2), (SHELL, 1), ends_left=1, restarts_left=1
@@ -426,6 +426,7 @@ SMALL: dict[str, Callable[..., World]] = {
     "another's goal": partial(begin, (YOU, 2), others_left=1, cancels_left=1),
 }
 LARGE: dict[str, Callable[..., World]] = {
+    "a client's long list": partial(begin, (SHELL, 3), stops_left=1, leaves_left=1),
     "two lists and a STOP": partial(begin, (YOU, 2), (SHELL, 2), **_ALL),
     "two lists, two STOPs and an alarm": partial(
         begin, (SHELL, 2), (YOU, 1), stops_left=2, alarms_left=1, leaves_left=1

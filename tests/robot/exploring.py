@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import random
 import sys
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator
@@ -9,6 +11,8 @@ from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple, TypeVar
+
+from tests.mutants import mutants
 
 World = TypeVar("World")
 
@@ -69,15 +73,14 @@ def _way(came: dict[int, tuple[int, str]], world: int) -> tuple[str, ...]:
     return tuple(reversed(way))
 
 
-def source_of(machine: ModuleType) -> str:
-    return Path(str(machine.__file__)).read_text(encoding="utf-8")
-
-
-def broken(machine: ModuleType, before: str, after: str) -> ModuleType:
-    """A machine with one text in place of another."""
-    name = f"broken_{machine.__name__.rpartition('.')[2]}"
-    spec = spec_from_loader(name, None)
-    assert spec is not None
-    module = sys.modules[name] = module_from_spec(spec)
-    exec(compile(source_of(machine).replace(before, after), name, "exec"), module.__dict__)
-    return module
+def planted(machine: ModuleType, count: int) -> Iterator[tuple[str, ModuleType]]:
+    """Yield machines with a fault each, drawn at random, and what the fault is."""
+    source = Path(str(machine.__file__)).read_bytes()
+    for mutant in random.Random(1).sample(mutants(source), count):
+        name = f"broken_{machine.__name__.rpartition('.')[2]}"
+        spec = spec_from_loader(name, None)
+        assert spec is not None
+        module = sys.modules[name] = module_from_spec(spec)
+        with contextlib.suppress(Exception):  # One that cannot even be imported is found.
+            exec(compile(mutant.planted_in(source), name, "exec"), module.__dict__)
+            yield f"{mutant.line}: {mutant.before} -> {mutant.after}", module

@@ -26,8 +26,7 @@ def phase(it: Robot) -> Phase | None:
 async def undecided() -> AsyncIterator[tuple[Robot, Hesitant]]:
     """A goal has been sent, and its server has not answered in time."""
     made: list[Hesitant] = []
-    async with robot(making(made, Hesitant)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Hesitant), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).code == Code.TIMEOUT
         yield it, made[0]
 

@@ -11,6 +11,8 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state.audit_records import MAX_LENGTH, AuditRecord, parse, to_json
 from archo_tui.robot.state.events import Event, EventLog
 
+pytestmark = pytest.mark.pure
+
 SET = AuditRecord(
     "set", {"node": "/motor", "values": {"speed": 0.5, "names": ["a", "b"]}}, Code.DONE
 )

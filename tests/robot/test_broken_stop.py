@@ -125,8 +125,7 @@ async def pass_time(seconds: float) -> None:
 async def test_a_goal_is_cancelled_whatever_the_stop_answers(says: str) -> None:
     made: list[Driver] = []
     more = [SecondStop] if says == LATE else []
-    async with robot(making(made, Driver, says), *more) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Driver, says), *more, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         sent = clock.seconds()
         stop = it.emergency_stop()
@@ -145,8 +144,7 @@ async def test_a_stop_does_not_cancel_a_goal_that_the_robot_ends_by_itself() -> 
             return MoveToShelf.Result(final_message="stopped")
 
     made: list[Aborts] = []
-    async with robot(making(made, Aborts, "yes")) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Aborts, "yes"), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         assert (await ended(it.emergency_stop())).ok
         await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
@@ -160,8 +158,7 @@ async def test_the_cancel_of_a_stop_changes_no_phase() -> None:
     made: list[Driver] = []
     seen = set()
     maker = making(made, lambda **options: Driver("no", heeds=False, **options))
-    async with robot(maker) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(maker, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         assert not (await ended(it.emergency_stop())).ok
 
@@ -181,8 +178,7 @@ async def test_an_action_whose_cancel_moves_the_robot_is_exempt(tmp_path: Path) 
     file.write_text(
         text.replace("action: move_to_shelf\n", "action: move_to_shelf\n    stop_cancels: false\n")
     )
-    async with robot(making(made, Driver, "no"), robot=file) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Driver, "no"), robot=file, offers="move_to_shelf") as it:
         kind = it.file.goals[0]
         assert not kind.stop_cancels
         assert (await ended(it.send(kind, {"shelf_number": 3}))).ok
@@ -201,8 +197,9 @@ async def test_goals_of_other_clients_are_cancelled_a_second_after_a_stop_withou
 ) -> None:
     made: list[Driver] = []
     others: list[Other] = []
-    async with robot(making(made, Driver, says), making(others, Other)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(
+        making(made, Driver, says), making(others, Other), offers="move_to_shelf"
+    ) as it:
         begin(others[0], others[0].go, 3)
         await until(lambda: it.snapshot.running == 3)
         sent = clock.seconds()
@@ -218,8 +215,7 @@ async def test_goals_of_other_clients_are_cancelled_a_second_after_a_stop_withou
 
 async def test_the_goals_of_another_console_are_known_by_its_name() -> None:
     made: list[Driver] = []
-    async with robot(making(made, Driver)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Driver), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         await until(lambda: made[0].goal_ids)
         (ours,) = made[0].goal_ids
@@ -234,8 +230,9 @@ async def test_the_goals_of_another_console_are_known_by_its_name() -> None:
 async def test_goals_of_other_clients_are_left_to_a_robot_that_says_yes() -> None:
     made: list[Driver] = []
     others: list[Other] = []
-    async with robot(making(made, Driver, "yes"), making(others, Other)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(
+        making(made, Driver, "yes"), making(others, Other), offers="move_to_shelf"
+    ) as it:
         begin(others[0], others[0].go)
         await until(lambda: it.snapshot.running == 1)
         assert (await ended(it.emergency_stop())).ok
@@ -248,8 +245,7 @@ async def test_a_goal_that_another_client_sent_behind_the_stop_is_not_cancelled_
     made: list[Driver] = []
     others: list[Other] = []
     maker = making(made, lambda **options: Driver("no", heeds=False, **options))
-    async with robot(maker, making(others, Other)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(maker, making(others, Other), offers="move_to_shelf") as it:
         begin(others[0], others[0].go)
         await until(lambda: it.snapshot.running == 1)
         assert not (await ended(it.emergency_stop())).ok
@@ -276,8 +272,7 @@ async def test_a_stop_that_cannot_say_yes_is_judged_by_the_motion(moves: bool) -
             return response
 
     made: list[Plain] = []
-    async with robot(making(made, Plain)) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(making(made, Plain), offers="emergency_stop") as it:
         await until(lambda: it.snapshot.motion.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         await pass_time(4.5)
@@ -290,8 +285,7 @@ async def test_the_cancelling_for_a_stop_ends_when_it_is_given_up() -> None:
     made: list[Driver] = []
     others: list[Other] = []
     maker = making(made, lambda **options: Driver("no", heeds=False, **options))
-    async with robot(maker, making(others, Other)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(maker, making(others, Other), offers="move_to_shelf") as it:
         begin(others[0], others[0].go)
         await until(lambda: it.snapshot.running == 1)
         assert not (await ended(it.emergency_stop())).ok
@@ -305,8 +299,9 @@ async def test_the_cancelling_for_a_stop_ends_when_it_is_given_up() -> None:
 async def test_a_stop_that_is_pressed_again_cancels_what_others_have_sent_since() -> None:
     made: list[Driver] = []
     others: list[Other] = []
-    async with robot(making(made, Driver, "no"), making(others, Other)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(
+        making(made, Driver, "no"), making(others, Other), offers="move_to_shelf"
+    ) as it:
         begin(others[0], others[0].go)
         await until(lambda: it.snapshot.running == 1)
         assert not (await ended(it.emergency_stop())).ok

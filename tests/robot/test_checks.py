@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -15,7 +14,6 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool
 
-from archo_tui.robot.messages.period import UNMEASURED, Period, is_silent
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.station.history import History
 from archo_tui.station.view import View
@@ -181,24 +179,6 @@ async def test_hidden_nodes_are_not_listed() -> None:
         assert "/_tool" not in {node.name for node in it.snapshot.nodes}
 
 
-def test_silence_is_three_of_the_robots_own_periods() -> None:
-    period = Period()
-    for at in (0.0, 30.0):
-        assert period.seconds is None
-        assert not is_silent(at, period.seconds, at + 29, UNMEASURED)  # before two messages
-        period = period.with_message_at(at)
-    assert period.seconds == 30.0
-    assert not is_silent(30.0, period.seconds, 30.0 + 89, UNMEASURED)
-    assert is_silent(30.0, period.seconds, 30.0 + 91, UNMEASURED)
-
-
-def test_a_link_that_grows_slower_is_judged_by_its_first_pace() -> None:
-    period = Period()
-    for at in (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 15.0, 35.0, 75.0):
-        period = period.with_message_at(at)
-    assert period.seconds == 1.0
-
-
 @pytest.mark.waits
 async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
     slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
@@ -288,27 +268,6 @@ async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
         assert len(services._clients) <= before
 
 
-@pytest.mark.waits
-async def test_a_node_that_never_answers_is_asked_less_and_less() -> None:
-    async with robot(battery(percentage=50.0)) as it:
-        asked: list[float] = []
-        load = it.parameters._load
-
-        async def count(node: str) -> None:
-            if node == "/mute":
-                asked.append(clock.seconds())
-            await load(node)
-
-        it.parameters._load = count  # type: ignore[method-assign]
-        mute = Node("mute", context=it.node.context)  # nobody spins it
-        begin = clock.seconds()
-        await until(lambda: clock.seconds() > begin + 25)
-        gaps = [round(b - a) for a, b in itertools.pairwise(asked)]
-        assert len(gaps) >= 2
-        assert gaps == sorted(set(gaps))  # each longer than the one before
-        mute.destroy_node()
-
-
 async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> None:
     class Liar(Node):
         def __init__(self, **options: Any) -> None:
@@ -326,8 +285,7 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
             self.get_logger().warning("Goal refused: the road is wet")
             return None
 
-    async with robot(Liar, Refusing) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(Liar, Refusing, offers="move_to_shelf") as it:
         await until(lambda: any("I say so" in e.text for e in it.snapshot.events))
         outcome = await ended(go(it, 3))
         assert (outcome.ok, outcome.text) == (False, "the road is wet")

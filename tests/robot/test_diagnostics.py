@@ -5,8 +5,12 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from archo_tui.robot.readings.diagnostics import Diagnostics
 from archo_tui.robot.state.readings import DiagnosticLevel
+
+pytestmark = pytest.mark.pure
 
 
 def array(*parts: tuple[str, Any, str], hardware: str = "") -> Any:
@@ -58,7 +62,7 @@ def test_silence_of_three_periods_and_five_seconds_is_stale() -> None:
 
 def test_names_without_end_do_not_fill_the_memory() -> None:
     table = Diagnostics()
-    for number in range(3000):
+    for number in range(1010):
         table.add(array((f"part {number}", 0, "")), 0.0)
     assert len(table.all) == 1000
 
@@ -70,8 +74,7 @@ def test_an_error_takes_the_place_of_a_part_that_is_well() -> None:
     assert len(table.all) == 1000
     bad = [status.name for status in table.all if status.level is not DiagnosticLevel.OK]
     assert bad == ["late"]
-    for number in range(3000):
-        table.add(array((f"bad {number}", 2, "")), 2.0)
+    table.add(array(*((f"bad {number}", 2, "") for number in range(1010))), 2.0)
     assert len(table.all) == 1000
 
 

@@ -10,6 +10,8 @@ from rich.cells import cell_len
 from archo_tui.robot.state.events import LEFT_OUT, Event, EventLog
 from archo_tui.safe_text import harmless, safe, safe_in_place
 
+pytestmark = pytest.mark.pure
+
 
 def event(text: str, level: str = "WARN", source: str = "dashboard", time: float = 1.0) -> Event:
     return Event(time, level, source, text)

@@ -11,6 +11,8 @@ from archo_tui.robot.messages.typed import default_text, parse_field, range_text
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot_file.model import FormField, ParameterRef
 
+pytestmark = pytest.mark.pure
+
 
 @pytest.mark.parametrize(
     ("kind", "text", "value"),

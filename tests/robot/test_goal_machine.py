@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -30,6 +30,9 @@ from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.text.goal import goal_line
 from archo_tui.text.state import plain_text
 from tests.support.archo import SHELF
+from tests.support.night import corners
+
+pytestmark = pytest.mark.pure
 
 NOW = 1000.0
 NEVER = -math.inf
@@ -439,8 +442,8 @@ def _later(state: TrackedGoal, seconds: float, **facts: Any) -> TrackedGoal:
     return state.tick(NOW, motion, NEVER, is_served=facts.get("is_served", True))
 
 
-def events(world: World) -> Iterator[tuple[str, TrackedGoal]]:
-    """Yield all that can happen next, by its name."""
+def events(world: World, spans: Sequence[float]) -> Iterator[tuple[str, TrackedGoal]]:
+    """Yield all that can happen next, by its name; `spans` (s) may pass at once."""
     goal, void = world.goal, world.is_void
     yield "accepted", goal.accepted(NOW, is_void=void)
     yield "refused", goal.fire(Event.REFUSED, NOW)
@@ -465,7 +468,7 @@ def events(world: World) -> Iterator[tuple[str, TrackedGoal]]:
     yield "result not known", goal.answered(goal.questions, None, None, NOW)
     yield "earlier result", goal.answered(goal.questions - 1, Event.ARRIVED, None, NOW)
     silent = Motion(received=NOW - 4.0)
-    for seconds in (2.6, 16.0):
+    for seconds in spans:
         yield f"{seconds} s", _later(goal, seconds)
         yield f"{seconds} s without motion", _later(goal, seconds, motion=silent)
         yield f"{seconds} s without server", _later(goal, seconds, is_served=False)
@@ -549,7 +552,7 @@ def check_state(world: World) -> None:
         assert goal.goal.cancel_asked is not None
 
 
-def explore() -> tuple[int, set[tuple[Event, Phase]]]:
+def explore(spans: Sequence[float]) -> tuple[int, set[tuple[Event, Phase]]]:
     """Visit every state that can be reached; return their number, and the cells of PHASES."""
     cells: set[tuple[Event, Phase]] = set()
     fire: Callable[..., TrackedGoal] = TrackedGoal.fire
@@ -567,7 +570,7 @@ def explore() -> tuple[int, set[tuple[Event, Phase]]]:
         while frontier:
             world = frontier.popleft()
             check_state(world)
-            following = [check(world, name, after) for name, after in events(world)]
+            following = [check(world, name, after) for name, after in events(world, spans)]
             if not world.is_void:
                 following.append(normal(world._replace(is_void=True)))
             for there in following:
@@ -583,8 +586,11 @@ def _key(world: World) -> tuple[object, ...]:
     return (*times, world.goal._replace(goal=None), *world[1:])  # type: ignore[arg-type]
 
 
-def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited() -> None:
-    states, cells = explore()
+@pytest.mark.parametrize("spans", corners([[16.0]], [[2.6, 16.0]]))
+def test_every_state_of_a_goal_keeps_what_is_promised_and_every_cell_is_visited(
+    spans: list[float],
+) -> None:
+    states, cells = explore(spans)
     every = {(event, phase) for event in PHASES for phase in RUNNING}
     assert every - cells == {(Event.CANCEL_FAILED, Phase.SENT)}  # No cancel leaves before it.
     assert states > 1000, states

@@ -1,4 +1,4 @@
-"""The queue of goals: its rules one by one, and explored to the last state of small worlds."""
+"""The queue of goals: what holds it, and what goes on."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.goals import queue as machine
 from archo_tui.robot.goals.queue import GoalQueue, QueuedGoal, QueueEffect
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state.goal import Goal, Phase
@@ -20,9 +19,10 @@ from archo_tui.station.alarms import (
     AlarmState,
     holding,
 )
-from tests.robot.explore_queue import SMALL, WORLDS, Stage, explore, stage
-from tests.robot.exploring import broken, source_of
+from tests.robot.explore_queue import Stage, stage
 from tests.support.archo import ARCHO, SHELF
+
+pytestmark = pytest.mark.pure
 
 YES = Outcome(Code.ACCEPTED, "accepted")
 
@@ -189,61 +189,3 @@ def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refuse
     assert sent.running_goal(seen) == seen.goal
     refused = sent.hand_over().answered(Outcome(Code.REFUSED, "no"))
     assert refused.running_goal(others) == others.goal
-
-
-@pytest.mark.parametrize("name", SMALL)
-def test_every_promise_of_the_queue_holds_in_every_state(name: str) -> None:
-    found = explore(WORLDS[name]())
-    assert found.broken == "", found.way
-
-
-@pytest.mark.night
-@pytest.mark.parametrize("name", [name for name in WORLDS if name not in SMALL])
-def test_every_promise_of_the_queue_holds_in_larger_worlds_too(name: str) -> None:
-    found = explore(WORLDS[name]())
-    assert found.broken == "", found.way
-
-
-SOURCE = source_of(machine)
-CLIENT, LISTS = "a client's list", "two lists"
-SCREEN, ALARM, OTHER = "a restart and the end of a screen", "an alarm", "another's goal"
-# A rule, what it says instead, and the world in which that is found.
-BROKEN = [
-    # A refused list leaves nothing; nor does a client that has left.
-    ("goal.is_first and outcome.code in _REFUSALS", "False", CLIENT),
-    ("lambda goal: goal.requester is requester, reason", "lambda goal: False, reason", CLIENT),
-    ("is_abandoned=True)).call_off()", "is_called_off=True))", CLIENT),
-    ("(may_run and coming.is_abandoned)", "False", CLIENT),
-    ("if not coming.is_abandoned:", "if True:", CLIENT),
-    ("is_doubtful = outcome.code is Code.TIMEOUT", "is_doubtful = False", CLIENT),
-    # A STOP, a failure and a cancel hold what waits, and only the operator continues.
-    ("if snapshot.is_stopped or any(", "if any(", CLIENT),
-    ("any(goal.stop_count < stop_count for goal in after.waiting)", "False", CLIENT),
-    ("goal._replace(stop_count=stop_count) for goal in self.waiting", "self.waiting", CLIENT),
-    ('._hold("STOP")\n                return after', "\n                return after", CLIENT),
-    ('._hold("restart")', "", SCREEN),
-    ("if not self.waiting or self.hold_reason:", "if True:", CLIENT),
-    ("return self if self.waiting else", "return self if True else", CLIENT),
-    # One goal at a time, each once, until it is seen to end.
-    ("return self.coming is None and", "return", LISTS),
-    ("and self.running_goal(snapshot) is None", "", OTHER),
-    (
-        "self.coming.is_handed_over:\n            return self\n        return self._replace(coming",
-        "False:\n            return self\n        return self._replace(coming",
-        LISTS,
-    ),
-    ("waiting=tuple(rest))._send", "waiting=after.waiting)._send", LISTS),
-    ("after = self._replace(coming=None)\n", "after = self\n", LISTS),
-    ("for other in after.underway if other is not pair", "for other in after.underway", LISTS),
-    ("after = after._hold(_REASONS", "after = after._hold('' and _REASONS", LISTS),
-    ("if goal.mine or goal is snapshot.goal", "if goal is snapshot.goal", OTHER),
-]  # fmt: skip
-
-
-def test_each_rule_that_can_be_broken_is_found_in_the_queue() -> None:
-    assert [before for before, _, _ in BROKEN if SOURCE.count(before) != 1] == []
-
-
-@pytest.mark.parametrize(("before", "after", "name"), BROKEN)
-def test_a_broken_rule_of_the_queue_is_found(before: str, after: str, name: str) -> None:
-    assert explore(WORLDS[name](module=broken(machine, before, after))).broken != ""

@@ -26,6 +26,8 @@ from archo_tui.robot.stop.gate import NEVER_LEFT
 from tests.robot.test_goal_machine import FEEDBACK, NEVER, NOW, accepted, fed, phases, sent
 from tests.support.archo import SHELF
 
+pytestmark = pytest.mark.pure
+
 PLAIN = replace(SHELF, remaining=None, message="")  # Its file names no field of its messages.
 GOAL = Goal(SHELF, {"shelf_number": 3}, Phase.MOVING, NOW, 0.0)
 

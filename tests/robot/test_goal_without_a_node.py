@@ -22,7 +22,7 @@ from tests.support.clock import seconds
 from tests.support.console import LONG
 from tests.support.plain import operated
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 from tests.support.shells import heard, served, typed
 
 LOST = "the robot may still be moving"
@@ -79,12 +79,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
     tells: Any,
 ) -> None:
     made: list[Node] = []
-
-    def host(**options: Any) -> Node:
-        made.append(Node("somebody", **options))
-        return made[0]
-
-    async with robot(host) as it:
+    async with robot(making(made, Node, "somebody")) as it:
         await until(lambda: made[0].executor is not None)
         executor: Any = made[0].executor
         server = Server(context=made[0].context)

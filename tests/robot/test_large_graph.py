@@ -6,11 +6,14 @@ from collections import Counter
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 
 from archo_tui.robot.graph.resources import PERIOD, Resources
 from archo_tui.robot.state.graph import Resource
+
+pytestmark = pytest.mark.pure
 
 INT, TRIGGER = "std_msgs/msg/Int32", "std_srvs/srv/Trigger"
 Names = dict[str, list[str]]  # what a node has, by node

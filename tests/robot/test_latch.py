@@ -30,7 +30,7 @@ from tests.support.peer import Peer
 from tests.support.plain import operated
 from tests.support.plain import plain as typed
 from tests.support.quiet import ended, until, while_passes
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 
 TOLD = "; /motor_controller was told STOP first, and is stopped"
 
@@ -99,12 +99,7 @@ class Elsewhere:
 @asynccontextmanager
 async def stopped_elsewhere() -> AsyncIterator[tuple[Robot, Elsewhere]]:
     made: list[Node] = []
-
-    def host(**options: Any) -> Node:
-        made.append(Node("somebody", **options))
-        return made[0]
-
-    async with robot(host) as it:
+    async with robot(making(made, Node, "somebody")) as it:
         await until(lambda: made[0].executor is not None)
         elsewhere = Elsewhere(made[0])
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
@@ -128,12 +123,7 @@ def said_by_others(it: Robot) -> list[str]:
 
 async def test_the_stop_of_a_console_that_has_only_just_come_counts() -> None:
     made: list[Node] = []
-
-    def host(**options: Any) -> Node:
-        made.append(Node("somebody", **options))
-        return made[0]
-
-    async with robot(host) as it:
+    async with robot(making(made, Node, "somebody")) as it:
         await until(lambda: made[0].executor is not None)
         peer = Peer(context=made[0].context)
         await until(lambda: peer._records.get_subscription_count() == 1)

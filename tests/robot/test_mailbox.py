@@ -5,9 +5,13 @@ from __future__ import annotations
 import asyncio
 import threading
 
+import pytest
+
 from archo_tui.robot.snapshot_sender import Mailbox
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Snapshot
+
+pytestmark = pytest.mark.pure
 
 
 async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:

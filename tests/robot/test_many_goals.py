@@ -19,7 +19,7 @@ from tests.support import clock
 from tests.support.archo import go
 from tests.support.night import corners
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 from tests.support.ros import begin
 
 PACE = 1.2  # s: as 500 goals in ten minutes
@@ -59,12 +59,7 @@ def kinds_kept() -> Counter[str]:
 @pytest.mark.parametrize("count", corners([24], [100]))
 async def test_of_goals_without_end_only_the_last_are_kept(count: int) -> None:
     made: list[Busy] = []
-
-    def busy(**options: Any) -> Busy:
-        made.append(Busy(**options))
-        return made[0]
-
-    async with robot(busy) as it:
+    async with robot(making(made, Busy)) as it:
         await until(lambda: made[0].client.server_is_ready())
         kept = []
         for number in range(1, count + 1):
@@ -118,13 +113,7 @@ class Backward(Node):
 
 async def test_an_own_goal_whose_status_comes_behind_its_result_is_not_taken_for_anothers() -> None:
     made: list[Backward] = []
-
-    def backward(**options: Any) -> Backward:
-        made.append(Backward(**options))
-        return made[0]
-
-    async with robot(backward) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Backward), offers="move_to_shelf") as it:
         assert (await ended(go(it, 1))).ok
         await until(lambda: it.snapshot.history)
         published = made[0].published
@@ -137,12 +126,7 @@ async def test_a_short_goal_is_history_and_one_before_the_console_is_not(
 ) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
     made: list[Busy] = []
-
-    def busy(**options: Any) -> Busy:
-        made.append(Busy(**options))
-        return made[0]
-
-    async with robot(busy) as first:
+    async with robot(making(made, Busy)) as first:
         await until(lambda: made[0].client.server_is_ready())
         begin(made[0], made[0].go)
         await until(lambda: len(first.snapshot.history) == 1)
@@ -151,8 +135,7 @@ async def test_a_short_goal_is_history_and_one_before_the_console_is_not(
         now = clock.seconds()
         await until(lambda: clock.seconds() > now)
         domain = made[0].context.get_domain_id()
-        async with robot(only=True, nodes=1, domain_id=domain) as second:
-            await until(lambda: "move_to_shelf" in second.snapshot.offered)
+        async with robot(only=True, nodes=1, domain_id=domain, offers="move_to_shelf") as second:
             begin(made[0], made[0].go)
             await until(lambda: len(first.snapshot.history) == 2 and second.snapshot.history)
             assert len(second.snapshot.history) == 1

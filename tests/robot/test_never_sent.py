@@ -36,8 +36,7 @@ async def test_a_goal_whose_sending_raises_is_refused_and_the_next_one_goes(
     error: Exception, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made: list[Shelves] = []
-    async with robot(lambda **options: Shelves(made, **options)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(lambda **options: Shelves(made, **options), offers="move_to_shelf") as it:
         with monkeypatch.context() as patched:
 
             def raises(*_: Any, **__: Any) -> None:
@@ -67,8 +66,7 @@ async def test_a_goal_whose_sending_raises_is_refused_and_the_next_one_goes(
 )
 async def test_a_goal_whose_value_does_not_fit_never_becomes_one(value: Any, said: str) -> None:
     made: list[Shelves] = []
-    async with robot(lambda **options: Shelves(made, **options)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(lambda **options: Shelves(made, **options), offers="move_to_shelf") as it:
         outcome = await ended(it.send(SHELF, {"shelf_number": value}))
         assert outcome == (Code.MISUSE, said)
         assert it.snapshot.goal is None

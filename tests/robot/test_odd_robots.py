@@ -33,7 +33,7 @@ from tests.support.archo import ARCHO, go
 from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 from tests.support.states import goal
 from tests.support.stub import stub_app
 
@@ -137,8 +137,7 @@ async def test_an_action_whose_first_feedback_is_late_is_not_lost_before_it() ->
         phases.add(it.snapshot.goal.phase)
         return bool(it.snapshot.goal.remaining == 9.0)
 
-    async with robot(LateTeller) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(LateTeller, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         await until(lambda: looked(it))
         assert phases == {Phase.MOVING}
@@ -197,8 +196,7 @@ class Refuses(Node):
 
 
 async def test_the_reason_of_a_refusal_is_not_given_for_the_next_one() -> None:
-    async with robot(Refuses) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(Refuses, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).text == "the door is shut"
         assert (await ended(go(it, 4))).text == "refused, no reason given"
 
@@ -239,6 +237,7 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
     assert others.take_due(20.0) == []
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("record", "is_explained"),
     [
@@ -263,6 +262,7 @@ def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
     assert others.take_due(15.0) == said
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("record", "said"),
     [
@@ -335,12 +335,7 @@ class Dazed(Node):
 
 async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
     made: list[Dazed] = []
-
-    def dazed(**options: Any) -> Dazed:
-        made.append(Dazed(**options))
-        return made[-1]
-
-    async with robot(dazed) as it:
+    async with robot(making(made, Dazed)) as it:
         await until(lambda: it.snapshot.motion.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         later = clock.seconds() + 3.0
@@ -409,12 +404,7 @@ class Mute(Node):
 
 async def test_a_node_that_never_answers_is_asked_ever_more_rarely_but_not_never() -> None:
     made: list[Mute] = []
-
-    def mute(**options: Any) -> Mute:
-        made.append(Mute(**options))
-        return made[-1]
-
-    async with robot(mute):
+    async with robot(making(made, Mute)):
         await until(lambda: made[0].asked)
         # so long as real time may take: two questions; a clock that is moved, ten minutes
         end = made[0].asked[0] + (10.0 if clock.current is None else 600.0)

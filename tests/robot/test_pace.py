@@ -16,8 +16,9 @@ from archo_tui.robot.snapshot_sender import FLUSH_PERIOD, STREAM_PERIOD
 from archo_tui.robot.state.snapshot import Snapshot
 from tests.support import chosen
 from tests.support.clock import seconds
+from tests.support.night import corners
 from tests.support.quiet import until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 
 pytestmark = pytest.mark.skipif(
     chosen.ENGINE != "embedded", reason="in real time a snapshot comes as late as the machine is"
@@ -51,11 +52,7 @@ def told() -> list[Telling]:
 
 @pytest.fixture
 def telling(told: list[Telling]) -> Callable[..., Node]:
-    def make(**options: Any) -> Node:
-        told.append(Telling(**options))
-        return told[0]
-
-    return make
+    return making(told, Telling)
 
 
 async def at(when: float) -> None:
@@ -110,7 +107,7 @@ def says(text: str, snapshot: Snapshot) -> bool:
     return any(event.text == text for event in snapshot.events)
 
 
-@pytest.mark.parametrize("what", CHANGES)
+@pytest.mark.parametrize("what", corners(["stopped"], [*CHANGES][1:]))
 async def test_what_a_person_acts_on_does_not_wait_for_numbers(
     telling: Callable[..., Node], told: list[Telling], what: str
 ) -> None:

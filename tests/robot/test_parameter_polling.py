@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from archo_tui.robot.graph.parameters import MAX_REQUESTS, PERIOD, SLICE, ParameterPolling
+
+pytestmark = pytest.mark.pure
 
 
 def looks(rounds: ParameterPolling, names: dict[str, list[str]], since: float) -> list[list[Any]]:

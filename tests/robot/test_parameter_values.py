@@ -14,6 +14,8 @@ from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.state.graph import Parameter
 from tests.support.values import value_of
 
+pytestmark = pytest.mark.pure
+
 
 def parameter(kind: str, **options: Any) -> Parameter:
     return Parameter("/node", "name", kind, None, None, **options)

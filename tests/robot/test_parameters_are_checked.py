@@ -94,6 +94,7 @@ async def test_a_value_that_no_parameter_can_have_is_not_sent(
         assert made[0].has("on") is False
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("kind", "value"),
     [
@@ -119,6 +120,7 @@ def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
     )
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_is_no_number_is_outside_of_every_range(value: float) -> None:
     limited = Parameter("/node", "speed", "double", 1.0, 1.0, low=0.0, high=2.0)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from itertools import islice
 
+import pytest
+
 from archo_tui.robot.graph.resources import LEAST, PERIOD, PollSchedule
+
+pytestmark = pytest.mark.pure
 
 
 def test_a_few_are_all_due_each_time() -> None:

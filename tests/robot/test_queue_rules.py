@@ -13,6 +13,8 @@ from archo_tui.robot.stop.gate import NEVER_LEFT
 from tests.robot.test_goal_queue import ARRIVED, YES, ended, queue, running, target
 from tests.support.archo import SHELF
 
+pytestmark = pytest.mark.pure
+
 SHELL = Requester("SHELL", "pid 4711")
 SHELL.waits = True
 NOBODY = Snapshot()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -13,7 +13,7 @@ import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action import ActionServer, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -31,9 +31,58 @@ from archo_tui.text.state import plain_text
 from tests.support import chosen, clock
 from tests.support.archo import SHELF, go, reset
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
+from tests.support.ros import begin
 
 FIVE: Parameter[int] = Parameter("number", value=5)
+
+
+def publishing(kind: Any, quality: Any = 10, **fields: Any) -> Any:
+    """A node that publishes a battery's level, again and again."""
+
+    class Publishing(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("publishing", **options)
+            publisher = self.create_publisher(kind, "battery_level", quality)
+            self.create_timer(0.05, lambda: publisher.publish(kind(**fields)))
+
+    return Publishing
+
+
+def driving(execute: Callable[[Any], Any], **callbacks: Any) -> Any:
+    """A node with the action, whose goals are executed so."""
+
+    class Driving(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("driving", **options)
+            self.goals: list[Any] = []
+            self.action = ActionServer(
+                self, MoveToShelf, "move_to_shelf", self.execute, **callbacks
+            )
+            self.create_timer(0.5, lambda: None)  # What is awaited is noticed when it wakes.
+
+        async def execute(self, goal: Any) -> Any:
+            self.goals.append(goal)
+            result = execute(goal)
+            return await result if isinstance(result, Future) else result
+
+    return Driving
+
+
+def stopping(kind: Any, stop: Callable[[Any, Any], Any]) -> Any:
+    """A node with a STOP of that type."""
+
+    class Stopping(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("stopping", **options)
+            self.create_service(kind, "emergency_stop", stop)
+
+    return Stopping
+
+
+def yes(_: Any, response: Any) -> Any:
+    response.success, response.message = True, "Stopped"
+    return response
 
 
 def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
@@ -62,27 +111,6 @@ def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
     return Server
 
 
-def slow_server() -> Any:
-    """A node with the action, whose goals never end by themselves."""
-
-    class Slow(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("slow", **options)
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-            self.goals: list[Any] = []
-            self.create_timer(0.5, self.report)
-
-        def report(self) -> None:
-            for goal in self.goals:
-                goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
-
-        async def execute(self, goal: Any) -> Any:
-            self.goals.append(goal)
-            await Future()
-
-    return Slow
-
-
 def quiet(**options: Any) -> Node:
     return Node("quiet", **options)
 
@@ -97,16 +125,14 @@ async def test_what_nobody_offers_is_said() -> None:
 
 
 async def test_the_servers_own_refusal_is_passed_on() -> None:
-    async with robot(server()) as it:
-        await until(lambda: "reset_encoder" in it.snapshot.offered)
+    async with robot(server(), offers="reset_encoder") as it:
         outcome = await ended(reset(it))
         assert outcome == (Code.REFUSED, "the encoder is stuck")
 
 
 async def test_a_server_that_hangs_gives_no_answer_and_the_next_call_works() -> None:
     hang = threading.Event()
-    async with robot(server(hang=hang)) as it:
-        await until(lambda: "reset_encoder" in it.snapshot.offered)
+    async with robot(server(hang=hang), offers="reset_encoder") as it:
         outcome = await ended(reset(it))
         assert outcome.code == Code.TIMEOUT
         assert outcome.text.startswith("no answer in ")
@@ -121,13 +147,12 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
         unspun.append(server()(**options))
         return quiet(**options)
 
-    async with robot(make, nodes=2) as it:
-        await until(lambda: {"reset_encoder", "move_to_shelf"} <= it.snapshot.offered)
+    async with robot(make, nodes=2, offers="reset_encoder move_to_shelf") as it:
         assert (await ended(reset(it))).text.startswith("no answer in ")
         assert (await ended(go(it, 3))).text.startswith("no answer in ")
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
-        assert (await ended(it.cancel())).text == "no answer to the cancel in 2 s"
+        assert (await ended(it.cancel())).text == "no answer to the cancel in 4 s"
         unspun[0].destroy_node()
 
 
@@ -139,15 +164,12 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
         made.append(quiet(**options))
         return made[1]
 
-    async with robot(make, nodes=2) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(make, nodes=2, offers="move_to_shelf") as it:
         await ended(go(it, 3))
         made[0].action.destroy()  # rclpy leaves it on the graph when its node is destroyed
         made[0].destroy_node()
         reborn = server()(context=made[1].context)
-        executor = made[1].executor
-        assert executor is not None
-        executor.create_task(executor.add_node, reborn)
+        begin(made[1], made[1].executor.add_node, reborn)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.message.startswith("the robot does not know this goal")
@@ -156,8 +178,7 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
 
 async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -> None:
     hang = threading.Event()
-    async with robot(server(hang=hang)) as it:
-        await until(lambda: "reset_encoder" in it.snapshot.offered)
+    async with robot(server(hang=hang), offers="reset_encoder") as it:
         await ended(reset(it))  # the server hangs in this one, and has not seen the goal
         outcome = await ended(go(it, 3))
         assert not outcome.ok
@@ -170,8 +191,7 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
 
 @pytest.mark.parametrize(("end", "phase"), [("succeed", Phase.ARRIVED), ("abort", Phase.ABORTED)])
 async def test_a_goal_ends_as_the_server_says(end: str, phase: Phase) -> None:
-    async with robot(server(end=end)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(server(end=end), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == phase)
         assert it.snapshot.goal is not None
@@ -181,47 +201,26 @@ async def test_a_goal_ends_as_the_server_says(end: str, phase: Phase) -> None:
 
 
 async def test_a_cancel_that_the_server_rejects_is_said_and_the_goal_goes_on() -> None:
-    class Stubborn(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("stubborn", **options)
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-            self.timer = self.create_timer(0.01, lambda: None)
-
-        async def execute(self, goal: Any) -> Any:
-            from rclpy.task import Future
-
-            self.released: Future[bool] = Future()
-            await self.released
-            goal.succeed()
-            return MoveToShelf.Result(success=True, final_message="went on")
-
-    made: list[Stubborn] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Stubborn(**options))
-        return made[0]
-
-    async with robot(make) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    made: list[Any] = []
+    released: Future[Any] = Future()
+    async with robot(making(made, driving(lambda _: released)), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
-        await until(lambda: hasattr(made[0], "released"))
+        await until(lambda: made[0].goals)
         outcome = await ended(it.cancel())
         assert not outcome.ok
         assert outcome.text.startswith("the robot rejected the cancel")
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.MOVING
-        made[0].released.set_result(True)
-        await until(lambda: it.snapshot.goal and it.snapshot.goal.message == "went on")
+        made[0].goals[0].succeed()
+        begin(made[0], released.set_result, MoveToShelf.Result(success=True, final_message="on"))
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.message == "on")
 
 
-async def test_the_textbooks_float32_battery_is_heard_too() -> None:
-    class Float(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("float", **options)
-            publisher = self.create_publisher(Float32, "battery_level", 10)
-            self.create_timer(0.02, lambda: publisher.publish(Float32(data=55.5)))
-
-    async with robot(Float) as it:
+@pytest.mark.parametrize(
+    "quality", [10, QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)]
+)
+async def test_a_float32_battery_is_heard_however_it_is_published(quality: Any) -> None:
+    async with robot(publishing(Float32, quality, data=55.5)) as it:
         await until(lambda: it.snapshot.battery.percentage == 55.5)
         assert (it.snapshot.battery.voltage, it.snapshot.battery.health) == (None, None)
 
@@ -248,8 +247,7 @@ async def test_parameters_of_a_node_that_comes_and_goes_come_and_go() -> None:
 
 
 async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
-    async with robot(server()) as it:
-        await until(lambda: "reset_encoder" in it.snapshot.offered)
+    async with robot(server(), offers="reset_encoder") as it:
         await ended(reset(it))
         await it.set_parameters("/server", {"use_sim_time": True})
         await ended(go(it, 7))
@@ -284,20 +282,14 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
 
 
 async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
-    class Mute(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("mute", **options)
-            self.create_service(EmergencyStop, "emergency_stop", self.hang)
-
-        def hang(self, request: Any, response: Any) -> Any:
-            with clock.stuck():
-                release.wait(30)
-            response.success = True
-            return response
-
     release = threading.Event()
-    async with robot(Mute) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+
+    def hang(request: Any, response: Any) -> Any:
+        with clock.stuck():
+            release.wait(30)
+        return yes(request, response)
+
+    async with robot(stopping(EmergencyStop, hang), offers="emergency_stop") as it:
         outcome = await ended(it.emergency_stop())
         assert outcome.text == "no answer in 2 s: use the hardware stop"
         stop = it.snapshot.open_stop
@@ -305,67 +297,6 @@ async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
         await until(lambda: clock.seconds() > stop.asked + 6.0)
         assert it.snapshot.open_stop == stop
         release.set()
-
-
-@pytest.mark.waits
-async def test_a_cancelled_goal_may_be_silent_while_the_robot_brakes_and_then_is_lost() -> None:
-    class Halting(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("halting", **options)
-            accept = lambda _: CancelResponse.ACCEPT  # noqa: E731
-            self.action = ActionServer(
-                self, MoveToShelf, "move_to_shelf", self.execute, cancel_callback=accept
-            )
-
-        async def execute(self, goal: Any) -> Any:
-            await Future()
-            return MoveToShelf.Result()
-
-    async with robot(Halting) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(go(it, 3))).ok
-        assert (await ended(it.cancel())).ok
-        assert it.snapshot.goal is not None
-        assert it.snapshot.goal.phase == Phase.CANCELLING
-        began = clock.seconds()
-        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
-        assert 13.0 < clock.seconds() - began < 19.0
-        refused = await ended(go(it, 4))
-        assert not refused.ok
-        assert refused.text.startswith("nothing is heard of the goal to shelf 3: cancel it")
-
-
-@pytest.mark.waits
-async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None:
-    class Slow(Node):
-        """Says where it is each second, and says nothing for 10 s in between."""
-
-        def __init__(self, **options: Any) -> None:
-            super().__init__("slow", **options)
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-            self.left = 90.0
-            self.goals: list[Any] = []
-            self.create_timer(1.0, self.report)
-
-        async def execute(self, goal: Any) -> Any:
-            self.goals.append(goal)
-            await Future()
-            return MoveToShelf.Result()
-
-        def report(self) -> None:
-            self.left -= 1.0
-            for goal in self.goals if self.left % 15 >= 10 else ():
-                goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=self.left))
-
-    async with robot(Slow) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(go(it, 3))).ok
-        for _ in range(2):
-            await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
-            before: Any = it.snapshot.goal
-            await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.MOVING)
-            assert it.snapshot.goal is not None
-            assert it.snapshot.goal.remaining != before.remaining
 
 
 class Sluggish(Node):
@@ -419,19 +350,12 @@ class Sluggish(Node):
 
 async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
     made: list[Sluggish] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Sluggish(**options))
-        return made[0]
-
-    async with robot(make) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Sluggish), offers="move_to_shelf") as it:
         assert not (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert (await ended(go(it, 7))).ok
         before: Any = it.snapshot.goal
-        assert made[0].executor is not None
-        made[0].executor.create_task(lambda: made[0].at_last.set_result(True))
+        begin(made[0], lambda: made[0].at_last.set_result(True))
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
         await until(lambda: made[0].cancelled == made[0].asked[:1])  # else it would be driven
@@ -441,12 +365,12 @@ async def test_an_old_goal_that_is_accepted_late_is_cancelled() -> None:
 
 
 async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again() -> None:
-    made: list[Node] = []
+    made: list[Any] = []
 
     def make(**options: Any) -> Node:
         made.append(Node("keeper", **options))
         made.append(guest(1))
-        return made[0]
+        return made[0]  # type: ignore[no-any-return]
 
     def guest(number: int) -> Node:
         node = Node("guest", context=made[0].context)
@@ -454,9 +378,7 @@ async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again
         return node
 
     async with robot(make, nodes=2) as it:
-        executor = made[0].executor
-        assert executor is not None
-        executor.create_task(executor.add_node, made[1])
+        begin(made[0], made[0].executor.add_node, made[1])
         await until(lambda: it.snapshot.parameter("number"))
 
         def restart() -> None:  # between two looks at the graph, with no word on parameter events
@@ -464,24 +386,12 @@ async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again
             again = Node("guest", context=made[0].context, parameter_overrides=[FIVE])
             again._parameter_events = None
             again.declare_parameter("number", 1)
-            executor.add_node(again)
+            made[0].executor.add_node(again)
             made.append(again)
 
-        executor.create_task(restart)
+        begin(made[0], restart)
         await until(lambda: it.snapshot.parameter("number").value == 5)  # type: ignore[union-attr]
         made[2].destroy_node()
-
-
-async def test_a_battery_that_is_published_with_best_effort_is_heard() -> None:
-    class Radio(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("radio", **options)
-            quality = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-            publisher = self.create_publisher(Float32, "battery_level", quality)
-            self.create_timer(0.05, lambda: publisher.publish(Float32(data=44.5)))
-
-    async with robot(Radio) as it:
-        await until(lambda: it.snapshot.battery.percentage == 44.5)
 
 
 @pytest.mark.waits
@@ -496,8 +406,7 @@ async def test_of_requests_that_nobody_answers_the_last_ones_are_kept(
         made.append(quiet(**options))
         return made[1]
 
-    async with robot(make, nodes=2) as it:
-        await until(lambda: "reset_encoder" in it.snapshot.offered)
+    async with robot(make, nodes=2, offers="reset_encoder") as it:
         for _ in range(3):
             assert not (await ended(reset(it))).ok
         client = it.services.client(ResetEncoder, "reset_encoder")
@@ -538,21 +447,13 @@ class Stoppable(Node):
         await Future()
 
     def answer(self, future: Future[bool]) -> None:
-        executor = self.executor
-        assert executor is not None
-        executor.create_task(lambda: future.set_result(True))
+        begin(self, lambda: future.set_result(True))
 
 
 @asynccontextmanager
 async def stoppable() -> AsyncIterator[tuple[Robot, Stoppable]]:
     made: list[Stoppable] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Stoppable(**options))
-        return made[0]
-
-    async with robot(make) as it:
-        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+    async with robot(making(made, Stoppable), offers="emergency_stop move_to_shelf") as it:
         yield it, made[0]
 
 
@@ -577,29 +478,13 @@ async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() ->
 
 
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
-    made: list[Node] = []
-
-    def make(**options: Any) -> Node:
-        made.append(quiet(**options))
-        return made[0]
-
-    class Stop(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("stop", **options)
-            self.create_service(EmergencyStop, "emergency_stop", self.stop)
-
-        def stop(self, request: Any, response: Any) -> Any:
-            response.success, response.message = True, "Stopped"
-            return response
-
-    async with robot(make) as it:
-        stopping = asyncio.ensure_future(it.emergency_stop())
+    made: list[Any] = []
+    async with robot(making(made, quiet)) as it:
+        asked = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: it.snapshot.open_stop is not None)
-        executor = made[0].executor
-        assert executor is not None
-        late = Stop(context=made[0].context)
-        executor.create_task(executor.add_node, late)
-        assert (await ended(stopping)).text == "confirmed"
+        late = stopping(EmergencyStop, yes)(context=made[0].context)
+        begin(made[0], made[0].executor.add_node, late)
+        assert (await ended(asked)).text == "confirmed"
         late.destroy_node()
 
 
@@ -625,17 +510,11 @@ async def test_a_stop_that_nobody_serves_says_what_is_missing_and_is_not_forgott
 async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
     end: str, success: bool, said: str
 ) -> None:
-    class Confused(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("confused", **options)
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+    def execute(goal: Any) -> Any:
+        getattr(goal, end)()
+        return MoveToShelf.Result(success=success)
 
-        def execute(self, goal: Any) -> Any:
-            getattr(goal, end)()
-            return MoveToShelf.Result(success=success)
-
-    async with robot(Confused) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(driving(execute), offers="move_to_shelf") as it:
         await ended(go(it, 3))
         await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
         goal: Any = it.snapshot.goal
@@ -643,54 +522,15 @@ async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
         await until(lambda: any(said in e.text for e in it.snapshot.events if e.level == "GOAL"))
 
 
-async def test_an_end_without_words_says_that_there_are_none() -> None:
-    class Terse(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("terse", **options)
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-
-        def execute(self, goal: Any) -> Any:
-            goal.abort()
-            return MoveToShelf.Result()
-
-    async with robot(Terse) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await ended(go(it, 3))
-        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
-        assert it.snapshot.goal is not None
-        assert it.snapshot.goal.message == "the robot gave no reason"
-
-
 async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothing() -> None:
-    class Odd(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("odd", **options)
-            self.left = [9.0, math.nan, math.inf, -math.inf, -5.0]
-            self.goal: Any = None
-            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
-
-        async def execute(self, goal: Any) -> Any:
-            self.goal = goal
-            await Future()
-
-        def report(self) -> None:
-            left = MoveToShelf.Feedback(distance_remaining=self.left.pop(0))
-            self.goal.publish_feedback(left)
-
-    made: list[Odd] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Odd(**options))
-        return made[0]
-
-    async with robot(make) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    made: list[Any] = []
+    async with robot(making(made, driving(lambda _: Future())), offers="move_to_shelf") as it:
         await ended(go(it, 3))
-        await until(lambda: made[0].goal)
-        for said in ("", "nan", "inf", "-inf", "-5"):
-            executor = made[0].executor
-            assert executor is not None
-            executor.create_task(made[0].report)
+        await until(lambda: made[0].goals)
+        for left in (9.0, math.nan, math.inf, -math.inf, -5.0):
+            said = "" if left == 9.0 else f"{left:g}"
+            feedback = MoveToShelf.Feedback(distance_remaining=left)
+            begin(made[0], made[0].goals[0].publish_feedback, feedback)
             await until(
                 lambda said=said: (  # type: ignore[misc]
                     it.snapshot.goal
@@ -706,17 +546,11 @@ async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothi
 async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kind: Any) -> None:
     called: list[Any] = []
 
-    class Other(Node):
-        def __init__(self, **options: Any) -> None:
-            super().__init__("other", **options)
-            self.create_service(kind, "emergency_stop", self.stop)
+    def stop(request: Any, response: Any) -> Any:
+        called.append(request)
+        return response
 
-        def stop(self, request: Any, response: Any) -> Any:
-            called.append(request)
-            return response
-
-    async with robot(Other) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(stopping(kind, stop), offers="emergency_stop") as it:
         outcome = await ended(it.emergency_stop())
         assert not outcome.ok
         assert it.snapshot.open_stop is not None
@@ -746,8 +580,7 @@ async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
             response.success, response.message = True, "Stopped"
             return response
 
-    async with robot(Both) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(Both, offers="emergency_stop") as it:
         assert (await ended(it.emergency_stop())).text == "confirmed"
 
 
@@ -770,8 +603,7 @@ async def test_who_watches_sends_nothing_whoever_asks_for_it() -> None:
             )
             self.create_service(EmergencyStop, "emergency_stop", stop)
 
-    async with robot(Watched, watch=True) as it:
-        await until(lambda: {"move_to_shelf", "emergency_stop"} <= set(it.snapshot.offered))
+    async with robot(Watched, watch=True, offers="move_to_shelf emergency_stop") as it:
         for outcome in (await ended(go(it, 3)), await ended(it.emergency_stop())):
             assert outcome.code == Code.WATCHING
             assert outcome.text.startswith("watching only")

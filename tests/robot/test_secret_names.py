@@ -26,11 +26,13 @@ OPEN = [
 ]
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("name", SECRET)
 def test_words_of_a_name_make_it_a_secret(name: str) -> None:
     assert is_secret(name)
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("name", OPEN)
 def test_parts_of_words_do_not(name: str) -> None:
     assert not is_secret(name)

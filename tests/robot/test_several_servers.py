@@ -180,8 +180,7 @@ async def test_a_stop_that_is_always_refused_late_says_why() -> None:
 
 async def test_a_late_answer_to_one_stop_is_none_to_the_next() -> None:
     made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "yes", 4.0)) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(making(made, Brake, "a", "yes", 4.0), offers="emergency_stop") as it:
         first = clock.seconds()
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
@@ -248,8 +247,7 @@ async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
 
 async def test_a_yes_behind_a_stop_that_was_given_up_holds_and_is_said() -> None:
     made: list[Brake] = []
-    async with robot(making(made, Brake, "a", "yes", 4.0)) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(making(made, Brake, "a", "yes", 4.0), offers="emergency_stop") as it:
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
         assert it.snapshot.latch is Latch.NONE
@@ -274,8 +272,7 @@ async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:
 @pytest.mark.waits
 async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_another() -> None:
     made: list[Drive] = []
-    async with robot(making(made, Drive, "a")) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Drive, "a"), offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         executor = made[0].executor
         assert executor is not None
@@ -305,8 +302,7 @@ async def test_a_goal_of_a_restarted_server_does_not_run_for_ever(
     is_cancelled: bool,
 ) -> None:
     made: list[Drive] = []
-    async with robot(making(made, Drive, "a"), Running) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Drive, "a"), Running, offers="move_to_shelf") as it:
         assert (await ended(go(it, 3))).ok
         executor = made[0].executor
         assert executor is not None

@@ -142,6 +142,7 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
         clock.release(hang)
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("measured", "old", "new", "known"),
     [
@@ -170,6 +171,7 @@ def bursts(count: int, each: float, pause: float, total: float = 300.0) -> Itera
         at += each * (count - 1) + pause
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("times", "lost"),
     [
@@ -206,6 +208,7 @@ def lost(times: Iterable[float]) -> tuple[Period, list[float]]:
     return period, found
 
 
+@pytest.mark.pure
 def test_bursts_that_are_far_apart_are_missed_once() -> None:
     """The robot may have died: what is heard first says no more than that."""
     period, silences = lost(bursts(20, 0.1, 60.0))
@@ -213,18 +216,21 @@ def test_bursts_that_are_far_apart_are_missed_once() -> None:
     assert period.typical == pytest.approx(60.0)
 
 
+@pytest.mark.pure
 def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None:
     period, silences = lost(bursts(100, 0.1, 5.0))
     assert silences == [14.9, 29.8, 44.7]
     assert period.typical == pytest.approx(5.0, abs=0.11)
 
 
+@pytest.mark.pure
 def test_bursts_as_long_as_their_pauses_are_missed_until_they_are_known() -> None:
     period, silences = lost(bursts(20, 0.4, 9.0))
     assert silences == [16.6, 33.2, 49.8]
     assert period.typical == pytest.approx(9.0)
 
 
+@pytest.mark.pure
 def test_regular_bursts_do_not_undo_what_their_pauses_taught() -> None:
     period, silences = lost(bursts(400, 0.1, 5.0, total=600.0))
     assert len(silences) == 3
@@ -240,6 +246,7 @@ def with_outages(*outages: float, each: float) -> list[float]:
     return [*times, *(times[-1] + each * number for number in range(1, round(25 / each)))]
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("outages", "each", "allowed"),
     [((7.0, 9.0), 1.0, 3.0), ((7.0, 9.0), 0.2, 2.5), ((9.0, 7.5, 8.6), 0.5, 2.5)],
@@ -253,6 +260,7 @@ def test_outages_while_a_robot_boots_do_not_dull_its_silence(
     assert is_silent(times[-1], period.typical, times[-1] + allowed + 0.1, period.grace)
 
 
+@pytest.mark.pure
 def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> None:
     times = with_outages(7.0, 9.0, each=1.0)[:12]
     for _ in range(8):
@@ -262,6 +270,7 @@ def test_one_slow_message_among_regular_ones_is_missed_until_it_is_typical() -> 
     assert period.typical == 4.0
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("factor", [1.5, 2.0])
 def test_a_link_that_grows_slower_and_slower_is_noticed_each_time(factor: float) -> None:
     times = [0.2 * number for number in range(100)]
@@ -272,6 +281,7 @@ def test_a_link_that_grows_slower_and_slower_is_noticed_each_time(factor: float)
     assert period.typical == pytest.approx(0.2)
 
 
+@pytest.mark.pure
 def test_a_hiccup_at_the_start_is_not_typical() -> None:
     period, silences = lost([0.0, 0.2, 0.4, 3.4, *(3.4 + 0.2 * number for number in range(1, 60))])
     assert silences == []
@@ -302,6 +312,7 @@ async def test_what_holds_is_old_when_its_node_has_left() -> None:
         assert seconds() - left < 30.0  # long before what may still be sent is missed
 
 
+@pytest.mark.pure
 def test_a_robot_that_dies_after_its_first_words_is_soon_missed() -> None:
     period = Period()
     for number in range(5):

@@ -17,6 +17,7 @@ from tests.support.console import console
 from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import making, robot
+from tests.support.ros import begin
 
 KIND = "std_srvs/srv/Trigger"
 FILE = """
@@ -49,8 +50,7 @@ class Mapper(Node):
         return response
 
     def wake(self) -> None:
-        assert self.executor is not None
-        self.executor.create_task(lambda: self.awake.set_result(True))
+        begin(self, lambda: self.awake.set_result(True))
 
 
 @pytest.fixture
@@ -76,8 +76,7 @@ async def test_an_answer_after_five_seconds_is_the_outcome_of_a_call(file: Path)
 
 async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
     made: list[Mapper] = []
-    async with robot(making(made, Mapper), robot=file) as it:
-        await until(lambda: {"e_stop", "save_map"} <= it.snapshot.offered)
+    async with robot(making(made, Mapper), robot=file, offers="e_stop save_map") as it:
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
         await until(lambda: made[0].asked == 1)
         it.stops.register()
@@ -91,8 +90,7 @@ async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
 @pytest.mark.parametrize("how", ["by its name", "by its key"])
 async def test_an_answer_that_comes_too_late_is_told(file: Path, how: str) -> None:
     made: list[Mapper] = []
-    async with robot(making(made, Mapper), robot=file) as it:
-        await until(lambda: "save_map" in it.snapshot.offered)
+    async with robot(making(made, Mapper), robot=file, offers="save_map") as it:
         if how == "by its name":
             outcome = await ended(it.call("/save_map", KIND, {}, wait=2.0))
         else:

@@ -60,18 +60,11 @@ class Slow(Node):
 
 async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> None:
     made: list[Slow] = []
-
-    def slow(**options: Any) -> Slow:
-        made.append(Slow(**options))
-        return made[-1]
-
-    async with robot(slow) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
         task = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].asked == 1)
         it.stops.register()
-        assert made[0].executor is not None
-        made[0].executor.create_task(lambda: made[0].takes.set_result(True))
+        begin(made[0], lambda: made[0].takes.set_result(True))
         await until(task.done)
         assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
         await until(lambda: made[0].cancels >= 1)
@@ -81,8 +74,7 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
 
 async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancelled() -> None:
     made: list[Slow] = []
-    async with robot(making(made, Slow)) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
         task = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].asked == 1)
         it.stops.register()
@@ -95,13 +87,7 @@ async def test_a_goal_that_moves_though_a_stop_came_before_its_answer_is_cancell
 
 async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:
     made: list[Slow] = []
-
-    def slow(**options: Any) -> Slow:
-        made.append(Slow(**options))
-        return made[-1]
-
-    async with robot(slow) as it:
-        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+    async with robot(making(made, Slow), offers="move_to_shelf") as it:
         with it.stops.typed_at(it.stops.count):
             it.stops.register()
             outcome = await ended(it.send(SHELF, {"shelf_number": 3}))

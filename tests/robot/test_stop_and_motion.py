@@ -62,8 +62,9 @@ async def test_goals_end_behind_a_stop_that_only_the_motion_confirms() -> None:
     wheels: list[Wheels] = []
     drives: list[Drive] = []
     makers = making([], Brake, "brake", "nothing"), making(wheels, Wheels)
-    async with robot(*makers, making(drives, Drive, "drive")) as it:
-        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+    async with robot(
+        *makers, making(drives, Drive, "drive"), offers="emergency_stop move_to_shelf"
+    ) as it:
         assert (await ended(go(it, 5))).ok
         await later(1.0)
         wheels[0].moving, wheels[0].stopped = False, True
@@ -84,8 +85,7 @@ async def test_a_robot_that_moves_on_behind_a_late_yes_is_an_alarm() -> None:
 async def test_goals_from_before_a_late_yes_end() -> None:
     drives: list[Drive] = []
     makers = making([], Brake, "brake", "yes", 4.0), making(drives, Drive, "drive")
-    async with robot(*makers) as it:
-        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+    async with robot(*makers, offers="emergency_stop move_to_shelf") as it:
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
         assert (await ended(go(it, 3))).ok
@@ -95,8 +95,9 @@ async def test_goals_from_before_a_late_yes_end() -> None:
 
 async def test_a_late_yes_to_an_older_stop_behind_a_release_is_not_certain() -> None:
     brakes: list[Brake] = []
-    async with robot(making(brakes, Brake, "brake", "yes", 6.0), making([], Wheels)) as it:
-        await until(lambda: {"emergency_stop"} <= it.snapshot.offered)
+    async with robot(
+        making(brakes, Brake, "brake", "yes", 6.0), making([], Wheels), offers="emergency_stop"
+    ) as it:
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
         brakes[0].seconds = 0.0
@@ -148,8 +149,9 @@ async def test_no_goal_is_sent_behind_a_stop_that_is_not_confirmed() -> None:
     brakes: list[Brake] = []
     drives: list[Drive] = []
     makers = making(brakes, Brake, "brake", "nothing"), making([], Wheels)
-    async with robot(*makers, making(drives, Drive, "drive")) as it:
-        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+    async with robot(
+        *makers, making(drives, Drive, "drive"), offers="emergency_stop move_to_shelf"
+    ) as it:
         assert not (await ended(it.emergency_stop())).ok
         outcome = await ended(go(it, 5))
         said = "the STOP is not confirmed: release it first, or give it up"

@@ -19,6 +19,7 @@ from archo_tui.robot.state.snapshot import Latch
 from tests.support import clock
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
+from tests.support.ros import begin
 
 
 class Busy(Node):
@@ -47,8 +48,7 @@ class Busy(Node):
         return response
 
     def wake(self) -> None:
-        assert self.executor is not None
-        self.executor.create_task(lambda: self.awake.set_result(True))
+        begin(self, lambda: self.awake.set_result(True))
 
 
 def by_its_key(it: Robot) -> Any:
@@ -65,8 +65,7 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
     how: Any, wait: float
 ) -> None:
     made: list[Busy] = []
-    async with robot(making(made, Busy)) as it:
-        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+    async with robot(making(made, Busy), offers="emergency_stop release_emergency_stop") as it:
         task = asyncio.ensure_future(how(it))
         await until(lambda: made[0].asked == 1)
         stop = clock.seconds() + wait
@@ -81,8 +80,7 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
 
 async def test_a_release_that_is_answered_late_ends_the_stop() -> None:
     made: list[Busy] = []
-    async with robot(making(made, Busy)) as it:
-        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+    async with robot(making(made, Busy), offers="emergency_stop release_emergency_stop") as it:
         assert (await ended(it.emergency_stop())).ok
         assert (await ended(it.release_emergency_stop())).code == Code.TIMEOUT
         assert it.snapshot.latch is Latch.HELD
@@ -101,8 +99,7 @@ class Released(Busy):
 
 async def test_an_earlier_release_does_not_end_a_stop_that_cannot_be_sent() -> None:
     made: list[Released] = []
-    async with robot(making(made, Released)) as it:
-        await until(lambda: "release_emergency_stop" in it.snapshot.offered)
+    async with robot(making(made, Released), offers="release_emergency_stop") as it:
         release = asyncio.ensure_future(by_its_key(it))
         await until(lambda: made[0].asked == 1)
         it.stops.register()
@@ -116,8 +113,7 @@ async def test_an_earlier_release_does_not_end_a_stop_that_cannot_be_sent() -> N
 
 async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:
     made: list[Busy] = []
-    async with robot(making(made, Busy)) as it:
-        await until(lambda: "emergency_stop" in it.snapshot.offered)
+    async with robot(making(made, Busy), offers="emergency_stop") as it:
         assert (await ended(it.emergency_stop())).ok
         made[0].wake()
         assert (await ended(it.release_emergency_stop())).ok
@@ -131,8 +127,7 @@ async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answer
 ) -> None:
     monkeypatch.setattr(calls, "LATE", 2.5)  # what a late answer to a STOP has
     made: list[Busy] = []
-    async with robot(making(made, Busy)) as it:
-        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+    async with robot(making(made, Busy), offers="emergency_stop release_emergency_stop") as it:
         task = asyncio.ensure_future(by_its_key(it))
         await until(task.done)
         it.stops.register()

@@ -5,9 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 
+import pytest
+
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import Result, Servers, Stop
+
+pytestmark = pytest.mark.pure
 
 HERE, ELSEWHERE, NAMESAKE = b"1", b"2", b"3"  # The ids of nodes.
 

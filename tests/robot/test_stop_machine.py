@@ -20,6 +20,8 @@ from archo_tui.robot.stop.machine import (
     StopEffect,
 )
 
+pytestmark = pytest.mark.pure
+
 MOTOR: Servers = frozenset({("/motor", frozenset({b"1"}))})
 AGAIN: Servers = frozenset({("/motor", frozenset({b"2"}))})
 ALL = Facts(moves=True, is_heard=True, is_offered=True)

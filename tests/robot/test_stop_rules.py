@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+
 from archo_tui.robot.state.readings import Motion
 from archo_tui.robot.state.snapshot import Latch, StopAnswer
 from archo_tui.robot.stop.machine import CANCEL_AFTER, NOBODY, OBEYED, Result, Stop, StopEffect
 from tests.robot.test_stop_machine import AGAIN, ALL, MOTOR, answered, called, moving, todo
+
+pytestmark = pytest.mark.pure
 
 FAR = frozenset({("/far", frozenset({b"7"}))})
 HELD = answered(called(), StopAnswer.AWAITED)

@@ -50,8 +50,7 @@ def latch_of(it: Robot) -> Latch:
 
 async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
     made: list[Base] = []
-    async with robot(making(made, Base), robot=file) as it:
-        await until(lambda: "e_stop" in it.snapshot.offered)
+    async with robot(making(made, Base), robot=file, offers="e_stop") as it:
         it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome.ok
@@ -64,8 +63,7 @@ async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
 
 
 async def test_the_ros2_commands_hold_the_request(file: Path) -> None:
-    async with robot(Base, robot=file) as it:
-        await until(lambda: "e_stop" in it.snapshot.offered)
+    async with robot(Base, robot=file, offers="e_stop") as it:
         it.stops.register()
         await ended(it.emergency_stop())
         await ended(it.release_emergency_stop())

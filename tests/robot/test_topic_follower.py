@@ -22,6 +22,7 @@ from archo_tui.robot.topics.inspect import MessageIntake, TopicWatch
 from tests.support import chosen
 from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
+from tests.support.ros import begin
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ONE_TYPE = pytest.mark.skipif(
@@ -119,9 +120,7 @@ async def test_a_topic_that_goes_is_waited_for_with_its_last_message() -> None:
     made: list[Talker] = []
     async with robot(making(made, Talker)) as it, following(it, "/fast") as views:
         await until(lambda: views[-1].fields)
-        executor = made[0].executor
-        assert executor is not None
-        executor.create_task(made[0].leave_fast)
+        begin(made[0], made[0].leave_fast)
         await until(lambda: has(views, "it has no publisher: waiting for one"))
         assert views[-1].fields
 
@@ -131,9 +130,7 @@ async def test_a_publisher_that_comes_back_with_another_type_is_followed() -> No
     made: list[Talker] = []
     async with robot(making(made, Talker)) as it, following(it, "/fast") as views:
         await until(lambda: views[-1].fields)
-        executor = made[0].executor
-        assert executor is not None
-        executor.create_task(made[0].change_type)
+        begin(made[0], made[0].change_type)
         await until(lambda: views[-1].type == "std_msgs/msg/String" and views[-1].fields)
         assert views[-1].fields[0].value == "words now"
         assert not views[-1].fault

@@ -18,6 +18,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from tests.robots.field import Base
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.robot import making
 
 FILE = Path(__file__).with_name("field.yaml")
 MOTOR = "base: left motor"
@@ -27,26 +28,21 @@ MOTOR = "base: left motor"
 async def field(**options: Any) -> AsyncIterator[tuple[Console, Base]]:
     """The console, and the robot's node."""
     made: list[Base] = []
-
-    def make(**given: Any) -> Base:
-        made.append(Base(**given))
-        return made[-1]
-
-    async with console(robot=FILE, node_makers=[make], wait=False, **options) as op:
+    async with console(robot=FILE, node_makers=[making(made, Base)], wait=False, **options) as op:
         await op.until(lambda: "/diagnostics" in op.app.view.snapshot.offered)
         await op.until(lambda: op.app.view.snapshot.diagnostics)
         yield op, made[0]
 
 
-async def test_where_it_is_stands_below_its_motion() -> None:
-    async with field() as (op, _):
+async def test_a_part_that_fails_is_an_alarm_and_enter_lists_all_parts() -> None:
+    async with field() as (op, node):
         await op.until("75.0 %  24.5 V")
         await op.until("x 1.2  y 0.4  90°  map")
         await op.until("● IDLE")
-
-
-async def test_a_part_that_fails_is_an_alarm_with_what_it_said() -> None:
-    async with field() as (op, node):
+        below = op.line("^x stop")
+        assert "lamp" not in below
+        assert "Lamp" in op.line("STOP  ")  # Its button.
+        assert "Lamp" not in op.line("palette")
         node.parts[MOTOR] = (DiagnosticStatus.ERROR, "too hot")
         await op.until("ERROR base: left motor (sn 12): too hot")
         assert op.line("ERROR base").strip().startswith("✗ ERROR base")
@@ -54,10 +50,6 @@ async def test_a_part_that_fails_is_an_alarm_with_what_it_said() -> None:
         await op.until("over")
         await op.press("a")
         await op.until(lambda: "ERROR base" not in op.text)
-
-
-async def test_enter_on_its_alarm_lists_all_parts() -> None:
-    async with field() as (op, node):
         node.parts["base: fan"] = (DiagnosticStatus.OK, "turns")
         node.parts[MOTOR] = (DiagnosticStatus.WARN, "warm")
         await op.until("WARN base: left motor (sn 12): warm")
@@ -68,10 +60,6 @@ async def test_enter_on_its_alarm_lists_all_parts() -> None:
         node.parts[MOTOR] = (DiagnosticStatus.ERROR, "hot")
         await op.until("✗ ERROR base: left motor (sn 12): hot")
         await op.press("escape")
-
-
-async def test_a_part_that_is_well_hides_no_other_of_its_name() -> None:
-    async with field() as (op, node):
         node.parts["motor@left"] = (DiagnosticStatus.ERROR, "burnt")
         node.parts["motor@right"] = (DiagnosticStatus.OK, "fine")
         await op.until("ERROR motor (left): burnt")
@@ -80,16 +68,17 @@ async def test_a_part_that_is_well_hides_no_other_of_its_name() -> None:
         await op.until("● OK    motor (right): fine")
 
 
-@pytest.mark.waits
-async def test_a_part_that_has_gone_is_forgotten_by_a_key() -> None:
+async def test_a_part_that_has_gone_is_forgotten_by_a_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("archo_tui.robot.state.readings", "archo_tui.verbs.show"):
+        monkeypatch.setattr(f"{module}.FORGET_AFTER", 12.0)
     async with field() as (op, node):
         node.parts["motor@left"] = (DiagnosticStatus.OK, "fine")
         await op.until(lambda: len(op.app.view.snapshot.diagnostics) == 2)
         del node.parts["motor@left"]
         await op.until("STALE motor (left): no status for")
         await op.press("A", "enter", "f")
-        await op.until("motor (left): only a part that has been silent for 60 s can be forgotten")
-        await op.until("f forget a silent part", deadline=90.0)
+        await op.until("motor (left): only a part that has been silent for 12 s can be forgotten")
+        await op.until("f forget a silent part")
         await op.press("f")
         await op.until(lambda: "? STALE motor" not in op.text)
         assert "forget a silent part" not in op.text
@@ -128,11 +117,3 @@ async def test_words_tell_pose_and_parts() -> None:
     _, said = await plain("status\ndiagnostics\n", robot=FILE, node_makers=[Base])
     assert "x 1.2, y 0.4, 90°, map" in said
     assert "● OK    base: left motor (sn 12): fine" in said
-
-
-async def test_a_command_without_a_key_is_no_empty_place_among_the_keys() -> None:
-    async with field() as (op, _):
-        below = op.line("^x stop")
-        assert "lamp" not in below
-        assert "Lamp" in op.line("STOP  ")  # Its button.
-        assert "Lamp" not in op.line("palette")

@@ -17,6 +17,7 @@ from archo_tui.robot.state.graph import NodeInfo
 from tests.robots.managed import Navigator
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.robot import making
 
 FILE = Path(__file__).with_name("managed.yaml")
 
@@ -25,12 +26,9 @@ FILE = Path(__file__).with_name("managed.yaml")
 async def managed(**options: Any) -> AsyncIterator[tuple[Console, Navigator]]:
     """The console, and the managed node."""
     made: list[Navigator] = []
-
-    def make(**given: Any) -> Navigator:
-        made.append(Navigator(**given))
-        return made[-1]
-
-    async with console(robot=FILE, node_makers=[make], wait=False, **options) as op:
+    async with console(
+        robot=FILE, node_makers=[making(made, Navigator)], wait=False, **options
+    ) as op:
         await op.until("navigator unconfigured")
         await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
         yield op, made[0]

@@ -21,6 +21,8 @@ from archo_tui.robot_file.reserved import RESERVED
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 
+pytestmark = pytest.mark.pure
+
 HERE = Path(__file__).parent
 FILES = [*default_path().parent.glob("*.yaml"), *HERE.glob("*.yaml")]
 ONE_GOAL = "goals:\n  - id: a\n    title: t\n    action: a\n    type: a/action/B\n"

@@ -13,6 +13,8 @@ from archo_tui.robot_file.load import parse
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.robot_file.propose import Part, SeveralRobots, Sighting, propose, text_of
 
+pytestmark = pytest.mark.pure
+
 BATTERY = Sighting(
     "topic",
     "/tb1/battery_state",
@@ -61,16 +63,22 @@ def test_every_part_that_can_be_proposed_is_read_back() -> None:
         action("/tb1/dock", "irobot_create_msgs/action/Dock"),
         service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"),
         service("/tb1/lamp", "std_srvs/srv/SetBool"),
+        Sighting("topic", "/tb1/initialpose", (known_types.INITIAL_POSE,), ()),
+        Sighting("topic", "/tb1/words", (known_types.TEXT,), ()),
     ]
     entries = propose(seen).entries
     assert {entry.part for entry in entries} == set(get_args(Part))
-    not_proposed = {"version", "name", "gauges", "record"}
+    not_proposed = {"version", "name", "gauges", "record", "shown"}
     assert set(get_args(Part)) == {part.name for part in fields(RobotFile)} - not_proposed
     all_sure = propose(seen)._replace(entries=tuple(e._replace(is_sure=True) for e in entries))
     made = parse(text_of(all_sure, "Written by a test."), Path("test.yaml"))
     for entry in entries:
         read = getattr(made, entry.part)
-        assert entry.value in read if entry.part in ("goals", "commands") else entry.value == read
+        assert (
+            entry.value in read
+            if entry.part in ("goals", "commands", "topics")
+            else entry.value == read
+        )
 
 
 def test_a_topic_without_a_subscription_is_not_called_silent() -> None:

@@ -15,6 +15,7 @@ pytest.importorskip("depot_interfaces")
 from tests.robots.rover import Rover
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.robot import making
 from tests.support.shells import raw
 
 FILE = Path(__file__).with_name("rover.yaml")
@@ -24,24 +25,35 @@ FILE = Path(__file__).with_name("rover.yaml")
 async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Console, Rover]]:
     """The console, and the rover's node."""
     made: list[Rover] = []
-
-    def make(**given: Any) -> Rover:
-        made.append(Rover(**given))
-        return made[-1]
-
-    async with console(robot=file, node_makers=[make], wait=False, **options) as op:
+    async with console(robot=file, node_makers=[making(made, Rover)], wait=False, **options) as op:
         await op.until(lambda: {"go_to", "dock", "odom"} <= op.app.view.snapshot.offered)
         yield op, made[-1]
 
 
-async def test_its_readings_are_shown_in_the_consoles_units() -> None:
-    async with rover() as (op, _):
+async def test_its_readings_are_shown_in_the_consoles_units_as_they_change() -> None:
+    async with rover() as (op, node):
         await op.until("75.0 %  14.5 V")
         assert "discharging" in op.text
         assert "low 25" in op.text
         await op.until("0.00 m/s")
         await op.until("● IDLE")
         await op.until(lambda: "Temperature 31.5 °C" in op.words)
+        await op.until("● IDLE")
+        node.turning = -0.4
+        await op.until("▶ MOVING")
+        assert "0.00 m/s" in op.text
+        node.turning = 0.0
+        await op.until("● IDLE")
+        await op.until(lambda: "Temperature 31.5 °C" in op.words)
+        node.celsius = 71.0
+        await op.until(lambda: "▲ Temperature 71 °C, above 60" in op.words)
+        await op.until("TEMPERATURE 71 °C: above 60")
+        node.celsius = math.nan
+        await op.until("? Temperature UNREADABLE nan")
+        await op.until("discharging")
+        node.is_full = True
+        await op.until("neither charging nor discharging")
+        assert "empty in" not in op.text
 
 
 async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
@@ -78,24 +90,21 @@ async def test_it_is_moving_backwards_too() -> None:
         await op.until("▶ MOVING")
 
 
-async def test_a_form_that_is_typed_in_one_burst_sends_what_was_typed() -> None:
+async def test_what_is_typed_into_the_fields_of_a_goal_is_sent_or_said() -> None:
     async with rover() as (op, node):
+        await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
+        await op.until("yaw: at most 360, not 400")
+        await op.press("backspace", "enter")  # the field has the focus
+        await op.until("MOVING to x 1.0, y 2.0, yaw 40.0")
+        await op.until("✓ ARRIVED")
         op.send("g", *"123456789.5", "enter", "2", "enter", *"90", "enter")
         await op.until("MOVING to x 123456789.5, y 2.0, yaw 90.0")
         await op.until("✓ ARRIVED")
         op.send(*"1", "enter", *"-2.25", "enter", "7", "enter", *"99", "enter")
         await op.until("MOVING to x 1.0, y -2.25, yaw 7.0")
         assert op.app.main.goal.fields[0].value == "99"
-        target = node.heard[0].pose.position
+        target = node.heard[1].pose.position
         assert (target.x, target.y) == (123456789.5, 2.0)
-
-
-async def test_what_is_no_number_is_said_in_its_field_and_nothing_is_sent() -> None:
-    async with rover() as (op, _):
-        await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
-        await op.until("yaw: at most 360, not 400")
-        await op.press("backspace", "enter")  # the field has the focus
-        await op.until("MOVING to x 1.0, y 2.0, yaw 40.0")
 
 
 async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
@@ -107,24 +116,6 @@ async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
         await op.press("U")
         await op.until("discharging")
         await op.until("undock succeeded: is_docked false")
-
-
-async def test_a_full_battery_on_its_dock_is_not_called_discharging() -> None:
-    async with rover() as (op, node):
-        await op.until("discharging")
-        node.is_full = True
-        await op.until("neither charging nor discharging")
-        assert "empty in" not in op.text
-
-
-async def test_turning_on_the_spot_is_moving() -> None:
-    async with rover() as (op, node):
-        await op.until("● IDLE")
-        node.turning = -0.4
-        await op.until("▶ MOVING")
-        assert "0.00 m/s" in op.text
-        node.turning = 0.0
-        await op.until("● IDLE")
 
 
 async def test_a_charge_below_a_number_of_the_file_is_low(tmp_path: Path) -> None:
@@ -156,16 +147,6 @@ async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
         await op.until("this is not a STOP")
         await op.until("✗ CANCELLED")
         assert "STOPPED" not in op.text
-
-
-async def test_a_gauge_beyond_its_limit_is_an_alarm() -> None:
-    async with rover() as (op, node):
-        await op.until(lambda: "Temperature 31.5 °C" in op.words)
-        node.celsius = 71.0
-        await op.until(lambda: "▲ Temperature 71 °C, above 60" in op.words)
-        await op.until("TEMPERATURE 71 °C: above 60")
-        node.celsius = math.nan
-        await op.until("? Temperature UNREADABLE nan")
 
 
 async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def long_way(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tests.robots.tug.STEP", 0.1)
 
 
-async def test_the_screen_has_its_name_readings_and_words() -> None:
+async def test_it_has_its_name_readings_and_words_is_sent_and_refuses() -> None:
     async with tug() as (op, _):
         assert " TUG " in op.line("online")
         await op.until(lambda: "● GOOD 80.0 % 36.5 V" in op.words)
@@ -54,10 +54,6 @@ async def test_the_screen_has_its_name_readings_and_words() -> None:
         assert "3 Haul to bay" in op.text
         assert "Bay" in op.line("Go    Cancel")
         assert "Press g, type the bay, press enter." in op.text
-
-
-async def test_it_is_sent_driven_and_arrives() -> None:
-    async with tug() as (op, _):
         await op.press("g", "3", "enter")
         await op.until("MOVING to 3")
         await op.until("m left of 20.0 m")
@@ -65,6 +61,12 @@ async def test_it_is_sent_driven_and_arrives() -> None:
         assert "at the bay, 20.0 m in" in op.line("✓ ARRIVED")
         assert "✓ 3 arrived" in op.text
         await op.until("haul to bay 3: accepted")
+        await op.press("g", "7", "enter")
+        await op.until("✗ REFUSED")
+        assert "no bay 7" in op.line("✗ REFUSED")
+        await op.press("g", "1", "2", "enter")
+        await op.until("Bay: at most 9, not 12")
+        assert [goal.target for goal in op.app.view.snapshot.history] == ["7", "3"]
 
 
 @pytest.mark.usefixtures("long_way")
@@ -76,21 +78,6 @@ async def test_it_is_cancelled_on_the_way() -> None:
         await op.until("✗ CANCELLED")
         assert "called back," in op.line("✗ CANCELLED")
         assert "m before bay 3" in op.line("✗ CANCELLED")
-
-
-async def test_a_goal_that_it_refuses_says_why() -> None:
-    async with tug() as (op, _):
-        await op.press("g", "7", "enter")
-        await op.until("✗ REFUSED")
-        assert "no bay 7" in op.line("✗ REFUSED")
-        await op.press("ctrl+q")
-
-
-async def test_what_its_file_does_not_allow_is_not_sent() -> None:
-    async with tug() as (op, _):
-        await op.press("g", "1", "2", "enter")
-        await op.until("Bay: at most 9, not 12")
-        assert op.app.view.snapshot.goal is None
 
 
 @pytest.mark.usefixtures("long_way")

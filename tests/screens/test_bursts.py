@@ -136,8 +136,8 @@ class Desk:
             main.events.next_level()
         if main.parameters._only_changed:
             main.parameters.toggle_changed()
-        if main.parameters._shows_standard:
-            main.parameters.toggle_standard()
+        if main.parameters._shows_all:
+            main.parameters.toggle_hidden()
         for rows in main.query(Rows).results():
             rows.cursor, rows.shows_cursor = 0, False
         main.goal.fields[0].clear()

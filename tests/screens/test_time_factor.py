@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -27,6 +28,21 @@ def test_the_factor_stands_beside_the_speed_and_the_time_left() -> None:
     assert plain_text(goal_line(snapshot, NOW, "")).endswith("about 1.5 s left x 7.5")
     assert line_by_line.motion_text(snapshot, NOW).endswith("0.00 m/s x 7.5")
     assert line_by_line.goal_text(snapshot, NOW, "").endswith("about 1.5 s left x 7.5")
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),  # in the 24 cells of a terminal of 80 columns
+    [
+        (15_420, "15 420 0.00 m/s x 7.5"),
+        (12_345_678, "12345678 0.00 m/s x 7.5"),
+        (1_234_567_890, "0.00 m/s x 7.5"),
+    ],
+)
+def test_where_room_is_short_the_factor_stays_and_the_count_gives_way(
+    count: int, said: str
+) -> None:
+    snapshot = simulated(7.5)._replace(motion=replace(MOTOR, count=count))
+    assert plain_text(motion_line(snapshot, NOW, 24)).strip() == said
 
 
 @pytest.mark.parametrize("value", [1.0, 1, "fast", float("nan"), -2.0])

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot_file.model import TopicRule
 from archo_tui.screens.lists import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
@@ -117,7 +119,7 @@ def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
     ("goals", "said"),
     [
         (("shelf 12",), "shelf 12 STILL RUNS: use the hardware stop"),
-        (("shelf 12", "another client's goal"), "STILL RUN: use the hardware stop   +1 more"),
+        (("shelf 12", "another client's goal"), "STILL RUN: use the hardware stop   +1 alarm"),
     ],
 )
 def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
@@ -211,11 +213,11 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     board.update({STOPPED: "STOPPED: look"}, 0, 100)
     assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
     board.update({STOPPED: "STOPPED: look", CONTACT_LOST: "CONTACT LOST: wait"}, 1, 101)
-    assert shown(board) == "✗ CONTACT LOST: wait   +1 more   (a acknowledge)"
+    assert shown(board) == "✗ CONTACT LOST: wait   +1 alarm   (a acknowledge)"
     board.acknowledge(board.all()[0], 102)
-    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look   +1 alarm   (a acknowledge)"
     board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
-    assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look (last known)   +1 alarm   (a acknowledge)"
     board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 4, 104)
     assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
 
@@ -226,7 +228,7 @@ def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
     for time in (0, 3):
         board.update({**found, BATTERY_EMPTY: "BATTERY EMPTY"}, time, 100)
     assert shown(board).startswith("✗ STOP SENT, no ")
-    assert shown(board).endswith(": use the hardware stop   +1 more   (a)")
+    assert shown(board).endswith(": use the hardware stop   +1 alarm   (a)")
 
 
 def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
@@ -244,7 +246,7 @@ def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
         (STOPPED, False),
         (CONTACT_LOST, True),
     ]
-    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    assert shown(board) == "▲ STOPPED: look   +1 alarm   (a acknowledge)"
 
 
 def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
@@ -645,3 +647,29 @@ def test_a_warning_beside_an_error_of_its_part_waits_for_its_own_delay() -> None
     board.update({}, 3.4, 3.4)
     raised = board.update({"diagnostics motor": "W"}, 5.1, 5.1)
     assert "diagnostics motor" not in [alarm.name for alarm in raised]
+
+
+RATED = replace(NORMAL.file, topics=(TopicRule("scan", rate=10.0), TopicRule("words", rate=0.1)))
+
+
+@pytest.mark.parametrize(
+    ("interval", "ago", "said"),
+    [
+        (0.1, 0.1, {}),
+        (0.12, 0.1, {}),  # 8.3 Hz
+        (0.13, 0.1, {"rate": "/scan IS TOO SLOW, 7.7 Hz: expected 10 Hz, within 20%"}),
+        (0.08, 0.1, {"rate": "/scan IS TOO FAST, 12.5 Hz: expected 10 Hz, within 20%"}),
+        (0.13, 3.0, {"silent": "/scan IS SILENT for 3 s: expected 10 Hz"}),
+        (None, 0.0, {"silent": "/scan IS SILENT: nothing came, expected 10 Hz"}),
+    ],
+)
+def test_a_topic_that_is_not_as_often_as_expected_is_an_alarm(
+    interval: float | None, ago: float, said: dict[str, str]
+) -> None:
+    rates = {"/words": MessageRate(NOW - 29.0)}
+    if interval is not None:
+        rates["/scan"] = MessageRate(NOW - ago, interval)
+    snapshot = NORMAL._replace(file=RATED, message_rates=rates)
+    found = conditions(snapshot, NOW)
+    assert found == {f"topic {kind} /scan": text for kind, text in said.items()}
+    assert kind_of(next(iter(found), "topic rate /scan")).name.startswith("topic ")

@@ -22,7 +22,8 @@ from archo_tui.station import journal
 from archo_tui.station.journal import MAX_BYTES, Journal, unreleased_stop
 from tests.support.archo import SHELF
 from tests.support.console import FAST, LONG, console
-from tests.support.quiet import ended
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
 from tests.support.waiting import wait_until
 
 RESET = "archo_interfaces/srv/ResetEncoder"
@@ -129,14 +130,13 @@ def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
 
 
 async def test_commands_alarms_and_warnings_of_a_session_are_in_it(unlimited: Path) -> None:
-    async with console(*FAST, robot=unlimited) as op:
-        await op.press("r")
-        await op.until("reset encoder: zero")
-        await op.press("g", "9", "9", "enter")
-        await op.until("✗ REFUSED")
-        await op.press("escape", "ctrl+x")
-        await op.until("STOPPED: look")
-        await op.press("a")
+    async with operated(robot=unlimited, ros_args=FAST) as person:
+        person.type("reset\ngo 99\n")
+        await person.until("failed: go: shelf 99")
+        person.type("stop\n")
+        await person.until("alarm unacknowledged: STOPPED")
+        person.type("ack\n")
+        await person.until("acknowledged: stopped")
     found = entries(journal_file())
     said = [(e["kind"], e.get("text", "")) for e in found]
     assert ("command", "reset encoder: Encoder reset to zero") in said
@@ -227,31 +227,21 @@ def test_lost_entries_are_counted_once(tmp_path: Path) -> None:
     assert [entry.get("lost_before") for entry in entries(file)] == [7, None, None]
 
 
-async def test_of_what_repeats_only_the_first_and_round_numbers_are_written() -> None:
-    async with console(*FAST) as op:
+async def test_of_what_repeats_the_first_and_round_numbers_are_written() -> None:
+    joints = ["Joint 1 overheated", "Joint 2 overheated"]
+    async with operated(ros_args=FAST) as person:
+        robot = person._plain._station.robot
         for _ in range(25):
-            op.app.station.robot.note("WARN", "console", "again")
-        await op.until("x 25")
-    found = [e["count"] for e in entries(journal_file()) if e.get("text") == "again"]
-    assert found == [1, 10]
-
-
-async def test_errors_of_different_joints_are_seen_and_written_one_by_one() -> None:
-    texts = ["Joint 1 overheated", "Joint 2 overheated"]
-    async with console(*FAST) as op:
-        for text in texts:
-            op.app.station.robot.note("ERROR", "arm", text)
-        for text in texts:
-            await op.until(text)
-    assert [e["text"] for e in entries(journal_file()) if e.get("source") == "arm"] == texts
-
-
-async def test_a_flood_of_lines_that_differ_in_numbers_leaves_room_for_others() -> None:
-    async with console(*FAST) as op:
+            robot.note("WARN", "console", "again")
+        for text in joints:
+            robot.note("ERROR", "arm", text)
         for number in range(2001):
-            op.app.station.robot.note("WARN", "queue", f"{number} wait")
-        await op.until("2000 wait")
-    texts = [e["text"] for e in entries(journal_file()) if e.get("source") == "queue"]
+            robot.note("WARN", "queue", f"{number} wait")
+        await until(lambda: any(e.text == "2000 wait" for e in robot.snapshot.events))
+    found = entries(journal_file())
+    assert [e["count"] for e in found if e.get("text") == "again"] == [1, 10]
+    assert [e["text"] for e in found if e.get("source") == "arm"] == joints
+    texts = [e["text"] for e in found if e.get("source") == "queue"]
     assert texts == [*(f"{number} wait" for number in range(100)), "999 wait", "1999 wait"]
 
 

@@ -83,7 +83,7 @@ class Typed:
 
         def is_said() -> bool:
             while not self._is_heard():  # by threads, before a virtual clock moves
-                time.sleep(clock.LOOK)
+                time.sleep(clock.look())
             return text in self.said
 
         await Quiet().until(is_said, lambda: f"{text!r}:\n{self.said}")
@@ -91,7 +91,7 @@ class Typed:
     async def is_read(self) -> None:
         """Wait until what was typed is read; only then a virtual clock may move."""
         while not ((self._plain._input.is_quiet and self._is_told) or self.is_over):
-            await asyncio.sleep(clock.LOOK)
+            await asyncio.sleep(clock.look())
 
     def _is_heard(self) -> bool:
         """True when all that was printed is in `said`."""
@@ -144,7 +144,7 @@ class Typed:
         if self._typing >= 0:
             os.close(self._typing)
         while self._plain._input.is_reading:  # a descriptor of that number may soon be another's
-            await asyncio.sleep(clock.LOOK)
+            await asyncio.sleep(clock.look())
         for descriptor in (self._in, self._reading):
             os.close(descriptor)
 

@@ -57,7 +57,7 @@ class Quiet:
                 return
             screen._on_timer_update()  # what Textual's own timer would do within 1/60 s
             if _is_to_be_drawn(screen):  # the first picture waits for something else
-                await asyncio.sleep(clock.LOOK)
+                await asyncio.sleep(clock.look())
 
     async def _settle(self) -> None:
         end = time.monotonic() + 3 * DEADLINE
@@ -67,12 +67,12 @@ class Quiet:
             moves = virtual.moves if virtual is not None else 0
             while virtual is not None and not virtual.at_rest():
                 assert time.monotonic() < end, "a thread never rests"
-                await asyncio.sleep(clock.LOOK)
+                await asyncio.sleep(clock.look())
             await asyncio.sleep(0)
             while self._loop._ready:
                 await asyncio.sleep(0)
             if self._threads:
-                await asyncio.sleep(clock.LOOK)
+                await asyncio.sleep(clock.look())
                 continue
             rests = virtual is None or (virtual.moves == moves and virtual.at_rest())
             if rests and not self._loop._ready:
@@ -122,7 +122,7 @@ async def outside(holds: Callable[[], object], what: str) -> None:
     end = time.monotonic() + 3 * DEADLINE
     while not holds():
         assert time.monotonic() < end, f"waited for {what}"
-        await asyncio.sleep(clock.LOOK)
+        await asyncio.sleep(clock.look())
 
 
 async def ended(work: Awaitable[T]) -> T:

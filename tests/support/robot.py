@@ -15,11 +15,11 @@ from tests.support import chosen, clock
 from tests.support.quiet import until
 
 
-def making(made: list[Any], kind: Any, *given: Any) -> Callable[..., Node]:
+def making(made: list[Any], kind: Any, *given: Any, **fixed: Any) -> Callable[..., Node]:
     """Return a maker of a node of that class, which puts what it makes into `made`."""
 
     def make(**options: Any) -> Node:
-        made.append(kind(*given, **options))
+        made.append(kind(*given, **fixed, **options))
         node: Node = made[-1]
         return node
 
@@ -28,13 +28,14 @@ def making(made: list[Any], kind: Any, *given: Any) -> Callable[..., Node]:
 
 @asynccontextmanager
 async def robot(
-    *makers: Callable[..., Node], nodes: int | None = None, **options: Any
+    *makers: Callable[..., Node], nodes: int | None = None, offers: str = "", **options: Any
 ) -> AsyncIterator[Robot]:
-    """It has seen all of the nodes (or so many); `options` are those of the session."""
+    """It has seen all of the nodes (or so many), and what they offer; `options` as of a session."""
     given = {"domain_id": chosen.next_domain(), **options}
     with Session(
         Options(engine=chosen.ENGINE, node_makers=makers, **given), clock.current
     ) as session:
         wanted = len(makers) if nodes is None else nodes
         await until(lambda: len(session.robot.snapshot.nodes) == wanted)
+        await until(lambda: session.robot.snapshot.offered >= {*offers.split()})
         yield session.robot

@@ -82,6 +82,11 @@ class Script:
 
         _until(is_said, lambda: f"{text!r}:\n{self.said[-10_000:]}")
 
+    def ready(self) -> None:
+        """Wait until the robot has been heard."""
+        self.type("status\n")
+        self.until("\ngoal No goal yet")
+
     def until_done(self, text: str) -> None:
         """Wait, without reading, until that is in the journal."""
         file = journal_file()

@@ -59,6 +59,7 @@ class StubRobot:
         self.snapshot, self.file = snapshot, snapshot.file
         self.watching = False
         self.stops = Stops()
+        self.publications = SimpleNamespace(active=())
         self._receiver: Any = None
         self.show_topic: Callable[[], None] = lambda: None
 
@@ -75,6 +76,9 @@ class StubRobot:
         """Something new was heard."""
         self.snapshot = snapshot
         self._receiver(snapshot)
+
+    async def end_publications(self) -> str:
+        return ""
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
         return MOTOR if node == "/motor_controller" else Outcome(Code.REFUSED, "not on the graph")

@@ -47,4 +47,4 @@ def step() -> None:
     """Let a little time pass: the virtual clock's, when everything rests, or the machine's."""
     virtual = clock.current
     if virtual is None or not virtual.at_rest() or not virtual.advance():
-        time.sleep(clock.LOOK)
+        time.sleep(clock.look())

@@ -16,7 +16,7 @@ _TRACK = 16  # of a scroll bar: black with all colours, too
 @pytest.mark.real_time
 def test_no_surface_turns_blue_or_black() -> None:
     terminal = Terminal(term="xterm-256color")
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("q")
     assert terminal.exit_code() == 0
     terminal.close()

@@ -55,13 +55,20 @@ def test_so_it_is_when_nobody_looked_meanwhile() -> None:
 @pytest.mark.parametrize(
     ("char", "key"),
     [
-        *(("n", "alt+n"), ("N", "alt+shift+n"), ("1", "alt+1"), ("/", "alt+slash")),
+        *(("n", "alt+n"), ("N", "alt+shift+n"), ("/", "alt+slash")),
         *((" ", "alt+space"), ("ж", "alt+ж"), ("Ж", "alt+shift+ж"), ("O", "alt+shift+o")),
     ],
 )
 def test_a_character_directly_behind_an_escape_is_no_text(char: str, key: str, gap: float) -> None:
     pressed = typed("\x1b", char, gap=gap)
     assert pressed.keys == [key]
+    assert pressed.text == ""
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.05])
+def test_a_digit_directly_behind_an_escape_leaves_and_is_no_text_either(gap: float) -> None:
+    pressed = typed("\x1b", "8", gap=gap)
+    assert pressed.keys == ["escape", "alt+8"]
     assert pressed.text == ""
 
 

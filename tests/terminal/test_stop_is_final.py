@@ -38,7 +38,7 @@ def until_said(*texts: str) -> None:
 def stopped_archo(terminals: list[Terminal]) -> Terminal:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("\x18")
     terminal.until("R releases")
     return terminal
@@ -137,7 +137,7 @@ def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) ->
 def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("\x18\x11")
     assert terminal.exit_code() == 0
     assert "STOP: confirmed" in said()
@@ -147,7 +147,7 @@ def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
 def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.until("discharging")  # what c inverts was heard
     terminal.write("c\x11")
     assert terminal.exit_code() == 0
@@ -167,7 +167,7 @@ def hold(terminal: Terminal, key: str, seconds: float) -> None:
 def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.leave_field()
     terminal.write("4/max_s")
     terminal.until("max_s")
@@ -182,7 +182,7 @@ def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> Non
 def test_enter_held_in_shelf_sends_one_goal(terminals: list[Terminal]) -> None:
     terminal = Terminal(*SLOW)
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("g12")
     hold(terminal, "\r", 3.0)
     until_said("go to shelf 12: accepted")

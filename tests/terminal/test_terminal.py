@@ -70,7 +70,7 @@ def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) 
     terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup", controlling=not no_signal)
     terminals.append(terminal)
     terminal.until("No goal yet")
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("g12\r")
     terminal.until("m left of")
     if end == "SIGTERM":
@@ -86,7 +86,7 @@ def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) 
 def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     for _ in range(3):
         terminal.kill(signal.SIGCONT)
     terminal.write("g7\r")
@@ -102,7 +102,7 @@ def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
 def test_it_is_suspended_and_comes_back_with_everything_drawn(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("\x1a")
     terminal.until(lambda: terminal.settings() == terminal.before)
     terminal.until("\x1b[?1049l")
@@ -110,7 +110,7 @@ def test_it_is_suspended_and_comes_back_with_everything_drawn(terminals: list[Te
     terminal.until(lambda: "State:\tT" in status.read_text())
     terminal.output = b""
     terminal.kill(signal.SIGCONT)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.until("1 Battery")
     terminal.write("q")
     assert terminal.exit_code() == 0
@@ -124,7 +124,7 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
     words = [word for text in (*exact, "publish_period:=0.05") for word in ("-p", text)]
     terminal = Terminal("--ros-args", *words, "-p", "low_battery_threshold:=0.0")
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.leave_field()
     terminal.write("6el")  # the events on the full screen, with every reading
     terminal.until("Dashboard sees")
@@ -178,7 +178,7 @@ def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
 ) -> None:
     terminal = Terminal("--ros-args", "-p", "publish_period:=0.02")
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.leave_field()
     terminal.write("6el")
     for _ in range(30):
@@ -204,7 +204,7 @@ MainScreen.show = failing
 def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Terminal]) -> None:
     terminal = Terminal(*SLOW, code=FAIL_ONCE)
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("g12\r")
     terminal.until("The screen crashed and was restarted; the nodes kept running.")
     terminal.until("in failing")
@@ -235,7 +235,7 @@ def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
     far = "-p", "route_length:=1000.0"  # It drives until it is cancelled.
     terminal = Terminal(*SLOW, *far, code=FAILS_WHEN_OPENED)
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("g12\r")
     terminal.until("m left of")
     for _ in range(4):
@@ -270,7 +270,7 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
 ) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("r")
     terminal.until("reset encoder: zero")
     wait_until(lambda: journal_file().exists() and journal_file().stat().st_size > 0)
@@ -282,7 +282,7 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
 def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("r")
     terminal.until("reset encoder: zero")
     terminal.leave_field()
@@ -323,7 +323,7 @@ def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(
 def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) -> None:
     terminal = Terminal(size=(380, 100))
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("?")
     terminal.until("Show all keys")
     terminal.write("\x1bOP")  # f1 closes it: no escape alone is needed
@@ -368,7 +368,7 @@ def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(
 def test_ctrl_c_behind_ctrl_q_changes_nothing(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("\x11")
     time.sleep(0.05)
     with contextlib.suppress(ProcessLookupError):
@@ -384,7 +384,7 @@ def test_a_paste_whose_marks_come_in_two_pieces_is_text(
 ) -> None:
     terminal = Terminal()
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.leave_field()
     terminal.write("/")
     terminal.until("ype to search")
@@ -407,7 +407,7 @@ def test_a_paste_whose_marks_come_in_two_pieces_is_text(
 def test_a_paste_whose_end_is_lost_does_not_swallow_stop(terminals: list[Terminal]) -> None:
     terminal = Terminal(term="xterm-of-next-year")  # a new name is let in
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("\x1b[200~12")
     time.sleep(2.5)
     terminal.write("\x18")
@@ -437,7 +437,7 @@ def test_so_is_one_without_a_name(term: str, said: str, monkeypatch: pytest.Monk
 def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Terminal]) -> None:
     terminal = Terminal(*SLOW, code=FAILS_IN_A_MOVE)
     terminals.append(terminal)
-    terminal.until("wheel_radius")
+    terminal.until("max_speed")
     terminal.write("g12\r")
     assert terminal.exit_code() == 1
     said = [entry.get("text", "") for entry in journaled()]

@@ -21,7 +21,7 @@ RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: confirmed"
 @pytest.fixture
 def terminal() -> Iterator[Terminal]:
     made = Terminal()
-    made.until("wheel_radius")
+    made.until("max_speed")
     yield made
     made.close()
 
@@ -58,12 +58,23 @@ def test_escape_acts_at_once_and_the_next_key_is_a_key(terminal: Terminal) -> No
         terminal.output = b""
         began = time.monotonic()
         terminal.write("\x1b")
-        terminal.until("wheel_radius")  # what was behind the help
+        terminal.until("max_speed")  # what was behind the help
         times.append(time.monotonic() - began)
     terminal.write("r")
     wait_until(lambda: RESET in commands())
     assert min(times) < 0.4  # 0.15, and what it takes to draw
     assert ordered_at_the_end(terminal) == [RESET]
+
+
+@pytest.mark.parametrize("before", ["", "?", "\x10", "12"])  # in the field, help, the palette
+def test_escape_and_a_digit_at_once_lead_to_a_panel(before: str, terminal: Terminal) -> None:
+    terminal.write(before)
+    pass_by(terminal, 0.3)
+    terminal.write("\x1b8")  # as tmux sends both; it might be alt+8
+    terminal.until("MoveToShelf")  # Graph, over the whole screen
+    terminal.write("\x1b6\x1b\x18")
+    wait_until(lambda: STOP in commands())
+    assert ordered_at_the_end(terminal) == [STOP]
 
 
 def test_answers_of_the_terminal_give_no_command(terminal: Terminal) -> None:

@@ -15,12 +15,13 @@ from rclpy.node import Node
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import DEADLINE, wait_until
+from tests.user_code.support import states, texts, written
 
 pytestmark = pytest.mark.real_time
 
@@ -79,12 +80,6 @@ class Motor(Node):
 """
 
 
-def written(name: str, text: str) -> Path:
-    file = Path(name)
-    file.write_text(text)
-    return file
-
-
 @contextmanager
 def hosting(*files: Path, **options: Any) -> Iterator[Session]:
     """A session whose nodes are waited for as long as a constructor without a wait may take."""
@@ -105,16 +100,8 @@ def _impatient(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("archo_tui.user_code.program.START_TIME", 0.3)
 
 
-def state(session: Session, name: str) -> Hosted:
-    return next(hosted for hosted in session.host.states() if hosted.name == name)
-
-
-def texts(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
-
-
 def is_up(session: Session, name: str) -> Callable[[], bool]:
-    return lambda: state(session, name).life is Life.UP
+    return lambda: states(session)[name].life is Life.UP
 
 
 def test_a_constructor_is_answered_by_a_node_of_a_later_file(
@@ -147,14 +134,14 @@ def test_a_constructor_that_waits_for_others_holds_up_nobody(
 def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
     with hosting(written("asker.py", ASKER)) as session:
         line = "line 11, in: while not client.wait_for_service("
-        wait_until(lambda: state(session, "/asker").error.startswith(line))
-        assert state(session, "/asker").life is Life.STARTING
+        wait_until(lambda: states(session)["/asker"].error.startswith(line))
+        assert states(session)["/asker"].life is Life.STARTING
         assert session.host.start_node("/asker") == (Code.REFUSED, "/asker is starting")
         assert session.host.stop_node("/asker") == (Code.DONE, "/asker stopped")
-        assert state(session, "/asker").life is Life.STOPPED
+        assert states(session)["/asker"].life is Life.STOPPED
         wait_until(lambda: "/asker" not in [n.name for n in session.robot.snapshot.nodes])
         assert session.host.start_node("/asker").ok
-        wait_until(lambda: state(session, "/asker").life is Life.STARTING)
+        wait_until(lambda: states(session)["/asker"].life is Life.STARTING)
 
 
 @INSIDE
@@ -186,7 +173,7 @@ def test_what_one_serves_that_spins_in_its_constructor_is_known_and_goes_with_it
 ) -> None:
     with hosting(written("lamp.py", SPINS_ITSELF), written("asker.py", ASKER)) as session:
         wait_until(lambda: "answer: on" in texts(session))  # by the lamp
-        wait_until(lambda: state(session, "/lamp").serves == ("/blink",))
+        wait_until(lambda: states(session)["/lamp"].serves == ("/blink",))
         gone: list[str] = []
         monkeypatch.setattr(session.host, "_on_end", gone.extend)
         assert session.host.stop_node("/lamp").ok
@@ -198,8 +185,8 @@ def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
     with hosting(written("motor.py", fails)) as session:
         wait_until(lambda: "/motor" in session.host.names())
         Path("go").touch()
-        wait_until(lambda: state(session, "/motor").life is Life.CRASHED)
-        assert state(session, "/motor").error == (
+        wait_until(lambda: states(session)["/motor"].life is Life.CRASHED)
+        assert states(session)["/motor"].error == (
             "line 17: ZeroDivisionError: division by zero, in: 1 / 0"
         )
         wait_until(lambda: any("crashed: line 17: " in text for text in texts(session)))

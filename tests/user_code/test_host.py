@@ -14,8 +14,9 @@ from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Options
 from archo_tui.user_code import interrupt
-from tests.support import chosen, clock
+from tests.support import chosen
 from tests.support.waiting import wait_until
+from tests.user_code.support import running
 
 
 class Bad(Node):
@@ -42,8 +43,7 @@ class Good(Node):
 
 
 def test_a_crash_is_an_event_and_the_others_go_on() -> None:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad, Good))
-    with Session(options, clock.current) as session:
+    with running(node_makers=(Bad, Good), only=False) as session:
         wait_until(
             lambda: (
                 [
@@ -63,23 +63,20 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
 
 
 def test_the_crashed_node_has_left_the_graph() -> None:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad,))
-    with Session(options, clock.current) as session:
+    with running(node_makers=(Bad,), only=False) as session:
         wait_until(lambda: session.host.states()[0].error)
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == [])
 
 
 def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
-    with Session(options, clock.current) as session, pytest.MonkeyPatch.context() as patch:
+    with running(node_makers=(Good,), only=False) as session, pytest.MonkeyPatch.context() as patch:
         patch.setattr(session.host.nodes[0], "stop", lambda: False)
         outcome = session.host.stop_node("/good")
         assert outcome == (Code.TIMEOUT, "/good does not stop: its code does not return")
 
 
 def test_a_restarted_copy_keeps_its_own_name() -> None:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
-    with Session(options, clock.current) as session:
+    with running(node_makers=(Good,), only=False) as session:
         assert session.host.copy_node("/good").ok
         assert session.host.stop_node("/good_2").ok
         assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
@@ -88,8 +85,7 @@ def test_a_restarted_copy_keeps_its_own_name() -> None:
 
 
 def test_a_node_that_runs_is_not_started_again() -> None:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
-    with Session(options, clock.current) as session:
+    with running(node_makers=(Good,), only=False) as session:
         (good,) = session.host.nodes
         assert session.host.start_node("/good") == (Code.REFUSED, "/good is running")
         assert session.host.nodes == [good]

@@ -6,7 +6,7 @@ import asyncio
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,14 @@ import pytest
 
 from archo_tui.cli import main
 from archo_tui.errors import ArchoError
-from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
 from archo_tui.session_options import Launch, Options, check_options
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.launch_file import LaunchFile
 from tests.support import chosen
 from tests.support.waiting import wait_until
+from tests.user_code.support import running, states, texts
 
 pytestmark = [
     pytest.mark.real_time,
@@ -130,19 +131,8 @@ def launch_file(actions: str) -> Path:
     return file
 
 
-@contextmanager
-def launched(file: Path, **options: Any) -> Iterator[Session]:
-    given = Options(domain_id=chosen.next_domain(), launch=Launch(file, {}), only=True)
-    with Session(given._replace(**options)) as session:
-        yield session
-
-
-def states(session: Session) -> dict[str, Hosted]:
-    return {hosted.name: hosted for hosted in session.host.states()}
-
-
-def texts(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
+def launched(file: Path, **options: Any) -> AbstractContextManager[Session]:
+    return running(**{"launch": Launch(file, {}), **options})
 
 
 def test_a_launch_file_runs_its_programs_each_as_it_says(
@@ -379,6 +369,7 @@ def test_the_arguments_of_a_launch_file_are_printed(
     ]
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("words", "error"),
     [

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.robot.state.snapshot import Life
 from archo_tui.session import Session
-from archo_tui.session_options import Options
-from tests.support import chosen
+from tests.support import chosen, warm
+from tests.support.night import corners
 from tests.support.waiting import wait_until
+from tests.user_code.support import running, states, texts
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -39,21 +36,6 @@ class Other(Node):
 
 
 """
-
-
-@contextmanager
-def running(*files: Path, **options: Any) -> Iterator[Session]:
-    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, only=True)
-    with Session(given._replace(**options)) as session:
-        yield session
-
-
-def states(session: Session) -> dict[str, Hosted]:
-    return {hosted.name: hosted for hosted in session.host.states()}
-
-
-def texts(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
 
 
 def up(session: Session) -> list[str]:
@@ -144,7 +126,9 @@ rclpy.spin(Talker("talker"))
 }
 
 
-@pytest.mark.parametrize("made", MADE)
+@pytest.mark.parametrize(
+    "made", corners(["an App", "asyncio", "a script"], [name for name in MADE if " " in name])
+)
 def test_what_is_made_by(made: str, here: Path) -> None:
     file = here / "program.py"
     file.write_text(HEAD + MADE[made])
@@ -186,7 +170,7 @@ def test_a_program_has_the_arguments_behind_the_dashes_and_no_other(here: Path) 
     words = ["--only", "--node", "first.py", "--run", "program.py", "--plain", "--no-remote"]
     words += ["--engine", chosen.ENGINE, "--", "--speed", "3"]
     done = subprocess.run(
-        [sys.executable, "-m", "archo_tui", *words],
+        warm.python("-m", "archo_tui", *words),
         input="",
         capture_output=True,
         text=True,
@@ -235,7 +219,7 @@ class Second(Node):
 """
 
 
-@pytest.mark.parametrize("which", ["first", "second"])
+@pytest.mark.parametrize("which", corners(["second"], ["first"]))
 def test_a_class_of_a_file_that_raises_is_a_crash_with_its_line(here: Path, which: str) -> None:
     other = {"first": "second", "second": "first"}[which]
     text = TWO_CLASSES.replace(f"{{{which}}}", 'raise ValueError("a wheel came off")')

@@ -12,12 +12,11 @@ import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
 from archo_tui.robot.state.snapshot import Life
 from archo_tui.safe_text import HIDDEN
-from archo_tui.session import Session
-from archo_tui.session_options import Options
 from archo_tui.user_code.file import ProgramFile
-from tests.support import chosen, clock
+from tests.support import chosen
 from tests.support.console import console
 from tests.support.waiting import wait_until
+from tests.user_code.support import running, written
 
 LISTINGS = Path(textbook.__file__).parent
 GREETER = """
@@ -38,19 +37,8 @@ if __name__ == "__main__":
 """
 
 
-def written(folder: Path, text: str) -> Path:
-    file = folder / "my_node.py"
-    file.write_text(text)
-    return file
-
-
-def session(*files: Path) -> Session:
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files)
-    return Session(options, clock.current)
-
-
 async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
-    async with console(node_files=[written(here, GREETER)]) as op:
+    async with console(node_files=[written("my_node.py", GREETER)]) as op:
         await op.until("hello from my own node")
         await op.until("● greeter")
         await op.until("warnings + your commands and nodes")
@@ -82,14 +70,15 @@ async def test_a_textbooks_motor_shows_its_way_and_says_what_it_lacks_in_words()
 
 
 async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
-    async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
+    async with console(node_files=[written("my_node.py", GREETER)], only=True, wait=False) as op:
         await op.until("hello from my own node")
         assert op.session.host.names() == ["/greeter"]
         await op.until("move_to_shelf is not offered by any node")
 
 
+@pytest.mark.night
 async def test_it_is_stopped_started_and_copied(here: Path) -> None:
-    async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
+    async with console(node_files=[written("my_node.py", GREETER)], only=True, wait=False) as op:
         await op.until("● greeter")
         await op.until(lambda: op.session.host.names() == ["/greeter"])
         await op.press("5", "s")
@@ -122,15 +111,15 @@ async def test_it_is_stopped_started_and_copied(here: Path) -> None:
     ],
 )
 def test_a_file_that_does_not_run_is_one_line(text: str, line: str, said: str, here: Path) -> None:
-    file = written(here, text)
+    file = written("my_node.py", text)
     if "SyntaxError" in line:
-        with pytest.raises(ArchoError) as caught:
-            session(file)
+        with pytest.raises(ArchoError) as caught, running(file, only=False):
+            pass
         assert str(caught.value).startswith(f"{file}:2: SyntaxError: invalid syntax")
         assert "\n" not in str(caught.value)
         return
-    with session(file) as running:
-        (program,) = running.host.programs
+    with running(file, only=False) as session:
+        (program,) = session.host.programs
         wait_until(lambda: program.state.life is Life.CRASHED)
         state = program.state
         assert state.error.startswith(line)
@@ -144,7 +133,7 @@ PRINTS = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x
 async def test_what_a_file_prints_when_it_is_imported_is_an_event(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    async with console(node_files=[written(here, PRINTS)]) as op:
+    async with console(node_files=[written("my_node.py", PRINTS)]) as op:
 
         def printed() -> list[str]:
             events = op.app.view.snapshot.events
@@ -157,13 +146,13 @@ async def test_what_a_file_prints_when_it_is_imported_is_an_event(
 
 def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(tmp_path: Path) -> None:
     taken = GREETER.replace("import rclpy\n", "import sys\nsys.stdout = None\nimport rclpy\n", 1)
-    with session(written(tmp_path, taken)):
+    with running(written(tmp_path / "my_node.py", taken), only=False):
         assert sys.stdout is not None
 
 
 @pytest.mark.posix
 def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
-    file = ProgramFile(str(written(tmp_path, GREETER)))
+    file = ProgramFile(str(written(tmp_path / "my_node.py", GREETER)))
     file.path.unlink()
     os.mkfifo(file.path)
     with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
@@ -171,5 +160,6 @@ def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(ArchoError, match=r"nowhere\.py: no such file"):
-        session(tmp_path / "nowhere.py")
+    missing = pytest.raises(ArchoError, match=r"nowhere\.py: no such file")
+    with missing, running(tmp_path / "nowhere.py"):
+        pass

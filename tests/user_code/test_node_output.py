@@ -5,7 +5,11 @@ from __future__ import annotations
 import io
 import threading
 
+import pytest
+
 from archo_tui.user_code.output import HarmlessOutput, NodeOutput
+
+pytestmark = pytest.mark.pure
 
 
 def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:

@@ -12,8 +12,6 @@ import sys
 import threading
 import time
 import weakref
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,16 +25,17 @@ from archo_tui.errors import ArchoError
 from archo_tui.handover import Handover
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.requests.stop import HELD_BY_NOBODY
-from archo_tui.robot.state.snapshot import Hosted, Latch, Life
+from archo_tui.robot.state.snapshot import Latch, Life
 from archo_tui.session import Session
-from archo_tui.session_options import Options
 from archo_tui.station.undo import Edit
 from archo_tui.user_code import program as hosted_program
 from archo_tui.user_code.hosted import HostedThread
 from archo_tui.user_code.output import NodeOutput
 from tests.support import chosen
+from tests.support.night import corners
 from tests.support.shells import reached
 from tests.support.waiting import DEADLINE, wait_until
+from tests.user_code.support import running, states, texts, written
 
 pytestmark = [pytest.mark.real_time, pytest.mark.posix]
 
@@ -81,23 +80,9 @@ def talker(word: str = "made") -> Path:
     return written("talker.py", TALKER.replace("{word}", word))
 
 
-def written(name: str, text: str) -> Path:
-    file = Path(name)
-    file.write_text(text)
-    return file
-
-
 def said() -> list[str]:
     file = Path("said.txt")
     return file.read_text().split() if file.exists() else []
-
-
-@contextmanager
-def running(*files: Path, only: bool = True, **options: Any) -> Iterator[Session]:
-    """A session that runs programs."""
-    given = Options(chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files, only=only)
-    with Session(given._replace(**options)) as session:
-        yield session
 
 
 @pytest.fixture(autouse=True)
@@ -106,20 +91,12 @@ def _here(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
-def states(session: Session) -> dict[str, Hosted]:
-    return {hosted.name: hosted for hosted in session.host.states()}
-
-
 def lives(session: Session) -> list[tuple[str, Life]]:
     return [(hosted.name, hosted.life) for hosted in session.host.states()]
 
 
 def life(session: Session, name: str = "/talker") -> Life:
     return states(session)[name].life
-
-
-def texts(session: Session) -> list[str]:
-    return [event.text for event in session.robot.snapshot.events]
 
 
 def test_main_runs_until_it_is_halted_as_by_ctrl_c_and_again() -> None:
@@ -167,12 +144,16 @@ def test_a_program_that_shuts_down_ends_alone_and_saving_does_not_run_it_again()
 
 @pytest.mark.parametrize(
     ("what", "then", "error"),
-    [
-        ("sys.exit(3)", "", "exit code 3"),
-        ("sys.exit('no map')", "", "no map"),
-        ("1 / 0", "", "line 7: ZeroDivisionError: division by zero, in: node.create_timer"),
-        ("rclpy.shutdown()", "[][1]", "line 9: IndexError: list index out of range, in: [][1]"),
-    ],
+    corners(
+        [
+            ("sys.exit(3)", "", "exit code 3"),
+            ("1 / 0", "", "line 7: ZeroDivisionError: division by zero, in: node.create_timer"),
+        ],
+        [
+            ("sys.exit('no map')", "", "no map"),
+            ("rclpy.shutdown()", "[][1]", "line 9: IndexError: list index out of range, in: "),
+        ],
+    ),
 )
 def test_a_program_that_fails_says_where_and_saving_runs_it(
     what: str, then: str, error: str
@@ -191,11 +172,13 @@ def test_a_program_that_fails_says_where_and_saving_runs_it(
 
 @pytest.mark.parametrize(
     ("text", "error"),
-    [
-        ("import sys; sys.exit(3)", "exit code 3"),
-        ("1 / 0", "line 2: ZeroDivisionError: division by zero, in: 1 / 0"),
-        ("input()", "line 2: EOFError: EOF when reading a line, in: input()"),
-    ],
+    corners(
+        [("input()", "line 2: EOFError: EOF when reading a line, in: input()")],
+        [
+            ("import sys; sys.exit(3)", "exit code 3"),
+            ("1 / 0", "line 2: ZeroDivisionError: division by zero, in: 1 / 0"),
+        ],
+    ),
 )
 def test_a_program_that_ends_before_its_first_node_ends_alone(
     text: str, error: str, monkeypatch: pytest.MonkeyPatch
@@ -625,12 +608,14 @@ LISTINGS = Path(textbook.__file__).parent
 
 @pytest.mark.parametrize(
     ("listing", "node"),
-    [
-        ("battery_publisher", "/battery_monitor"),
-        ("battery_subscriber", "/dashboard"),
-        ("motor_parameters", "/motor_controller"),
-        ("move_action_server", "/motor_controller"),
-    ],
+    corners(
+        [("move_action_server", "/motor_controller")],
+        [
+            ("battery_publisher", "/battery_monitor"),
+            ("battery_subscriber", "/dashboard"),
+            ("motor_parameters", "/motor_controller"),
+        ],
+    ),
 )
 def test_the_listings_of_the_textbook_run_as_printed(listing: str, node: str) -> None:
     with running(LISTINGS / f"{listing}.py") as session:
@@ -834,6 +819,7 @@ def test_a_program_that_does_not_end_is_ended_by_force(monkeypatch: pytest.Monke
         wait_until(lambda: not program._thread.is_alive())
 
 
+@pytest.mark.night
 def test_many_programs_that_do_not_end_take_no_longer_than_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

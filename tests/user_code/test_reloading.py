@@ -234,7 +234,7 @@ async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
     )
     with Session(options, clock.current) as session:
         async with typing(session.station) as person:
-            await until(lambda: any(p.name == "gain" for p in session.robot.snapshot.parameters))
+            await until(lambda: "gain" in parameter_names(session))
             for typed, value in (("set talker gain 2.5", 2.5), ("undo", 1.0)):
                 person.type(f"{typed}\n")
                 await person.until(f"gain is {value}, was ")
@@ -258,6 +258,7 @@ async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=[file])
     with Session(options, clock.current) as session:
         async with typing(session.station) as person:
+            await until(lambda: {"gain", "max_speed"} <= parameter_names(session))
             person.type("set talker gain 2.5\nset motor_controller max_speed 0.3\n")
             await person.until("max_speed is 0.3")
             await pass_seconds(9.0)
@@ -266,10 +267,15 @@ async def test_no_other_client_is_blamed_for_a_parameter_that_is_set_again(
             person.type("halt motor_controller\nstart motor_controller\n")
             await person.until("set motor_controller max_speed 0.3 again: it was restarted\n")
             await pass_seconds(6.0)
+            await until(lambda: not session.robot.snapshot.unreported)
             person.type("get talker gain\nget motor_controller max_speed\n")
             await person.until("motor_controller max_speed is 0.3")
             assert "\ntalker gain is 2.5, " in person.said
             assert "another client" not in person.said
+
+
+def parameter_names(session: Session) -> set[str]:
+    return {parameter.name for parameter in session.robot.snapshot.parameters}
 
 
 async def pass_seconds(seconds: float) -> None:

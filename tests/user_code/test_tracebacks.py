@@ -11,6 +11,8 @@ import pytest
 import archo_tui
 from archo_tui.user_code.errors import OwnCode, traceback_without
 
+pytestmark = pytest.mark.pure
+
 
 def report(text: str) -> str:
     """What is said of an error in the json package, which stands in for the engine."""

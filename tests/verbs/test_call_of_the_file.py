@@ -35,6 +35,7 @@ def chosen(line: str, namespace: str = "/", file: Any = ARCHO, **graph: Any) -> 
     return " ".join((verb.id, *rest))
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("line", "verb"),
     [
@@ -71,6 +72,7 @@ def test_it_is_the_verb_that_the_file_names(line: str, verb: str) -> None:
     assert chosen(line) == verb
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("name", "verb"),
     [
@@ -85,6 +87,7 @@ def test_a_name_means_this_robot_unless_it_says_another(name: str, verb: str) ->
     assert chosen(f"call {name}", "/north", services=services) == verb
 
 
+@pytest.mark.pure
 def test_two_commands_on_one_service_are_asked_which() -> None:
     twin = CommandService(id="zero", title="Zero", service="/reset_encoder")
     file = replace(ARCHO, commands=(*ARCHO.commands, twin))
@@ -96,6 +99,7 @@ LATCH = StopServices("emergency_stop")
 E_STOP = StopServices("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False})
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("line", "verb"),
     [
@@ -119,6 +123,7 @@ def test_the_request_says_whether_one_service_stops_or_releases(line: str, verb:
     assert chosen(line, file=file) == verb
 
 
+@pytest.mark.pure
 def test_a_request_that_only_stops_is_never_sent_otherwise() -> None:
     file = replace(ARCHO, stop=StopServices("e_stop", {"data": True}))
     assert chosen("call e_stop data=true", file=file) == "stop"
@@ -166,11 +171,13 @@ def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
     }
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("words", CALLS_OF_STOP, ids=" ".join)
 def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(words: list[str]) -> None:
     assert read_as_stop(words) == {True}
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize(
     ("words", "is_stop"),
     [
@@ -187,11 +194,13 @@ def test_a_call_with_the_stops_request_is_a_stop_as_it_is_read(words: str, is_st
     assert read_as_stop(words.split(), E_STOP) == {is_stop}
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("words", CALLS_OF_OTHERS, ids=" ".join)
 def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
     assert read_as_stop(words) == {False}
 
 
+@pytest.mark.pure
 @pytest.mark.parametrize("service", ["emergency_stop", "/emergency_stop", "halt/now"])
 @pytest.mark.parametrize("namespace", ["/", "/north"])
 def test_every_name_that_means_the_stop_is_known_as_it_is_read(

@@ -38,6 +38,8 @@ def offered(*words: str, snapshot: Snapshot = KNOWN) -> list[str]:
         (("get", "motor_controller", "max"), ["max_speed"]),
         (("get", "motor_controller", "max_speed", ""), []),
         (("get", "nobody", ""), []),
+        (("set", "max"), ["max_speed"]),
+        (("set", "quiet", ""), ["false", "true"]),
         (("set", "dashboard", "quiet", ""), ["false", "true"]),
         (("echo", "bat"), ["battery_drain", "battery_level"]),
         (("hz", "/mot"), ["/motor_status"]),

@@ -17,6 +17,7 @@ from archo_tui.verbs.topics import Echo, FollowedMessage
 from archo_tui.verbs.verb import prepare_when_found
 from tests.support.plain import operated
 from tests.support.quiet import until, while_passes
+from tests.support.ros import begin
 from tests.support.shells import heard, raw, served, typed
 from tests.support.shells import until as until_beside
 
@@ -102,9 +103,7 @@ async def test_that_the_publisher_has_gone_is_said_once() -> None:
     async with operated(Talker, at_terminal=True) as person:
         person.type("echo fast --follow\n")
         await person.until("data: ")
-        executor = TALKERS[0].executor
-        assert executor is not None
-        executor.create_task(TALKERS[0].leave_fast)
+        begin(TALKERS[0], TALKERS[0].leave_fast)
         await person.until("no message on /fast in 5 s: it has no publisher")
         await while_passes(12.0)
         assert person.said.count("no publisher") == 1

@@ -14,6 +14,7 @@ from rclpy.node import Node
 from tests.support.console import LONG, console
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
+from tests.support.robot import making
 
 QUESTION = "The battery is low, 4.0 %{}. {} all the same? (add --yes to do it)\n"
 
@@ -31,11 +32,7 @@ class Battery(Node):
 @asynccontextmanager
 async def at_four_percent(*, charges: bool = False) -> AsyncIterator[tuple[Typed, Battery]]:
     made: list[Battery] = []
-
-    def battery(**options: Any) -> Battery:
-        made.append(Battery(charges=charges, **options))
-        return made[-1]
-
+    battery = making(made, Battery, charges=charges)
     async with operated(MotorController, battery, ros_args=LONG) as person:
         robot = person._plain._station.robot
         await until(lambda: robot.snapshot.battery.percentage is not None)

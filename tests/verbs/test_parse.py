@@ -40,22 +40,24 @@ POSE = Go(
 
 def values(verb: str, *words: str) -> tuple[Any, bool]:
     """What the words mean, and whether they answer."""
-    return parse(VERBS[verb], stub_station(StubRobot(NORMAL)), words)
+    return parse(VERBS[verb], words)
 
 
 def test_behind_two_dashes_nothing_is_an_option() -> None:
     node = {"node": "camera", "name": "label"}
     assert values("set", "camera", "label", "--", "--flag") == ({**node, "value": "--flag"}, False)
     assert values("set", "camera", "label", "--", "--") == ({**node, "value": "--"}, False)
+    named = {"node": "", "name": "label"}
+    assert values("set", "label", "--", "--flag") == ({**named, "value": "--flag"}, False)
     assert values("load", "--yes", "--", "--yes") == ({"file": "--yes"}, True)
 
 
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("set motor_controller", "needs NODE NAME VALUE"),
-        ("get motor_controller", "needs NODE NAME"),
-        ("get motor_controller max_speed 1", "takes only NODE NAME"),
+        ("set max_speed", "needs [NODE] NAME VALUE"),
+        ("get", "needs [NODE] NAME"),
+        ("get motor_controller max_speed 1", "takes only [NODE] NAME"),
         ("save", "needs FILE"),
         ("load --yes", "needs FILE"),
         ("save a b", "takes only FILE"),
@@ -158,7 +160,7 @@ async def test_a_shelf_beyond_what_the_robot_holds_now_is_misuse(verb: str) -> N
     words = ["/move_to_shelf"] if verb == "send_goal" else []
 
     async def prepared(shelf: str) -> None:
-        given, _ = parse(VERBS[verb], station, [*words, f"shelf={shelf}"])
+        given, _ = parse(VERBS[verb], [*words, f"shelf={shelf}"])
         await VERBS[verb].prepare(station, given)
 
     await prepared("40")
@@ -217,8 +219,7 @@ class VirtualSleep(StandingClock):
 
 
 def test_the_schema_of_texts_and_flags_says_which_are_needed() -> None:
-    node, name, value = schema(VERBS["set"], NORMAL)["required"]
-    assert (node, name, value) == ("node", "name", "value")
+    assert schema(VERBS["set"], NORMAL)["required"] == ["name", "value"]
     assert schema(VERBS["shelve"], NORMAL)["required"] == ["alarm"]
     assert schema(VERBS["cancel"], NORMAL)["properties"] == {"all": {"type": "boolean"}}
     assert schema(VERBS["cancel"], NORMAL)["required"] == []

@@ -19,6 +19,7 @@ from archo_tui.verbs import verbs
 from tests.support import clock
 from tests.support.archo import ARCHO, FORMS
 from tests.support.clock import NOW
+from tests.support.night import corners
 from tests.support.plain import typing
 from tests.support.states import NORMAL, STATES, goal
 from tests.support.stub import StubRobot, stub_app, stub_station
@@ -41,6 +42,7 @@ WORDS = {
     "start": "motor_controller", "halt": "motor_controller", "copy": "motor_controller",
     "save": "/dev/null/x", "load": "/dev/null/x", "shelve": "stopped", "ack": "",
     "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
+    "pub": "/battery_level",
     "log_level": "motor_controller debug",
     "lifecycle": "motor_controller activate",
     "echo": "/battery_level", "hz": "/battery_level",
@@ -123,8 +125,13 @@ async def by_line(snapshot: Snapshot, watching: bool, verb: str) -> str:
     return failed[0].partition(f" failed: {verb}: ")[2] if failed else ""
 
 
-@pytest.mark.parametrize("watching", [False, True])
-@pytest.mark.parametrize("situation", SITUATIONS)
+@pytest.mark.parametrize(
+    ("situation", "watching"),
+    corners(
+        [*((situation, False) for situation in SITUATIONS), ("moving", True)],
+        [(situation, True) for situation in SITUATIONS],
+    ),
+)
 async def test_a_key_and_a_line_are_refused_and_asked_alike(situation: str, watching: bool) -> None:
     snapshot = SITUATIONS[situation]
     keys = await by_key(snapshot, watching)

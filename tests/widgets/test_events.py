@@ -175,7 +175,7 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
         await op.until("fake_battery_drain")
         await op.until("x" * 30)  # a value is never cut
         await op.until(lambda: re.search(r"a_param\w*…\w*long_name", op.text))
-        await op.until(lambda: op.text.count(" double ") > 3)
+        await op.until(lambda: op.text.count(" double ") == 3)
         types = [line.index(" double ") for line in op.text.splitlines() if " double " in line]
         assert len(set(types)) == 1
         ages = {re.search(r"\d\.\d s", line[:54]).start() for line in nodes_of(op.text)}  # type: ignore[union-attr]

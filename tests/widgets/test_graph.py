@@ -217,14 +217,21 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
             main = app.main
             assert main.nodes.region.height == 7  # three nodes, at least five rows
             upper = main.goal.region.height + main.parameters.region.height
-            assert upper == (17 if height <= 40 else main.goal.region.height + 8)
-            if height > 40:  # The history has a row of its own, and events at most a third.
-                assert main.history.region.width == main.events.region.width
+            assert upper == (17 if height <= 40 else main.goal.region.height + 7)
+            assert main.graph.region.bottom == main.history.region.bottom or height <= 40
+            if height > 40:  # The history has a row of its own, and events at most a quarter.
                 assert main.history.region.height >= 17
-                assert 8 <= main.events.region.height <= height // 3
+                assert 8 <= main.events.region.height <= height // 4
+                assert main.events.region.width == width
             assert main.events.region.width >= 60
-            assert main.events.region.bottom == main.graph.region.bottom == height - 1
-            assert main.events.region.width == width - main.graph.region.width
+            assert main.events.region.bottom == height - 1
+        for size, rows in (((80, 24), 5), ((80, 30), 9), ((120, 36), 15)):
+            await pilot.resize_terminal(*size)
+            await quiet.settle()
+            assert main.events.region.height == rows  # three and more, with the border
+            assert main.parameters.region.height >= 5  # both that are shown
+        await pilot.resize_terminal(300, 80)
+        await quiet.settle()
         nodes = tuple(NORMAL.nodes[0]._replace(name=f"/node_{n}") for n in range(40))
         many = tuple(NORMAL.parameters[0]._replace(name=f"gain_{n}") for n in range(20))
         robot: StubRobot = app.station.robot  # type: ignore[assignment]

@@ -211,7 +211,7 @@ async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -
         op.send("5", "home", "down", "s")  # as over a slow link
         await op.until("○ dashboard")
         op.send("4", "home", "down", "enter")
-        await op.until(f" battery_monitor {op.parameters[1]} ")
+        await op.until(" motor_controller max_speed ")
 
 
 async def test_a_copy_of_a_node_without_stop_does_not_warn_of_stop() -> None:

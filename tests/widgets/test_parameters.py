@@ -25,8 +25,9 @@ from tests.support.night import corners
 async def edit(op: Console, name: str, typed: str) -> None:
     """Open the dialog of the first parameter of that name, and submit a value."""
     await op.press("4")
-    names = op.parameters
-    row = names.index(name)
+    if name not in op.parameters:
+        await op.press("full_stop")
+    row = op.parameters.index(name)
     op.send("home", *["down"] * row, "enter")
     await op.until(lambda: op.app.screen.query("#value") and f" {name} " in op.text)
     field = op.app.screen.query_one("#value", Input)
@@ -299,7 +300,7 @@ async def test_a_filter_finds_by_name_and_says_in_the_title_what_it_hides() -> N
         await op.until("4 Parameters   what differs from the start")
 
 
-async def test_parameters_are_saved_and_loaded_with_a_preview_and_what_is_wrong_changes_nothing(
+async def test_parameters_are_saved_and_loaded_with_a_preview(
     here: Path,
 ) -> None:
     file = here / "f.yaml"
@@ -481,8 +482,9 @@ async def test_where_the_table_scrolls_every_bound_keeps_its_last_digit(
 ) -> None:
     bounds = {"route_length": "0.1 .. 1000", "wheel_radius": "0.01 .. 0.5"}
     async with console(*FAST, size=size) as op:
+        await op.press("4", "full_stop")
         for name, allowed in bounds.items():
-            await op.press("4", "home")
+            await op.press("home")
             names = op.parameters
             op.send(*["down"] * names.index(name))
             await op.until(lambda name=name: name in op.text)  # type: ignore[misc]
@@ -504,11 +506,9 @@ def test_a_range_without_room_is_cut_by_an_ellipsis() -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "rows", "described"), [(20, 40, True), (20, 39, False), (2, 24, True), (2, 23, False)]
+    ("count", "rows", "described"), [(20, 40, True), (20, 39, False), (2, 4, True), (2, 3, False)]
 )
-def test_descriptions_are_lines_of_a_large_list_if_all_have_room(
-    count: int, rows: int, described: bool
-) -> None:
+def test_descriptions_are_lines_if_all_have_room(count: int, rows: int, described: bool) -> None:
     speed = Parameter("/motor", "speed", "double", 0.5, 0.5, "m/s along the route")
     columns = parameters_panel.parameter_columns([speed] * count, 80, rows)
     lines = parameters_panel.parameter_lines(speed, 80, columns)

@@ -18,8 +18,10 @@ from archo_tui.app import ArchoApp
 from archo_tui.screens import topic
 from archo_tui.screens.lists import AlarmList
 from archo_tui.widgets.rows import Rows
+from tests.support import clock
 from tests.support.console import Console, console, send
 from tests.support.quiet import Quiet
+from tests.support.robot import making
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_app
 
@@ -410,3 +412,35 @@ async def test_it_fits_every_size_and_leaves_the_state_in_sight(size: tuple[int,
         assert "STOP" in shown.text
         await shown.press("p")
         assert "percentage" in shown.text
+
+
+class Told(Node):
+    """It keeps the words that it hears."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("told", **options)
+        self.heard: list[str] = []
+        self.create_subscription(String, "words", lambda m: self.heard.append(m.data), 10)
+
+
+async def test_a_message_is_published_from_the_topic_and_shown_in_nodes_until_ctrl_c() -> None:
+    made: list[Told] = []
+    async with console(node_makers=[making(made, Told)], wait=False, size=(120, 36)) as op:
+        await open_topic(op, "/words")
+        await op.press("P")
+        await op.until("/words  std_msgs/msg/String")
+        await op.type("hello")
+        await op.press("enter", "end", "backspace", "backspace", "backspace", "2", "0")
+        await op.press("enter", "end", "backspace", "0", "enter")
+        await op.until("This may move the robot. Publish to /words")
+        assert made[0].heard == []
+        await op.at(clock.seconds() + 1.0)
+        await op.press("enter")
+        await op.until(lambda: len(made[0].heard) > 3)
+        assert set(made[0].heard) == {"hello"}
+        await op.press("escape", "escape", "5")
+        await op.until("▶ pub /words")
+        await op.until("at 20 Hz, cancel ends it")
+        await op.press("ctrl+c")
+        await op.until(lambda: not op.session.robot.publications.active)
+        await op.until("pub words: ended after")

@@ -80,7 +80,7 @@ class RecordedTopics:
 
 def guess_namespace(types: Mapping[str, str], robot: RobotFile) -> str:
     """Return the namespace in which the first recorded topic of the robot file is; or `/`."""
-    for topic in robot.topics:
+    for topic in robot.shown_topics:
         for name in types:
             if name.endswith(f"/{topic.lstrip('/')}"):
                 return name[: -len(topic.lstrip("/")) - 1] or "/"
@@ -140,7 +140,7 @@ class ReplayState:
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
         self._forms = {kind.id: _form_fields(kind) for kind in file.goals}
         actions = {kind.action: "not recorded" for kind in file.goals}
-        heard = {name for name in file.topics if full(name) in types}
+        heard = {name for name in file.shown_topics if full(name) in types}
         offered = frozenset(heard | {*actions, *file.services})
         known = Snapshot(namespace=namespace, offered=offered, faults=actions)
         self._initial = ConsoleState(known)

@@ -33,6 +33,8 @@ from archo_tui.robot_file.model import GoalKind
 
 HISTORY = 20  # Ended goals that are kept.
 _ENDED_IDS = 100  # Ids that are kept: more than goals end between two status messages.
+# Seconds: a server that sleeps while it executes, as the textbook's does, takes none for so long.
+CANCEL_WAIT = 4.0
 _REASON_WAIT = 0.3  # Seconds to wait for the log line with the reason, after a refusal.
 
 _ENDS = {
@@ -314,7 +316,7 @@ class Goals:
         return Outcome(Code.DONE, text)
 
     async def _cancel(self, record: _Record) -> Outcome:
-        """Request the cancel of a goal, and wait up to DEADLINE for the answer."""
+        """Request the cancel of a goal, and wait up to CANCEL_WAIT for the answer."""
         after, now = record.state.cancelling(self._clock.monotonic()), self._clock.monotonic
         if after is record.state:
             return Outcome(Code.REFUSED, "the goal has ended")
@@ -326,7 +328,7 @@ class Goals:
         is_rejected = answer is not None
         self._become(record, record.state.cancel_failed(now(), is_rejected=is_rejected))
         if not is_rejected:
-            return Outcome(Code.TIMEOUT, f"no answer to the cancel in {DEADLINE:g} s")
+            return Outcome(Code.TIMEOUT, f"no answer to the cancel in {CANCEL_WAIT:g} s")
         text = "the robot rejected the cancel: the goal continues or has ended"
         return Outcome(Code.REFUSED, text)
 
@@ -339,7 +341,7 @@ class Goals:
             self._become(record, record.state.ask(self._clock.monotonic()))
 
     async def _in_time(self, future: Any) -> Any:
-        """Return the answer to a cancel; None after DEADLINE: a later rejection is an event."""
+        """Return the answer to a cancel; None after CANCEL_WAIT: a later rejection is an event."""
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:
@@ -349,7 +351,7 @@ class Goals:
             calls.wake(self._node)
 
         future.add_done_callback(on_answer)
-        self._services.cancel_at_deadline(in_time)
+        self._services.cancel_at_deadline(in_time, wait=CANCEL_WAIT)
         return future.result() if await in_time else None
 
     def cancel_from_before(self, turn: int, *, mine: bool) -> None:

@@ -32,7 +32,7 @@ class Graph:
 
     def __init__(self, node: Node, robot: RobotFile) -> None:
         self._node = node
-        self._topics = robot.topics
+        self._topics = robot.shown_topics
         self._services = robot.services
         self._actions = tuple(dict.fromkeys(kind.action for kind in robot.goals))
         stop = () if robot.stop is None else (robot.stop.service,)

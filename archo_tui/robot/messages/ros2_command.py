@@ -25,6 +25,12 @@ def echo(topic: str, type_name: str) -> str:
     return f"ros2 topic echo {quote(topic)} {quote(type_name)}"
 
 
+def publish(topic: str, type_name: str, message: Any, rate: float, times: int | None) -> str:
+    """Return the `ros2` command line that publishes a message."""
+    often = "--once" if times == 1 else f"-r {rate:g}" + (f" -t {times}" if times else "")
+    return f"ros2 topic pub {often} {quote(topic)} {type_name} {quote(as_yaml(message))}"
+
+
 def cancel(name: str) -> str:
     """Return the `ros2` command line that cancels every goal of an action.
 

@@ -119,6 +119,7 @@ async def stop_sending_goals(robot: Parts) -> None:
 
     async def there() -> None:
         robot.goals.sending_has_ended = True
+        robot.publications.end_all("the end of the console")
 
     await robot.thread.run(there, calls.DEADLINE)
 

@@ -40,10 +40,12 @@ _NO_ANSWER = "the console's own node does not answer"
 
 
 def form(_robot: Parts, type_name: str) -> tuple[TypedField, ...] | None:
-    """Return the fields of a goal or a request with their defaults; None if it is not installed."""
+    """Return the fields of a message, goal or request, with defaults; None if not installed."""
     found = load_class(type_name)
     if found is None:
         return None
+    if "/msg/" in type_name:
+        return tuple(flat_fields(found()))
     return tuple(flat_fields(found.Goal() if "/action/" in type_name else found.Request()))
 
 

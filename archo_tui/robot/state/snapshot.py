@@ -197,6 +197,15 @@ class Snapshot(NamedTuple):
         """Return the full name on the graph of a name in the robot file."""
         return in_namespace(self.namespace, name)
 
+    def moves_by(self, topic: str) -> bool:
+        """Return False for a full topic name of which the robot file says that nothing moves."""
+        return all(rule.moves for rule in self.file.topics if self.full(rule.topic) == topic)
+
+    def expected_rate(self, topic: str) -> float | None:
+        """Return the rate in Hz that the robot file expects of a full topic name; None for none."""
+        rates = (rule.rate for rule in self.file.topics if self.full(rule.topic) == topic)
+        return next((rate for rate in rates if rate is not None), None)
+
     def unavailable(self, name: str) -> str:
         """Return why a topic, service or action of the robot file cannot be used; "" if it can."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
@@ -205,7 +214,7 @@ class Snapshot(NamedTuple):
     def unavailable_names(self) -> frozenset[str]:
         """The names in the robot file that no node offers, or not as the file says."""
         actions = (kind.action for kind in self.file.goals)
-        names = (*self.file.topics, *self.file.services, *actions)
+        names = (*self.file.shown_topics, *self.file.services, *actions)
         return frozenset(name for name in names if self.unavailable(name))
 
     def parameter(self, name: str) -> Parameter | None:

@@ -167,6 +167,13 @@ class Stop(NamedTuple):
         """True if a goal, a program or the console may start: no STOP is lost behind it."""
         return self.open is None and self.state is State.NONE
 
+    def lets_publish(self, *, is_void: bool) -> bool:
+        """Return True if a message that may move the robot may leave.
+
+        `is_void` is True if a STOP was read since the message was typed.
+        """
+        return self.may_start and not is_void
+
     @property
     def is_held_by_nobody(self) -> bool:
         """True if all nodes that held the STOP ran here and have ended, and no STOP is open."""

@@ -1,0 +1,150 @@
+"""The messages that a person publishes from this console. ROS thread only.
+
+What could move the robot ends the moment a STOP is read, and publishes nothing behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.clock import Clock as RosClock
+from rclpy.node import Node
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+
+from archo_tui.robot.calls import Services
+from archo_tui.robot.messages.types import name_of
+
+_LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
+_LINGER = 0.5  # Seconds that a publisher stays behind its last message, which may be on its way.
+_FIND_TIME = 1.0  # Seconds in which a subscriber is found before the first message.
+_FIND_PERIOD = 0.05
+# Types whose default value, no speed, is published when the publishing is ended.
+_SPEEDS = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+
+
+class Publication:
+    """A message that is published `times` times at `rate` Hz; for ever if `times` is None."""
+
+    def __init__(
+        self,
+        publisher: Any,
+        message: Any,
+        rate: float,
+        times: int | None,
+        why_end: Callable[[], str],  # Returns why no message may follow; "" if one may.
+        on_end: Callable[[Publication], None],
+        stamp: Callable[[], Any] | None,  # Returns the time for the header; None: it is typed.
+    ) -> None:
+        self.publisher, self.message, self.rate, self.times = publisher, message, rate, times
+        self.why_end, self.on_end, self._stamp = why_end, on_end, stamp
+        self.topic: str = publisher.topic_name
+        self.timers: list[Any] = []
+        self.count = 0  # Messages so far.
+        self.ended = ""  # Why it was ended; "" while it runs, and if all times are over.
+        self.is_over = False
+
+    @property
+    def text(self) -> str:
+        """What it does: `pub /cmd_vel, at 10 Hz`."""
+        return f"pub {self.topic}, at {self.rate:g} Hz"
+
+    def publish(self, message: Any) -> None:
+        """Publish a message, with the present time in its header if nobody typed one."""
+        if self._stamp is not None:
+            message.header.stamp = self._stamp()
+        self.publisher.publish(message)
+
+
+class Publications:
+    """All publications of this console that run."""
+
+    def __init__(self, node: Node, services: Services, timer_clock: RosClock) -> None:
+        self._node, self._services, self._timer_clock = node, services, timer_clock
+        self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
+
+    async def begin(
+        self,
+        topic: str,
+        message: Any,
+        rate: float,
+        times: int | None,
+        why_end: Callable[[], str],  # Returns why no message may follow; "" if one may.
+        on_end: Callable[[Publication], None],
+        *,
+        takes_time: bool,  # The header has the time of each message.
+    ) -> Publication:
+        """Publish the first message, once a subscriber was found or is not expected any more.
+
+        `on_end` is called when the last one has left, or `why_end` says why, or `end` is called.
+        """
+        infos = self._subscriptions(topic)
+        kept = QoSDurabilityPolicy.TRANSIENT_LOCAL
+        is_kept = any(info.qos_profile.durability == kept for info in infos)
+        durability = kept if is_kept else QoSDurabilityPolicy.VOLATILE
+        qos = QoSProfile(depth=10, durability=durability)
+        publisher = self._node.create_publisher(type(message), topic, qos)
+        stamp = self._node.get_clock().now if takes_time else None
+        publication = Publication(
+            *(publisher, message, rate, times, why_end, on_end),
+            None if stamp is None else lambda: stamp().to_msg(),
+        )
+        self.active = (*self.active, publication)
+        waits = _FIND_TIME if infos else 0.0
+        while publisher.get_subscription_count() == 0 and waits > 0 and not why_end():
+            await self._services.pause(_FIND_PERIOD)
+            waits -= _FIND_PERIOD
+
+        def next_message() -> None:
+            look()
+            if not publication.is_over:
+                publication.publish(message)
+                publication.count += 1
+                if publication.count == times:
+                    self.end(publication, "")
+
+        def look() -> None:
+            if why := why_end():
+                self.end(publication, why)
+
+        next_message()
+        if not publication.is_over:
+            clock = self._timer_clock
+            publication.timers = [
+                self._node.create_timer(1.0 / rate, next_message, clock=clock),
+                self._node.create_timer(_LOOK_PERIOD, look, clock=clock),
+            ]
+        return publication
+
+    def _subscriptions(self, topic: str) -> list[Any]:
+        """Return the subscriptions of other nodes."""
+        infos = self._node.get_subscriptions_info_by_topic(topic)
+        return [info for info in infos if info.node_name != self._node.get_name()]
+
+    def subscriber_count(self, topic: str) -> int:
+        return len(self._subscriptions(topic))
+
+    def end(self, publication: Publication, why: str) -> None:
+        """End one, unless it is over; a speed is followed by no speed if it is ended early."""
+        if publication.is_over:
+            return
+        publication.is_over, publication.ended = True, why
+        self.active = tuple(other for other in self.active if other is not publication)
+        for timer in publication.timers:
+            self._node.destroy_timer(timer)
+        if why and publication.count and name_of(type(publication.message)) in _SPEEDS:
+            publication.publish(type(publication.message)())
+        publication.on_end(publication)
+
+        def destroy() -> None:
+            self._node.destroy_timer(timer)
+            self._node.destroy_publisher(publication.publisher)
+
+        timer = self._node.create_timer(_LINGER, destroy, clock=self._timer_clock)
+
+    def end_all(self, why: str) -> str:
+        """End all that run; return what was ended, "" for nothing."""
+        ended = self.active
+        for publication in ended:
+            self.end(publication, why)
+        return ", ".join(publication.topic for publication in ended)

@@ -1,0 +1,183 @@
+"""`pub`: a message to any topic, by every rule that keeps a robot from driving unasked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from archo_bringup.motor_controller import MotorController
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from archo_tui.robot_file import load
+from archo_tui.text.nodes import node_rows
+from archo_tui.verbs.publish import Publish
+from tests.support.clock import seconds
+from tests.support.plain import Typed, operated
+from tests.support.quiet import until
+
+
+class Hearing(Node):
+    """Keeps what it hears on `words`."""
+
+    def __init__(self, heard: list[str], kind: Any = String, **options: Any) -> None:
+        super().__init__("hearing", **options)
+        self.heard = heard
+        self.create_subscription(kind, "words", self.on_message, 10)
+
+    def on_message(self, message: Any) -> None:
+        self.heard.append(message.data if isinstance(message, String) else message.linear.x)
+
+
+def hearing(heard: list[Any], kind: Any = String) -> Callable[..., Node]:
+    return lambda **options: Hearing(heard, kind, **options)
+
+
+async def typed(person: Typed, line: str, said: str) -> None:
+    person.type(f"{line}\n")
+    await person.until(said)
+
+
+async def is_seen(person: Typed) -> None:
+    robot = person._plain._station.robot
+    await until(lambda: "/words" in {found.name for found in robot.snapshot.resources})
+
+
+@pytest.mark.parametrize(
+    ("words", "rate", "times"),
+    [
+        ("words data=a", 1.0, 1),
+        ("words data=a --times 3", 1.0, 3),
+        ("words --rate 10 data=a", 10.0, None),
+        ("words data=a --rate=100 --times=2", 100.0, 2),
+    ],
+)
+def test_without_a_rate_it_is_one_message_and_with_one_it_has_no_end(
+    words: str, rate: float, times: int | None
+) -> None:
+    given = Publish().values(words.split())
+    assert (given["rate"], given["times"]) == (rate, times)
+    assert given["field=value"] == ["data=a"]
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        *("--rate 0", "--rate -1", "--rate 100.1", "--rate nan", "--rate inf", "--rate x"),
+        *("--times 0", "--times 1.5", "--times inf", "--times nan", "--times", "--rate"),
+    ],
+)
+def test_a_rate_or_a_number_of_times_that_is_none_is_refused(number: str) -> None:
+    with pytest.raises(ValueError, match=number.split()[0]):
+        Publish().values(["words", *number.split()])
+
+
+async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard)) as person:
+        await is_seen(person)
+        await typed(person, "pub words data=no", "This may move the robot. Publish to /words")
+        await typed(person, "pub words data=one --yes", "pub words: published; 1 subscriber\n")
+        await until(lambda: heard == ["one"])
+        await typed(person, "pub words data=two --times 3 --rate 20 --yes", "published 3 messages")
+        await until(lambda: heard == ["one", "two", "two", "two"])
+        await typed(person, "pub words dada=x --yes", "failed: pub: expected data=..., not dada=x")
+        await typed(person, "pub word data=x --yes", "(nearest: /words)")
+        await typed(person, "pub words std_msgs/msg/Bool --yes", "is std_msgs/msg/String, not")
+        await typed(person, "pub /_hid std_msgs/msg/String --yes", "nothing is published there")
+        await typed(person, "pub new std_msgs/msg/String --yes", "published; no subscribers")
+        assert len(heard) == 4
+
+
+async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard), at_terminal=True) as person:
+        await is_seen(person)
+        station = person._plain._station
+        await typed(person, "pub words data=x --rate 10 --yes", "publishing at 10 Hz; 1 ")
+        await until(lambda: len(heard) > 3)
+        station.refresh()
+        assert node_rows(station.view)[0].word()[1] == "at 10 Hz, cancel ends it"
+        person.type("\n")  # The next line ends it, at a terminal.
+        await person.until("pub: ended")
+        await until(lambda: not station.robot.publications.active)
+        count, later = len(heard), seconds() + 2.0
+        await until(lambda: seconds() > later)
+        assert len(heard) <= count + 1
+
+
+async def test_in_a_pipe_a_cancel_ends_it() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard)) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 10 --yes\n")
+        await until(lambda: len(heard) > 2)
+        person.type("cancel\nnodes\n")
+        await person.until("pub words: ended after")
+        await person.until("hearing up")
+        assert "pub /words" not in person.said
+
+
+async def test_a_stop_ends_it_at_once_and_behind_it_none_is_sent_until_the_release() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard), MotorController) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 50 --yes\n")
+        await until(lambda: len(heard) > 3)
+        person.type("stop\n")
+        await person.until("STOP: confirmed")
+        await person.until("failed: pub: ended by STOP after")
+        count, later = len(heard), seconds() + 2.0
+        await typed(person, "pub words data=y --yes", "failed: pub: the robot is stopped")
+        await until(lambda: seconds() > later)
+        assert len(heard) <= count + 1
+        await typed(person, "release --yes", "release stop: ")
+        await typed(person, "pub words data=y --yes", "published; 1 subscriber\n")
+        await until(lambda: heard[-1] == "y")
+
+
+async def test_the_end_of_the_console_ends_it() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard)) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 50 --yes\n")
+        await until(lambda: len(heard) > 3)
+        robot = person._plain._station.robot
+        await robot.stop_sending_goals()
+        assert robot.publications.active == ()
+        await person.until("ended by the end of the console")
+        person.type("pub words data=x --yes\n")
+        await person.until("not published: the console ends")
+
+
+async def test_a_topic_that_the_robot_file_says_never_moves_asks_nothing_and_outlives_a_stop(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "robot.yaml"
+    text = load.default_path().read_text(encoding="utf-8")
+    file.write_text(f"{text}\ntopics:\n  - {{topic: words, moves: false}}\n")
+    heard: list[str] = []
+    async with operated(hearing(heard), MotorController, robot=file) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 10\n")
+        await until(lambda: len(heard) > 2)
+        person.type("stop\n")
+        await person.until("STOP: confirmed")
+        count = len(heard)
+        await until(lambda: len(heard) > count + 3)
+
+
+async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
+    geometry = pytest.importorskip("geometry_msgs.msg")
+    heard: list[float] = []
+    async with operated(hearing(heard, geometry.Twist)) as person:
+        await is_seen(person)
+        person.type("pub words linear.x=0.5 --rate 20 --yes\n")
+        await until(lambda: len(heard) > 3)
+        person.type("cancel\n")
+        await until(lambda: heard[-1] == 0.0)
+        assert set(heard[:-1]) == {0.5}
+        await typed(person, "pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
+        await until(lambda: heard[-1] == 0.3)  # One message is meant as it is typed.
