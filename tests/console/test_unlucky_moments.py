@@ -176,9 +176,7 @@ async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
         await stop_works(op)
 
 
-async def test_a_panel_that_has_no_room_any_more_hands_the_focus_on_and_escape_leads_to_none() -> (
-    None
-):
+async def test_a_panel_that_has_no_room_any_more_keeps_no_focus() -> None:
     async with console(*FAST, size=(160, 48)) as op:
         await op.press("7")
         assert op.focused_panel == 7

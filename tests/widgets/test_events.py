@@ -27,9 +27,7 @@ def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:
     assert events_as_text([event]).count("\n") == 1
 
 
-async def test_a_search_keeps_what_has_the_letters_and_levels_and_the_full_screen_show_more() -> (
-    None
-):
+async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
         await op.until("reset encoder: zero")

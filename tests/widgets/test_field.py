@@ -205,9 +205,7 @@ async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes(
             assert op.app.main.goal.fields[0].value == "", turns
 
 
-async def test_the_footer_shows_the_keys_of_a_field_and_a_wide_text_is_shown_at_the_cursor() -> (
-    None
-):
+async def test_the_footer_shows_the_keys_of_a_field_that_follows_its_cursor() -> None:
     async with console() as op:
         await op.until("g Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels")
         await op.press("g")

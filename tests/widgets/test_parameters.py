@@ -60,7 +60,7 @@ async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
         await op.press("ctrl+c")
 
 
-async def test_a_wrong_value_is_said_and_changes_nothing_and_the_dialog_follows_the_value() -> None:
+async def test_a_wrong_value_is_said_and_the_dialog_follows_the_value() -> None:
     async with console(*FAST) as op:
         before = op.app.view.snapshot.parameters
         await op.press("4", "full_stop")
@@ -214,7 +214,7 @@ async def test_what_a_terminal_could_act_on_is_shown_harmlessly_and_a_long_value
         assert "99…" in op.line(" much ")
 
 
-async def test_u_undoes_the_last_change_and_asks_when_somebody_else_has_changed_it_since() -> None:
+async def test_u_undoes_the_last_change_and_asks_if_another_came_since() -> None:
     async with console(*FAST) as op:
         await op.press("4", "u")
         await op.until("nothing to undo")
@@ -446,7 +446,7 @@ async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_
 LABELS = ["a, b", "yes", "", "it's\n\u202e"]
 
 
-async def test_a_value_that_is_sent_untouched_stays_what_it_is_and_no_mark_is_sent() -> None:
+async def test_a_value_that_is_sent_untouched_stays_and_no_mark_is_sent() -> None:
     values = {"long": "x" * 600, "lines": "two\nlines\u202e", "several": LABELS}
     made: list[Node] = []
 
