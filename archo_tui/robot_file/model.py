@@ -290,7 +290,7 @@ class Gauge:
 
 @dataclass(frozen=True)
 class TopicRule:
-    """What the file knows of a topic."""
+    """A topic, as far as the file knows it."""
 
     topic: Annotated[str, "the topic's name"]
     # The graph cannot tell whether a message sets the robot in motion, so the file says it.

@@ -120,7 +120,7 @@ async def test_in_a_pipe_a_cancel_ends_it() -> None:
         assert "pub /words" not in person.said
 
 
-async def test_a_stop_ends_it_at_once_and_behind_it_none_is_sent_until_the_release() -> None:
+async def test_a_stop_ends_it_and_behind_it_none_is_sent_until_the_release() -> None:
     heard: list[str] = []
     async with operated(hearing(heard), MotorController) as person:
         await is_seen(person)
@@ -152,7 +152,7 @@ async def test_the_end_of_the_console_ends_it() -> None:
         await person.until("not published: the console ends")
 
 
-async def test_a_topic_that_the_robot_file_says_never_moves_asks_nothing_and_outlives_a_stop(
+async def test_a_topic_of_the_file_that_never_moves_asks_nothing_and_outlives_a_stop(
     tmp_path: Path,
 ) -> None:
     file = tmp_path / "robot.yaml"

@@ -46,7 +46,7 @@ class Publication:
 
     @property
     def text(self) -> str:
-        """What it does: `pub /cmd_vel, at 10 Hz`."""
+        """The verb as it runs: `pub /cmd_vel, at 10 Hz`."""
         return f"pub {self.topic}, at {self.rate:g} Hz"
 
     def publish(self, message: Any) -> None:
