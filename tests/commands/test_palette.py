@@ -5,7 +5,7 @@ from __future__ import annotations
 from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import ChoiceRows
-from archo_tui.screens.find import Fit, fit
+from archo_tui.screens.find import Fit, fit, matching_rows
 from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console, key_event
@@ -92,36 +92,26 @@ def first(op: Console, count: int = 3) -> list[str]:
 
 async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
     async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        field = op.app.screen.query_one("#narrow")
-        for title, typed in TYPED.items():
-            assert len(set(typed)) == 3
-            for words in typed:
-                field.value = words  # type: ignore[attr-defined]
-                await op.settle()
-                assert any(one.startswith(title) for one in first(op)), (title, words, first(op))
-
-
-async def test_each_kind_of_entry_has_its_words_in_the_table() -> None:
-    async with console(*FAST) as op:
-        titles = [one.title for one in palette_choices(op.app)]
+        choices = palette_choices(op.app)
+        titles = [one.title for one in choices]
         named = [t for t in titles if not t.startswith(("Set", "Node", "Topic"))]
         assert [t for t in named if not t.startswith(tuple(TYPED))] == []
-        assert [title for title in TYPED if not any(t.startswith(title) for t in titles)] == []
 
+        def found(typed: str, count: int) -> list[str]:
+            rows = matching_rows(typed, choices, lambda choice: (choice.title, choice.words))
+            return [one.title for one in rows[:count]]
 
-async def test_exit_export_record_and_dark_find_what_they_mean() -> None:
-    async with console(*FAST) as op:
+        for title, three in TYPED.items():
+            assert len(set(three)) == 3
+            for typed in three:
+                assert any(t.startswith(title) for t in found(typed, 3)), (title, typed)
         for typed, meant in (
             ("exit", "Quit"),
             ("export", "Save all parameters to a ROS parameter file"),
             ("record", "Keep the last minute"),
             ("dark", "Choose a theme"),
         ):
-            await op.press("ctrl+p")
-            await op.type(typed)
-            assert meant in first(op, 8), (typed, first(op, 8))
-            await op.press("escape")
+            assert meant in found(typed, 8), typed
 
 
 def test_whole_words_come_before_beginnings_and_those_before_scattered_letters() -> None:
@@ -131,13 +121,52 @@ def test_whole_words_come_before_beginnings_and_those_before_scattered_letters()
     assert fit("textual-d", "Theme textual-dark") == Fit.INSIDE
 
 
-async def test_go_cancel_and_stop_are_on_top_only_while_nothing_is_typed() -> None:
+async def test_the_palette_says_what_can_be_done_now_and_keeps_its_rows_in_place() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         assert [one.split()[0] for one in first(op)] == ["Go", "Cancel", "STOP"]
         await op.type("max sp")
         assert first(op)[0] == "Set motor_controller max_speed"
         assert "Go" not in [one.split()[0] for one in first(op)]
+
+        await op.press("escape")
+        await op.press("ctrl+p")
+        await op.type("stop")
+        assert len(first(op, 9)) < 9
+        assert first(op, 1) == ["STOP"]
+        assert "Release the stop (asks first)" in first(op, 9)
+
+        await op.press("escape")
+        refused = "the robot is not stopped"
+        robot = op.app.station.robot
+        await op.press("ctrl+p")
+        await op.type("release")
+        await op.until(refused)
+        await robot.emergency_stop()
+        await op.until(lambda: refused not in op.text)
+        await robot.release_emergency_stop()
+        await op.until(refused)
+
+        await op.press("escape")
+        await op.press("ctrl+p")
+        await op.type("set motor_controller m")
+        rows = op.app.screen.query_one(ChoiceRows)
+        await op.press("down")
+        before, here = [one.title for one in rows.items], rows.cursor
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("1.25")
+        assert ([one.title for one in rows.items], rows.cursor) == (before, here)
+
+        await op.press("escape")
+        op.send("ctrl+p", "#", "enter")
+        await op.until("no command matches")
+        op.send("backspace", *"theme", "enter")
+        await op.until("Theme nord")
+        await op.type("nord")
+        assert first(op) == ["Theme nord"]
+        await op.press("enter")
+        assert op.app.theme == "nord"
+        assert op.app.screen is op.app.main
 
 
 async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -> None:
@@ -153,15 +182,6 @@ async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -
         await op.until("R releases")
         await op.press("ctrl+p")
         assert first(op, 1) == ["Release the stop (asks first)"]
-
-
-async def test_stop_finds_stop_its_release_and_little_else() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("stop")
-        assert len(first(op, 9)) < 9
-        assert first(op, 1) == ["STOP"]
-        assert "Release the stop (asks first)" in first(op, 9)
 
 
 async def test_a_parameter_is_set_by_the_line_of_the_shell() -> None:
@@ -196,29 +216,7 @@ async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
         assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
 
 
-async def test_an_enter_that_finds_nothing_leaves_the_palette_open() -> None:
-    async with console(*FAST) as op:
-        op.send("ctrl+p", "#", "enter")
-        await op.until("no command matches")
-        op.send("backspace", *"theme", "enter")
-        await op.until("Theme nord")
-        await op.type("nord")
-        assert first(op) == ["Theme nord"]
-        await op.press("enter")
-        assert op.app.theme == "nord"
-        assert op.app.screen is op.app.main
-
-
-async def test_a_click_takes_a_row() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"theme", "enter", *"nord")
-        row = op.app.screen.query_one(ChoiceRows).region
-        click(op.app, row.x + 3, row.y)
-        await op.until(lambda: op.app.theme == "nord")
-        assert op.app.screen is op.app.main
-
-
-async def test_the_arrows_and_pages_move_the_cursor() -> None:
+async def test_arrows_and_pages_move_the_cursor_and_a_click_takes_a_row() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p", "down", "down", "up")
         rows = op.app.screen.query_one(ChoiceRows)
@@ -228,6 +226,13 @@ async def test_the_arrows_and_pages_move_the_cursor() -> None:
         await op.press("pageup", "pageup")
         assert rows.cursor == 0
 
+        await op.press("escape")
+        await op.press("ctrl+p", *"theme", "enter", *"nord")
+        row = op.app.screen.query_one(ChoiceRows).region
+        click(op.app, row.x + 3, row.y)
+        await op.until(lambda: op.app.theme == "nord")
+        assert op.app.screen is op.app.main
+
 
 async def test_a_watching_console_says_why_nothing_acts() -> None:
     async with console(*FAST, watch=True) as op:
@@ -236,16 +241,6 @@ async def test_a_watching_console_says_why_nothing_acts() -> None:
             await op.type(typed)
             assert "watching" in op.app.screen.query_one(ChoiceRows).items[0].reason
             await op.press(*["backspace"] * len(typed))
-
-
-async def test_the_help_is_turned_by_pages_too() -> None:
-    async with console(*FAST, size=(80, 24)) as op:
-        await op.press("f1")
-        top = op.text
-        await op.press("pagedown")
-        assert op.text != top
-        await op.press("pageup")
-        assert op.text == top
 
 
 async def test_keys_behind_a_stop_that_closed_the_palette_are_not_for_the_panels() -> None:
@@ -264,32 +259,7 @@ async def test_keys_behind_a_stop_that_closed_the_palette_are_not_for_the_panels
         await op.until("● IDLE")
 
 
-async def test_what_the_palette_says_is_so_while_it_is_open() -> None:
-    refused = "the robot is not stopped"
-    async with console(*FAST) as op:
-        robot = op.app.station.robot
-        await op.press("ctrl+p")
-        await op.type("release")
-        await op.until(refused)
-        await robot.emergency_stop()
-        await op.until(lambda: refused not in op.text)
-        await robot.release_emergency_stop()
-        await op.until(refused)
-
-
-async def test_the_palette_keeps_its_rows_where_they_are_while_values_change() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("set motor_controller m")
-        rows = op.app.screen.query_one(ChoiceRows)
-        await op.press("down")
-        before, here = [one.title for one in rows.items], rows.cursor
-        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
-        await op.until("1.25")
-        assert ([one.title for one in rows.items], rows.cursor) == (before, here)
-
-
-async def test_the_reason_of_the_selected_row_stands_in_full_below_and_cuts_no_title() -> None:
+async def test_in_a_small_terminal_a_reason_stands_below_and_help_has_pages() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("ctrl+p")
         await op.type("give up a STOP")
@@ -297,3 +267,11 @@ async def test_the_reason_of_the_selected_row_stands_in_full_below_and_cuts_no_t
         assert op.line(title)
         (choice,) = op.app.screen.query_one(ChoiceRows).items
         assert f"1 of {len(palette_choices(op.app))}   not now: {choice.reason}" in op.text
+
+        await op.press("escape")
+        await op.press("f1")
+        top = op.text
+        await op.press("pagedown")
+        assert op.text != top
+        await op.press("pageup")
+        assert op.text == top

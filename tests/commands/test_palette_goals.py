@@ -21,26 +21,7 @@ def accepted(op: Console) -> list[str]:
     return [event.text for event in events if "accepted" in event.text]
 
 
-async def test_a_number_is_a_goal() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", "1", "2")
-        assert rows(op)[0] == ("Go to shelf 12", "")
-        await op.press("enter")
-        await op.until("Arrived at shelf 12")
-        assert op.app.main.goal.typed[-1] == ["12"]  # For the arrow keys.
-        assert op.app.main.goal.fields[0].value == ""
-
-
-async def test_several_numbers_are_driven_in_turn() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"12", "space", "7")
-        assert rows(op)[0] == ("Go to shelf 12, 7", "")
-        await op.press("enter")
-        await op.until("Arrived at shelf 12")
-        await op.until("Arrived at shelf 7")
-
-
-async def test_a_number_that_is_no_shelf_says_why_and_sends_nothing() -> None:
+async def test_one_number_or_several_are_goals_and_a_wrong_one_says_why() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p", "9", "9")
         assert rows(op)[0] == ("Go to shelf 99", "Shelf: at most 40, not 99")
@@ -48,9 +29,32 @@ async def test_a_number_that_is_no_shelf_says_why_and_sends_nothing() -> None:
         await op.until("not sent: Shelf: at most 40, not 99")
         assert op.app.view.snapshot.goal is None
 
+        await op.press("escape")
+        await op.press("ctrl+p", *"reset")
+        list_rows = op.app.screen.query_one(ChoiceRows)
+        number = next(n for n, row in enumerate(rows(op)) if row[0].startswith("Reset the encoder"))
+        lit = [s.text for s in list_rows.render_line(number) if s.style and s.style.underline]
+        assert lit == ["Reset"]
+        await op.press("backspace")
+        lit = [s.text for s in list_rows.render_line(0) if s.style and s.style.underline]
+        assert "".join(lit).lower() == "rese"
 
-async def test_the_refusal_of_the_robot_stands_beside_the_form() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape")
+        await op.press("ctrl+p", "1", "2")
+        assert rows(op)[0] == ("Go to shelf 12", "")
+        await op.press("enter")
+        await op.until("Arrived at shelf 12")
+        assert op.app.main.goal.typed[-1] == ["12"]  # For the arrow keys.
+        assert op.app.main.goal.fields[0].value == ""
+
+        await op.press("escape")
+        await op.press("ctrl+p", *"12", "space", "7")
+        assert rows(op)[0] == ("Go to shelf 12, 7", "")
+        await op.press("enter")
+        await op.until("Arrived at shelf 12")
+        await op.until("Arrived at shelf 7")
+
+        await op.press("escape")
         await op.press("ctrl+x")
         await op.until("R releases")
         await op.press("ctrl+p", "7", "enter")
@@ -94,15 +98,3 @@ def test_what_matches_is_lit_where_a_word_begins_rather_than_inside() -> None:
     assert matched_spans("speed", "Set max_speed") == [(8, 13)]
     assert matched_spans("drive", "Go to shelf") == []
     assert matched_spans("", "Go to shelf") == []
-
-
-async def test_matches_are_lit_in_the_titles() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", *"reset")
-        list_rows = op.app.screen.query_one(ChoiceRows)
-        number = next(n for n, row in enumerate(rows(op)) if row[0].startswith("Reset the encoder"))
-        lit = [s.text for s in list_rows.render_line(number) if s.style and s.style.underline]
-        assert lit == ["Reset"]
-        await op.press("backspace")
-        lit = [s.text for s in list_rows.render_line(0) if s.style and s.style.underline]
-        assert "".join(lit).lower() == "rese"

@@ -93,11 +93,9 @@ async def test_a_thousand_battery_readings_a_second() -> None:
         meter.destroy_node()
 
 
-async def test_dozens_of_nodes_with_twenty_parameters_each(
-    request: pytest.FixtureRequest,
-) -> None:
-    count = 250 if request.config.getoption("--night") else 40
-    count = count if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
+@pytest.mark.night
+async def test_dozens_of_nodes_with_twenty_parameters_each() -> None:
+    count = 250 if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
     async with console(*FAST) as op:
         context = op.session.context
         executor = SingleThreadedExecutor(context=context)

@@ -14,6 +14,7 @@ from archo_tui.paths import journal_file
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, console
+from tests.support.night import corners
 
 
 async def test_a_goal_is_typed_driven_and_arrives() -> None:
@@ -125,18 +126,30 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
         assert "No goal yet." in op.text
         assert op.app.view.snapshot.goal is None
 
-
-async def test_ten_thousand_pasted_characters_are_refused_in_one_line() -> None:
-    async with console(*FAST) as op:
+        await op.press("ctrl+u")
         await op.press("g")
         op.app.query_one("#goal-0", Input).insert_text_at_cursor("9" * 10_000)
         await op.press("enter")
         await op.until("Shelf: at most 40, not 999")
         assert op.app.view.snapshot.goal is None
 
+        await op.press("ctrl+u")
+        await op.press("g")
+        op.app.post_message(events.Paste("12"))
+        op.send("r", "enter")
+        await op.until("Shelf: not a whole number: 12r")
 
-async def test_the_go_button_does_what_enter_does() -> None:
-    async with console(*FAST) as op:
+        await op.press("ctrl+u")
+        await op.press("g", "1", "r", "backspace", "backspace", "c")
+        await op.until("✓  charge")
+        assert op.app.query_one("#goal-0", Input).value == ""
+
+        await op.press("ctrl+u")
+        await op.press("ctrl+c")
+        await op.until("Press q (or")
+        assert op.app.is_running
+
+        await op.press("ctrl+u")
         await op.press("g", "5")
         await op.pilot.click("#go")
         await op.until("Arrived at shelf 5")
@@ -148,13 +161,6 @@ async def test_the_cancel_button_cancels() -> None:
         await op.until("MOVING to 5")
         await op.pilot.click("#cancel")
         await op.until("✗ CANCELLED")
-
-
-async def test_ctrl_c_without_a_goal_says_how_to_quit() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+c")
-        await op.until("Press q (or")
-        assert op.app.is_running
 
 
 def _key(name: str):  # type: ignore[no-untyped-def]
@@ -187,7 +193,7 @@ async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 
 
-@pytest.mark.parametrize("together", [True, False])
+@pytest.mark.parametrize("together", corners([True], [False]))
 async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
     together: bool,
 ) -> None:
@@ -206,21 +212,6 @@ async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
             assert op.app.view.snapshot.goal is None
             assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
             await op.at(clock.seconds() + 1.0)
-
-
-async def test_a_letter_behind_a_paste_in_one_write_is_text() -> None:
-    async with console(*FAST) as op:
-        await op.press("g")
-        op.app.post_message(events.Paste("12"))
-        op.send("r", "enter")
-        await op.until("Shelf: not a whole number: 12r")
-
-
-async def test_a_field_that_was_emptied_takes_commands_again() -> None:
-    async with console(*FAST) as op:
-        await op.press("g", "1", "r", "backspace", "backspace", "c")
-        await op.until("✓  charge")
-        assert op.app.query_one("#goal-0", Input).value == ""
 
 
 async def test_a_held_ctrl_c_cancels_once_and_then_says_nothing() -> None:

@@ -19,6 +19,7 @@ from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
+from tests.support.night import corners
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
 
@@ -30,7 +31,7 @@ class Nobody(Node):
         super().__init__("nobody", **options)
 
 
-async def test_numbers_and_tab_walk_through_the_panels() -> None:
+async def test_numbers_and_tab_walk_through_the_panels_and_escape_leads_back() -> None:
     async with console(*FAST) as op:
         for number in "12456":
             await op.press(number)
@@ -42,30 +43,47 @@ async def test_numbers_and_tab_walk_through_the_panels() -> None:
             await op.press("tab")
         assert seen == [1, 2, 2, 2, 3, 3, 3, 4, 5, 6]  # field, Go, Cancel
 
-
-async def test_escape_leads_out_of_a_field_to_where_the_focus_was() -> None:
-    async with console(*FAST) as op:
         await op.press("6", "g", "1", "escape")
         assert op.app.focused is not None
         assert op.app.focused.id == "event-list"
         assert op.app.query_one("#goal-0", Input).value == "1"
 
+        await op.press("4", "slash", "s")
+        op.app.main.focus_panel(3)  # as a click on the footer's Go does
+        await op.settle()
+        assert isinstance(op.app.focused, Input)
+        await op.press("escape")
+        assert not isinstance(op.app.focused, Input)
+        assert op.focused_panel == 4
 
-async def test_letters_are_text_while_typing() -> None:
+
+async def test_letters_are_text_while_typing_and_commands_in_an_empty_field_for_numbers() -> None:
     async with console(*FAST) as op:
         await op.press("4", "slash")
         await op.type("rqac1?")
         assert op.app.main.parameters.search.value == "rqac1?"
         assert op.app.screen is op.app.main
 
-
-async def test_letters_are_commands_in_an_empty_field_for_numbers() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape")
         await op.press("g", "c")
         await op.until("✓  charge")
         assert op.app.query_one("#goal-0", Input).value == ""
         await op.press("question_mark")
         await op.until("Keys")
+
+        await op.press("escape")
+        await op.press("R")
+        await op.until("the robot is not stopped")
+        assert op.app.screen is op.app.main  # and nothing is asked
+
+        await op.press("escape")
+        await op.press("ctrl+p")
+        await op.type("reset the")
+        await op.until("Reset the encoder to zero")
+        await op.press("enter")
+        await op.until("reset encoder: zero")
+        await op.press("ctrl+p", *"theme", "enter")
+        await op.until("Theme nord")
 
 
 async def test_letters_are_commands_again_behind_enter() -> None:
@@ -87,18 +105,6 @@ async def test_letters_do_nothing_behind_a_dialog() -> None:
         await op.until("no alarm to acknowledge")  # whatever r and c did is done by now
         assert "15 420 ticks" in op.text
         assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
-
-
-async def test_help_is_there_while_typing_and_narrows_by_what_is_typed() -> None:
-    async with console(*FAST) as op:
-        await op.press("4", "slash", "f1")
-        await op.until("Keys")
-        assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
-        await op.type("encoder")
-        await op.until("Reset the encoder")
-        assert "Go to panel" not in op.text
-        await op.press("f1")
-        await op.until(lambda: op.app.screen is op.app.main)
 
 
 async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
@@ -130,24 +136,6 @@ async def test_help_lists_every_command_with_its_key() -> None:
         assert op.line("In the palette only")
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
-
-
-async def test_a_command_that_cannot_run_says_why() -> None:
-    async with console(*FAST) as op:
-        await op.press("R")
-        await op.until("the robot is not stopped")
-        assert op.app.screen is op.app.main  # and nothing is asked
-
-
-async def test_the_palette_has_the_registry_and_the_themes() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        await op.type("reset the")
-        await op.until("Reset the encoder to zero")
-        await op.press("enter")
-        await op.until("reset encoder: zero")
-        await op.press("ctrl+p", *"theme", "enter")
-        await op.until("Theme nord")
 
 
 async def test_a_theme_is_remembered() -> None:
@@ -241,7 +229,7 @@ def _said(op: Console) -> list[str]:
     return [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
 
 
-@pytest.mark.parametrize("key", ["r", "c", "ctrl+x"])
+@pytest.mark.parametrize("key", corners(["r", "ctrl+x"], ["c"]))
 async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(key: str) -> None:
     async with console(*FAST) as op:
         begin = seconds()
@@ -296,18 +284,7 @@ async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_
         await op.until("use the hardware stop")
 
 
-async def test_escape_out_of_a_field_leads_into_no_search() -> None:
-    async with console(*FAST) as op:
-        await op.press("4", "slash", "s")
-        op.app.main.focus_panel(3)  # as a click on the footer's Go does
-        await op.settle()
-        assert isinstance(op.app.focused, Input)
-        await op.press("escape")
-        assert not isinstance(op.app.focused, Input)
-        assert op.focused_panel == 4
-
-
-async def test_help_lists_all_keys_those_of_the_panel_with_the_focus_first() -> None:
+async def test_help_lists_the_keys_of_the_panel_first_and_narrows_by_what_is_typed() -> None:
     async with console(*FAST) as op:
         await op.press("4", "question_mark")
         await op.until("Here, in Parameters")
@@ -319,6 +296,15 @@ async def test_help_lists_all_keys_those_of_the_panel_with_the_focus_first() -> 
         assert "Undo" not in op.text
         await op.press("escape")
         assert op.app.screen is op.app.main
+
+        await op.press("4", "slash", "f1")
+        await op.until("Keys")
+        assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
+        await op.type("encoder")
+        await op.until("Reset the encoder")
+        assert "Go to panel" not in op.text
+        await op.press("f1")
+        await op.until(lambda: op.app.screen is op.app.main)
 
 
 async def test_the_help_begins_with_the_keys_of_the_state_and_of_the_field() -> None:

@@ -17,12 +17,23 @@ from tests.support.console import FAST, LONG, console
 from tests.support.night import corners
 
 
-async def test_r_resets_the_encoder() -> None:
+async def test_r_resets_c_charges_and_a_goal_is_refused_while_stopped() -> None:
     async with console(*FAST) as op:
         await op.until("15 420 ticks")
         await op.press("r")
         await op.until("        0 ticks")
         await op.until("reset encoder: zero")
+
+        await op.press("c")
+        await op.until("↯ CHARGING")
+        await op.press("c")
+        await op.until("● GOOD")
+
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("g", "7", "enter")
+        refused = re.compile(r"✗ REFUSED +at \d\d:\d\d:\d\d: emergency stop: release it first")
+        await op.until(lambda: refused.search(op.text))
 
 
 async def test_the_reset_button_does_the_same() -> None:
@@ -82,23 +93,6 @@ async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
         await op.until("Release the stop?")
         await op.press("tab", "enter")
         await op.until("● IDLE")
-
-
-async def test_a_goal_is_refused_while_stopped() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+x")
-        await op.until("✗ STOPPED")
-        await op.press("g", "7", "enter")
-        refused = re.compile(r"✗ REFUSED +at \d\d:\d\d:\d\d: emergency stop: release it first")
-        await op.until(lambda: refused.search(op.text))
-
-
-async def test_c_charges_and_stops_charging() -> None:
-    async with console(*FAST) as op:
-        await op.press("c")
-        await op.until("↯ CHARGING")
-        await op.press("c")
-        await op.until("● GOOD")
 
 
 class Sleeper(Node):

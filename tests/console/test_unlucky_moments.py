@@ -34,7 +34,7 @@ async def read_something(op: Console) -> NoticeLine:
     return op.app.screen.query_one(NoticeLine)
 
 
-async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
+async def test_palette_and_help_over_each_other_go_as_they_came() -> None:
     async with console(*FAST) as op:
         for _ in range(3):
             await op.press("ctrl+p")
@@ -45,6 +45,55 @@ async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
         await op.until(lambda: isinstance(op.app.screen, CommandPalette))
         await op.press("escape")
         assert op.app.screen is op.app.main
+
+        await op.press("ctrl+p", "f1", "ctrl+p")
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: isinstance(op.app.screen, CommandPalette))
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+        await op.press("ctrl+p")
+        click(op.app, 0, 0)
+        op.send("f1")
+        await op.until(lambda: isinstance(op.app.screen, Help))
+        await op.settle()
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+        await op.press("ctrl+p")
+        palette = op.app.screen
+        await op.press("f1")
+        await op.until(lambda: isinstance(op.app.screen, Help))
+        palette.dismiss()
+        await op.settle()
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+        await op.press("f1")
+        help_screen = op.app.screen
+        await op.press("escape")
+        assert isinstance(help_screen, Help)
+        assert not help_screen.children
+        help_screen._draw()
+
+        op.send("ctrl+p", "pagedown", "pageup")
+        await op.settle()
+        await op.type("zzz")
+        await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+
+        await op.press("ctrl+p")
+        rows = op.app.screen.query_one(ChoiceRows)
+        x, y = rows.region.offset
+        await op.type("zzz")
+        for at in (y, y + 2, 999):  # 999: beyond the terminal
+            rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
+        await op.settle()
+        assert isinstance(op.app.screen, CommandPalette)
         await stop_works(op)
 
 
@@ -58,68 +107,6 @@ async def test_a_dialog_follows_a_size_that_the_screen_behind_it_got_first() -> 
         op.app.screen.post_message(event)
         await op.settle()
         assert op.app.screen.query_one(".dialog").region.right <= size.width
-
-
-async def test_under_help_the_palette_is_not_opened_a_second_time() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p", "f1", "ctrl+p")
-        assert "Keys" in op.text
-        await op.press("escape")
-        await op.until(lambda: isinstance(op.app.screen, CommandPalette))
-        await op.press("escape")
-        assert op.app.screen is op.app.main
-        await stop_works(op)
-
-
-async def test_a_palette_that_is_clicked_away_while_help_opens_over_it_goes_with_help() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        click(op.app, 0, 0)
-        op.send("f1")
-        await op.until(lambda: isinstance(op.app.screen, Help))
-        await op.settle()
-        assert "Keys" in op.text
-        await op.press("escape")
-        await op.until(lambda: op.app.screen is op.app.main)
-        await stop_works(op)
-
-
-async def test_a_dialog_whose_answer_comes_while_help_is_over_it_goes_with_help() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        palette = op.app.screen
-        await op.press("f1")
-        await op.until(lambda: isinstance(op.app.screen, Help))
-        palette.dismiss()
-        await op.settle()
-        assert "Keys" in op.text
-        await op.press("escape")
-        await op.until(lambda: op.app.screen is op.app.main)
-        await stop_works(op)
-
-
-async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> None:
-    async with console(*FAST) as op:
-        op.send("ctrl+p", "pagedown", "pageup")
-        await op.settle()
-        await op.type("zzz")
-        await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
-        await op.press("escape")
-        assert op.app.screen is op.app.main
-        await stop_works(op)
-
-
-async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() -> None:
-    async with console(*FAST) as op:
-        await op.press("ctrl+p")
-        rows = op.app.screen.query_one(ChoiceRows)
-        x, y = rows.region.offset
-        await op.type("zzz")
-        for at in (y, y + 2, 999):  # 999: beyond the terminal
-            rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
-        await op.settle()
-        assert isinstance(op.app.screen, CommandPalette)
-        await stop_works(op)
 
 
 async def test_a_double_click_on_a_notice_closes_it() -> None:
@@ -189,20 +176,25 @@ async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
         await stop_works(op)
 
 
-async def test_a_panel_that_has_no_room_any_more_hands_the_focus_on() -> None:
+async def test_a_panel_that_has_no_room_any_more_keeps_no_focus() -> None:
     async with console(*FAST, size=(160, 48)) as op:
         await op.press("7")
         assert op.focused_panel == 7
         await op.pilot.resize_terminal(80, 24)
         await op.until(lambda: op.focused_panel == 4)
 
-
-async def test_escape_leads_to_no_panel_that_has_no_room_any_more() -> None:
-    async with console(*FAST, size=(160, 48)) as op:
+        await op.pilot.resize_terminal(160, 48)
         await op.press("8", "g")
         await op.pilot.resize_terminal(80, 24)
         await op.press("escape")
         assert op.focused_panel == 4
+
+        await op.pilot.resize_terminal(160, 48)
+        await op.press("5")
+        await op.pilot.resize_terminal(80, 24)
+        click(op.app, 130, 40)
+        await op.settle()
+        assert op.focused_panel == 5
 
 
 async def test_a_click_where_a_tiny_terminal_shows_nothing_keeps_the_focus() -> None:
@@ -211,15 +203,6 @@ async def test_a_click_where_a_tiny_terminal_shows_nothing_keeps_the_focus() -> 
         with patch.object(op.app.main, "get_widget_at", side_effect=NoWidget):
             click(op.app, 3, 3)
             await op.settle()
-        assert op.focused_panel == 5
-
-
-async def test_a_click_beside_a_terminal_that_has_just_shrunk_takes_no_focus_away() -> None:
-    async with console(*FAST, size=(160, 48)) as op:
-        await op.press("5")
-        await op.pilot.resize_terminal(80, 24)
-        click(op.app, 130, 40)
-        await op.settle()
         assert op.focused_panel == 5
 
 
@@ -234,17 +217,6 @@ async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field(
         await op.settle()
         await op.press("2")
         assert op.app.query_one("#goal-0", Input).value == "12"
-
-
-async def test_help_that_has_gone_draws_nothing() -> None:
-    async with console(*FAST) as op:
-        await op.press("f1")
-        help_screen = op.app.screen
-        await op.press("escape")
-        assert isinstance(help_screen, Help)
-        assert not help_screen.children
-        help_screen._draw()
-        await stop_works(op)
 
 
 async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:

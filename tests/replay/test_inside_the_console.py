@@ -74,7 +74,7 @@ def live_line(op: Console) -> str:
     return op.text.splitlines()[0]
 
 
-async def test_enter_plays_a_recording_and_q_leads_back() -> None:
+async def test_enter_plays_a_recording_and_q_leads_back_again_and_again() -> None:
     async with recorded() as op:
         before = clock.seconds()
         await play(op)
@@ -93,6 +93,38 @@ async def test_enter_plays_a_recording_and_q_leads_back() -> None:
         received = op.app.view.snapshot.battery.received
         assert received is not None
         assert clock.seconds() - received < 2.0
+
+        for _ in range(2):
+            await play(op)
+            await op.press("ctrl+p")
+            await op.type("recordings")
+            assert "List the recordings" not in op.text
+            await op.press("escape", "q")
+            assert op.app.screen is op.app.main
+
+        op.app.show_message("something to read")
+        await op.until("something to read")
+        await play(op)
+        op.app.clear_notifications()
+        await op.press("q")
+        assert op.app.replay is None
+        assert "something to read" not in op.text
+
+        await play(op)
+        op.send("q", "q", "q")
+        await op.settle()
+        assert op.app.screen is op.app.main
+        assert op.app.is_running
+        assert not op.app._exit
+
+        await play(op)
+        op.app.report_failure(Outcome(Code.REFUSED, "not now, says the node"))
+        await op.until("not now, says the node")
+        assert op.line("✗ Live robot: not now")
+        assert op.app.replay is not None
+        op.app.replay.report_failure(Outcome(Code.REFUSED, "not in the recording"))
+        await op.until("not in the recording")
+        assert op.line("· Replay: not in")
 
 
 async def test_a_node_and_its_topic_are_those_of_the_recording() -> None:
@@ -187,16 +219,6 @@ async def test_the_footer_of_a_replay_stops_the_live_robot_when_it_is_clicked() 
         await op.until(lambda: op.app.view.snapshot.is_at_rest)
 
 
-async def test_q_that_is_held_down_does_not_quit_the_console_beneath() -> None:
-    async with recorded() as op:
-        await play(op)
-        op.send("q", "q", "q")
-        await op.settle()
-        assert op.app.screen is op.app.main
-        assert op.app.is_running
-        assert not op.app._exit
-
-
 async def test_the_live_console_has_the_size_of_a_terminal_that_changed_in_a_replay() -> None:
     async with recorded() as op:
         await play(op)
@@ -208,17 +230,7 @@ async def test_the_live_console_has_the_size_of_a_terminal_that_changed_in_a_rep
         assert "q Quit" in op.text.splitlines()[-1]
 
 
-async def test_a_second_replay_follows_the_first() -> None:
-    async with recorded() as op:
-        for _ in range(2):
-            await play(op)
-            await op.press("ctrl+p")
-            await op.type("recordings")
-            assert "List the recordings" not in op.text
-            await op.press("escape", "q")
-            assert op.app.screen is op.app.main
-
-
+@pytest.mark.night
 async def test_recordings_that_were_played_do_not_stay_in_memory() -> None:
     async with recorded() as op:
         players: WeakSet[Player] = WeakSet()
@@ -314,26 +326,3 @@ async def test_a_small_terminal_shows_the_live_robot_over_its_replay() -> None:
         assert "● online" in live_line(op)
         assert "q back" in live_line(op)
         assert "REPLAY 20" in op.text.splitlines()[1]
-
-
-async def test_what_the_live_robot_answers_late_is_not_taken_for_the_replays() -> None:
-    async with recorded() as op:
-        await play(op)
-        op.app.report_failure(Outcome(Code.REFUSED, "not now, says the node"))
-        await op.until("not now, says the node")
-        assert op.line("✗ Live robot: not now")
-        assert op.app.replay is not None
-        op.app.replay.report_failure(Outcome(Code.REFUSED, "not in the recording"))
-        await op.until("not in the recording")
-        assert op.line("· Replay: not in")
-
-
-async def test_a_notice_that_went_during_a_replay_is_not_shown_after_it() -> None:
-    async with recorded() as op:
-        op.app.show_message("something to read")
-        await op.until("something to read")
-        await play(op)
-        op.app.clear_notifications()
-        await op.press("q")
-        assert op.app.replay is None
-        assert "something to read" not in op.text

@@ -23,6 +23,7 @@ BEGIN = 1_700_000_000.0
 # what a console does and a replay does not; what is new has to find its room here, or there
 ACTS = {
     *("go", "cancel", "cancel_all", "continue", "skip", "give_up_stop", "release", "send_goal"),
+    "pub",
     *(
         "call",
         "keep_robot",

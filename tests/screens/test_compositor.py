@@ -59,7 +59,7 @@ async def test_the_first_picture_waits_for_the_robots_nodes(
 @pytest.mark.parametrize(
     ("size", "steps"),
     corners(
-        [((160, 48), 80)],
+        [((160, 48), 25)],
         [(size, 100) for size in ((40, 10), (80, 24), (120, 36), (160, 48))],
     ),
 )

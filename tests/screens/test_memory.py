@@ -14,6 +14,7 @@ from tests.support.states import STATES
 from tests.support.stub import stub_app
 
 
+@pytest.mark.night
 async def test_of_dialogs_and_palettes_that_were_closed_no_line_is_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

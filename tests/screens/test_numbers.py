@@ -71,7 +71,7 @@ def tokens(line: str) -> Iterator[str]:
 async def test_no_number_is_cut_without_saying_so_at_any_width(
     count: int, request: pytest.FixtureRequest
 ) -> None:
-    step = 1 if request.config.getoption("--night") else 22
+    step = 1 if request.config.getoption("--night") else 52
     snapshot = WHOLE._replace(parameters=parameters(count))
     app = stub_app(snapshot, StandingClock(), size=(300, 40))
     async with app.run_test(size=(300, 40)) as pilot:

@@ -35,7 +35,7 @@ async def test_stop_is_red_until_the_robot_is_stopped(theme: str) -> None:
     async with app.run_test(size=(120, 36)) as pilot:
         app.theme, quiet = theme, Quiet(app)
         red = Color.parse(app.theme_variables["stopped"])
-        for size in SIZES:
+        for size in SIZES if theme == THEMES[0] else SIZES[:1]:
             await pilot.resize_terminal(*size)
             for state in ("normal", "motor moving", "motor stop not confirmed", "battery empty"):
                 app._on_snapshot(STATES[state])

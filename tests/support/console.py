@@ -126,11 +126,10 @@ class Console:
         await self._quiet.settle()
 
     async def type(self, text: str) -> None:
-        """Type text, character by character."""
-        for character in text:
-            send(self.app, character)
-            await self._quiet.settle()
-            self._last = character
+        """Type text, all at once."""
+        send(self.app, *text)
+        self._last = text[-1:] or self._last
+        await self._quiet.settle()
 
     async def until(
         self, condition: str | Callable[[], object], deadline: float = DEADLINE

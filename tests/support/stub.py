@@ -113,7 +113,7 @@ def stub_station(
     file_is_default: bool = False,
 ) -> Station:
     """A station over a stand-in for the robot; its journal forgets everything."""
-    host: Any = SimpleNamespace(states=lambda: hosted)
+    host: Any = SimpleNamespace(states=lambda: hosted, usage=lambda _: None)
     kept = Outcome(Code.DONE, "the last minute is recorded")
     recorder: Any = SimpleNamespace(
         trouble="",

@@ -23,14 +23,6 @@ from tests.support.console import FAST, console
 from tests.support.states import STATES
 
 
-async def test_events_show_more_levels_on_demand() -> None:
-    async with console(*FAST) as op:
-        assert "Dashboard sees" not in op.text
-        await op.press("6", "l")
-        await op.until("Dashboard sees: ")
-        await op.until("INFO and above")
-
-
 def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:
     event = Event(0.0, "INFO", "server", "Incoming request\na: 2 b: 3")
     (row,) = event_rows([event], ())
@@ -53,7 +45,7 @@ def test_another_type_is_named_in_the_row_and_in_the_battery_panel() -> None:
     assert fault_text("battery_level has several types: a, b", 60).endswith("a, b")
 
 
-async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
+async def test_a_search_keeps_what_has_the_letters_and_levels_show_more() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
         await op.until("reset encoder: zero")
@@ -68,11 +60,6 @@ async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
         await op.press("slash", "escape")
         await op.until("✓  charge")
 
-
-async def test_escape_in_the_list_clears_its_search_which_the_title_says_until_then() -> None:
-    async with console(*FAST) as op:
-        await op.press("r", "c")
-        await op.until("✓  charge")
         await op.press("6", "slash", *"ENCODER", "enter")
         await op.until("6 Events   / ENCODER: 1 of 2")
         await op.press("4", "escape")  # of another panel
@@ -84,6 +71,20 @@ async def test_escape_in_the_list_clears_its_search_which_the_title_says_until_t
         await op.until("6 Events   ERROR and above")
         await op.press("l")
         await op.until(lambda: "6 Events   ERROR" not in op.text)
+
+        assert "Dashboard sees" not in op.text
+        await op.press("6", "l")
+        await op.until("Dashboard sees: ")
+        await op.until("INFO and above")
+
+        await op.press("6", "e")
+        await op.until(lambda: "1 Battery" not in op.text)
+        await op.press("slash", *"x", "escape")
+        await op.settle()
+        assert "1 Battery" not in op.text  # the search first
+        await op.press("escape")
+        await op.until("1 Battery")
+        assert op.focused_panel == 6
 
 
 async def test_page_keys_move_by_what_is_seen() -> None:
@@ -124,19 +125,6 @@ async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> 
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
 
 
-async def test_e_shows_events_on_the_full_screen_and_a_panel_key_leads_back() -> None:
-    async with console(*FAST, size=(80, 24)) as op:
-        await op.press("6", "e")
-        await op.until(lambda: "1 Battery" not in op.text)
-        assert "ARCHO" in op.text
-        assert "6 Events" in op.text
-        await op.press("e")
-        await op.until("1 Battery")
-        await op.press("e", "4")
-        await op.until("4 Parameters")
-        assert op.focused_panel == 4
-
-
 async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -> None:
     async with console(*FAST, size=(160, 48)) as op:
         await op.press("6", "e")
@@ -147,20 +135,7 @@ async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -
         assert "esc back" in op.text
 
 
-async def test_what_a_search_finds_has_room_in_a_small_terminal() -> None:
-    async with console(*FAST, size=(80, 24)) as op:
-        await op.press("r")
-        await op.until("reset encoder: zero")
-        before = op.app.main.parameters.size.height
-        await op.press("6", "slash", *"encoder")
-        await op.until("1 of ")
-        assert "reset encoder: zero" in op.text
-        await op.press("escape")
-        await op.until(lambda: "1 of " not in op.text)
-        assert op.app.main.parameters.size.height == before
-
-
-async def test_enter_shows_an_event_in_full() -> None:
+async def test_in_a_small_terminal_an_event_a_search_and_the_full_screen_have_room() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")
         await op.until("reset encoder: zero")
@@ -169,6 +144,24 @@ async def test_enter_shows_an_event_in_full() -> None:
         assert "$ ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder" in op.text
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
+
+        before = op.app.main.parameters.size.height
+        await op.press("6", "slash", *"encoder")
+        await op.until("1 of ")
+        assert "reset encoder: zero" in op.text
+        await op.press("escape")
+        await op.until(lambda: "1 of " not in op.text)
+        assert op.app.main.parameters.size.height == before
+
+        await op.press("6", "e")
+        await op.until(lambda: "1 Battery" not in op.text)
+        assert "ARCHO" in op.text
+        assert "6 Events" in op.text
+        await op.press("e")
+        await op.until("1 Battery")
+        await op.press("e", "4")
+        await op.until("4 Parameters")
+        assert op.focused_panel == 4
 
 
 async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
@@ -239,18 +232,6 @@ async def test_the_events_that_are_shown_are_saved_with_their_commands(
     (line,) = (tmp_path / "events.txt").read_text().splitlines()
     assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
     datetime.fromisoformat(line.partition("  ")[0])
-
-
-async def test_escape_leaves_the_full_screen() -> None:
-    async with console(*FAST) as op:
-        await op.press("6", "e")
-        await op.until(lambda: "1 Battery" not in op.text)
-        await op.press("slash", *"x", "escape")
-        await op.settle()
-        assert "1 Battery" not in op.text  # the search first
-        await op.press("escape")
-        await op.until("1 Battery")
-        assert op.focused_panel == 6
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ async def opened(op: Console, node: str) -> None:
     await op.until("log level   ")
 
 
-async def test_it_has_topics_services_and_actions_with_their_types() -> None:
+async def test_it_has_what_a_node_offers_with_types_and_leads_to_its_topics() -> None:
     async with console(*FAST) as op:
         await opened(op, "/motor_controller")
         assert "in the console's process" in op.text
@@ -42,9 +42,7 @@ async def test_it_has_topics_services_and_actions_with_their_types() -> None:
         assert "_action" not in dialog
         assert "/rosout" not in dialog
 
-
-async def test_enter_leads_to_one_of_its_topics_and_escape_back() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape")
         await opened(op, "/motor_controller")
         await op.press("enter")
         await op.until("Topics of motor_controller")
@@ -54,6 +52,12 @@ async def test_enter_leads_to_one_of_its_topics_and_escape_back() -> None:
         await op.until(lambda: "speed" in op.line("m/s"))
         await op.press("escape")
         await op.until("topics published")
+
+        await op.press("escape")
+        await select(op, "/battery_monitor")
+        op.send(*["enter"] * 5)
+        await op.until("log level   INFO")
+        assert not [e for e in op.app.view.snapshot.events if e.level == "YOU"]
 
 
 async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
@@ -76,14 +80,6 @@ async def test_the_level_of_its_log_is_set_and_its_lines_follow() -> None:
         await op.until(
             lambda: "battery_monitor" in [event.source for event in op.app.view.snapshot.events]
         )
-
-
-async def test_enter_that_is_held_opens_it_and_sets_nothing() -> None:
-    async with console(*FAST) as op:
-        await select(op, "/battery_monitor")
-        op.send(*["enter"] * 5)
-        await op.until("log level   INFO")
-        assert not [e for e in op.app.view.snapshot.events if e.level == "YOU"]
 
 
 async def test_stop_works_in_it_and_is_final_for_a_level_set_before_it() -> None:
@@ -139,17 +135,7 @@ async def test_a_node_that_was_stopped_is_not_on_the_graph() -> None:
         assert "log level" not in op.text
 
 
-async def test_a_node_that_is_stopped_meanwhile_is_up_no_more() -> None:
-    async with console(*FAST) as op:
-        await opened(op, "/dashboard")
-        assert "● up" in op.text
-        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/dashboard"})
-        assert (await ended(halted)).ok  # as from a shell, beside the dialog
-        await op.until("○ stopped by you")
-        assert "● up" not in op.text
-
-
-async def test_a_node_that_has_left_meanwhile_is_not_on_the_graph() -> None:
+async def test_a_node_that_has_left_or_is_stopped_meanwhile_is_up_no_more() -> None:
     async with console(*FAST) as op:
         await opened(op, "/dashboard")
         snapshot = op.app.view.snapshot
@@ -159,3 +145,11 @@ async def test_a_node_that_has_left_meanwhile_is_not_on_the_graph() -> None:
         op.app.screen.show_view(view)
         await op.settle()
         assert "? not on the graph any more" in op.text
+
+        await op.press("escape")
+        await opened(op, "/dashboard")
+        assert "● up" in op.text
+        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/dashboard"})
+        assert (await ended(halted)).ok  # as from a shell, beside the dialog
+        await op.until("○ stopped by you")
+        assert "● up" not in op.text

@@ -101,19 +101,6 @@ def _nodes(op: Console) -> Any:
     return op.app.view.snapshot.nodes
 
 
-async def test_one_more_node_that_serves_is_asked_about_first() -> None:
-    async with console(*FAST) as op:
-        await select(op, "/motor_controller")
-        await op.press("plus")
-        await op.until("STOP must")
-        await op.press("enter")  # the safe answer
-        await op.until(lambda: op.app.screen is op.app.main)
-        await op.press("plus")
-        await op.until("Run another")
-        await op.press("tab", "enter")
-        await op.until("● motor_controller_2")
-
-
 async def test_stopping_what_drives_is_asked_about_and_its_goal_is_lost() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
@@ -193,8 +180,14 @@ async def test_a_crashed_node_says_why_and_is_started_again() -> None:
         await op.until(lambda: op.app.view.snapshot.parameter("divisor"))
 
 
-async def test_nodes_elsewhere_are_not_started_or_stopped_from_here() -> None:
+async def test_another_node_that_serves_is_asked_about_and_those_elsewhere_stay() -> None:
     async with console(*FAST) as op:
+        await op.press("5", "home", "plus")
+        await op.until("/battery_monitor serves set_charging: a call reaches both")
+        assert "STOP must" not in op.text
+        await op.press("escape")
+
+        await op.press("escape")
         other = Node("guest", context=op.session.context)
         try:
             await op.until("● guest")
@@ -204,22 +197,23 @@ async def test_nodes_elsewhere_are_not_started_or_stopped_from_here() -> None:
         finally:
             other.destroy_node()
 
-
-async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -> None:
-    async with console(*FAST) as op:
+        await op.press("escape")
         await op.until("● motor_controller")
         op.send("5", "home", "down", "s")  # as over a slow link
         await op.until("○ dashboard")
         op.send("4", "home", "down", "enter")
         await op.until(" motor_controller max_speed ")
 
-
-async def test_a_copy_of_a_node_without_stop_does_not_warn_of_stop() -> None:
-    async with console(*FAST) as op:
-        await op.press("5", "home", "plus")
-        await op.until("/battery_monitor serves set_charging: a call reaches both")
-        assert "STOP must" not in op.text
         await op.press("escape")
+        await select(op, "/motor_controller")
+        await op.press("plus")
+        await op.until("STOP must")
+        await op.press("enter")  # the safe answer
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("plus")
+        await op.until("Run another")
+        await op.press("tab", "enter")
+        await op.until("● motor_controller_2")
 
 
 async def test_stopping_a_node_that_does_not_drive_is_not_asked_about() -> None:

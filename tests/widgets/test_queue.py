@@ -29,15 +29,6 @@ async def test_several_targets_are_driven_one_after_the_other() -> None:
         assert not op.app.view.waiting
 
 
-async def test_one_that_is_not_a_number_sends_none_of_them() -> None:
-    async with console(*FAST) as op:
-        await op.press("g", *"12 99999999999 3", "enter")
-        await op.until("Shelf: at most")
-        await op.settle()
-        assert op.app.view.snapshot.goal is None
-        assert not op.app.view.waiting
-
-
 async def test_what_is_wrong_with_what_was_typed_stays_while_others_are_driven() -> None:
     async with console(*BRISK) as op:
         await op.press("g", *"12 7", "enter")
@@ -95,19 +86,6 @@ async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: 
         await op.until(lambda: history(op)[-1] == "3 ARRIVED")
 
 
-async def test_a_queue_that_cannot_go_on_says_why_and_is_not_called_continued() -> None:
-    async with console(*LONG) as op:
-        await op.press("g", *"12 7", "enter")
-        await op.until("m left of")
-        await op.press("ctrl+x")
-        await op.until("held: 7 (STOP)")
-        await op.until("✗ STOPPED")
-        await op.press("escape", "n")
-        await op.until("still held: STOP")
-        await op.until("continue the queue: still held: STOP")
-        assert op.app.view.waiting == ("7",)
-
-
 async def test_a_cancel_ends_the_running_one_and_holds_the_rest() -> None:
     async with console(*LONG) as op:
         await op.press("g", *"12 7", "enter")
@@ -125,7 +103,10 @@ async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing()
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
         await op.until("held: 7 (STOP)")
-        await op.press("escape", "R", "y")
+        await op.press("escape", "n")
+        await op.until("continue the queue: still held: STOP")
+        assert op.app.view.waiting == ("7",)
+        await op.press("R", "y")
         await op.until("● IDLE")
         await op.settle()
         assert history(op) == ["12 ABORTED"]
@@ -144,12 +125,26 @@ async def test_line_by_line_all_must_arrive(unlimited: Path) -> None:
     assert "Arrived at shelf 3" not in said
 
 
-async def test_without_a_queue_its_commands_say_so() -> None:
+async def test_a_wrong_target_sends_none_and_without_a_queue_its_commands_say_so() -> None:
     async with console(*FAST) as op:
         await op.press("n")
         await op.until("no queue is held")
         await op.press("k")
         await op.until("no goal waits in the queue")
+
+        await op.press("ctrl+u", "escape")
+        await op.press("g", *"12 99999999999 3", "enter")
+        await op.until("Shelf: at most")
+        await op.settle()
+        assert op.app.view.snapshot.goal is None
+        assert not op.app.view.waiting
+
+        await op.press("ctrl+u", "escape")
+        await op.press("G", *"shelf", "enter")
+        await op.until("enter send")
+        await op.press("end", "ctrl+u", *"41", "enter")
+        await op.until("Shelf: at most 40, not 41")
+        assert op.app.view.snapshot.goal is None
 
 
 async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
@@ -201,12 +196,3 @@ def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) ->
     assert form_history.load("shelf") == []
     form_history.add("shelf", ["1"])
     assert form_history.load("shelf") == [["1"]]
-
-
-async def test_a_form_in_a_dialog_is_held_to_what_the_robot_says_too() -> None:
-    async with console(*FAST) as op:
-        await op.press("G", *"shelf", "enter")
-        await op.until("enter send")
-        await op.press("end", "ctrl+u", *"41", "enter")
-        await op.until("Shelf: at most 40, not 41")
-        assert op.app.view.snapshot.goal is None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -244,6 +244,11 @@ class Opened:
         robot.show_topic()
         await self._quiet.settle()
 
+    async def until(self, holds: Callable[[], object]) -> None:
+        """Wait until it holds, and let the next view come before."""
+        await self.press()
+        await self._quiet.until(holds, lambda: self.text)
+
     @property
     def text(self) -> str:
         """Return what is on the screen."""
@@ -352,19 +357,15 @@ async def test_what_is_no_index_is_said_and_can_be_mended_or_left() -> None:
 async def test_keys_in_one_burst_go_to_the_same_element() -> None:
     async with opened() as shown:
         send(shown.app, "end", "up", "enter", "i", *"137", "enter", "down", "p", "space")
-        await shown.press()
-        assert shown.cursor == "ranges[138]"
-        assert "ranges[138] 3.45" in shown.text
-        assert "frozen" in shown.text
+        await shown.until(lambda: shown.cursor == "ranges[138]")
+        await shown.until(lambda: "ranges[138] 3.45" in shown.text and "frozen" in shown.text)
 
 
 async def test_a_key_behind_t_acts_in_the_definition_that_it_opens() -> None:
     async with opened() as shown:
         dialog = shown.app.screen
         send(shown.app, "t", "enter", "p")
-        await shown.press()
-        assert shown.app.screen is dialog
-        assert "60 s ago" in shown.text
+        await shown.until(lambda: shown.app.screen is dialog and "60 s ago" in shown.text)
 
 
 async def test_a_field_that_is_plotted_while_frozen_has_its_curve() -> None:

@@ -205,6 +205,9 @@ class RecordedHost:
         """Return the states of these nodes at the position."""
         return self._player.view().hosted
 
+    def usage(self, _name: str) -> None:
+        """Return None: nothing of a recording runs here."""
+
 
 class NullRecorder:
     """A stand-in for the journal and the recorder of a console in a replay: it records nothing."""
