@@ -206,8 +206,12 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
 
 def _print_version(engine: str) -> int:
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
+    from archo_tui.user_code.usage import of_process, usage_text
+
     print(f"archo-tui {__version__}")
     print(safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
+    if (usage := of_process(os.getpid())) is not None:
+        print(usage_text(None, usage._replace(where="this process"), 0.0))
     return 0
 
 

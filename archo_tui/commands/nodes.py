@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.commands.graph import show_topic
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state.snapshot import Hosted
+from archo_tui.station.station import Station
 from archo_tui.station.view import View
 from archo_tui.text.nodes import NodeRow, node_rows
+from archo_tui.user_code.usage import Usage, usage_text
 
+_USAGE_PERIOD = 1.0  # Seconds between two measurements.
 _GONE = "? not on the graph any more"
 
 
@@ -86,6 +91,17 @@ class ShowNode(Command):
         open_node_dialog(console, row)
 
 
+async def _follow_usage(station: Station, name: str, show: Callable[[str], None]) -> None:
+    """Show each second what a node or program of this process takes; nothing for any other."""
+    before: Usage | None = None
+    measured = 0.0
+    while (now := await in_daemon(station.host.usage, name)) is not None:
+        at = station.clock.monotonic()
+        show(usage_text(before, now, at - measured))
+        before, measured = now, at
+        await station.clock.sleep(_USAGE_PERIOD)
+
+
 def open_node_dialog(console: Console, row: NodeRow) -> None:
     """Open the dialog of a node with its state, topics and services, log level and lifecycle."""
     from archo_tui.screens.node import NodeDialog
@@ -115,5 +131,6 @@ def open_node_dialog(console: Console, row: NodeRow) -> None:
             change_lifecycle,
             refused,
             partial(show_topic, console),
+            partial(_follow_usage, station, row.name),
         )
     )

@@ -100,7 +100,7 @@ class Robot(Parts):
         self.clock_offsets, self.sim_clock = ClockOffsets(), SimClock(node, clock, send_soon)
         self.telemetry = Telemetry(
             *(node, file, clock, partial(updates.on_reading, self)),
-            *(self.reporter.warn, partial(updates.on_stamp, self), file.record),
+            *(self.reporter.warn, partial(updates.on_stamp, self), file.unshown_topics),
         )
         self.parameters = Parameters(
             *(node, clock, self.services, submit, send_soon),

@@ -28,6 +28,8 @@ _READINGS = ("battery.charging", "motion.moving", "motion.stopped", "ask")
 
 Faults = Iterator[tuple[str, str]]  # Pairs of `FILE:LINE` and a sentence.
 
+_MOST_HERTZ = 1000.0
+
 
 def find_faults(robot: RobotFile) -> Faults:
     """Yield each fault of a robot file as the entry's place (`FILE:LINE`, or "") and a sentence."""
@@ -37,12 +39,21 @@ def find_faults(robot: RobotFile) -> Faults:
     yield from _word_faults(robot)
     yield from _reading_faults(robot)
     yield from _gauge_faults(robot)
+    yield from _rate_faults(robot)
     for goal in robot.goals:
         yield from _goal_faults(goal)
     if robot.stop is not None:
         yield from _stop_faults(robot.stop)
     for command in robot.commands:
         yield from _toggle_faults(command)
+
+
+def _rate_faults(robot: RobotFile) -> Faults:
+    for rule in robot.topics:
+        if rule.rate is not None and not 0 < rule.rate <= _MOST_HERTZ:
+            yield rule.where, f"rate is more than 0, at most {_MOST_HERTZ:g} Hz"
+        if not 0 < rule.tolerance < 1:
+            yield rule.where, "tolerance is a share: more than 0, less than 1"
 
 
 def _subscribed(robot: RobotFile) -> list[BatteryTopic | MotionTopic | PoseTopic]:

@@ -295,6 +295,10 @@ class TopicRule:
     topic: Annotated[str, "the topic's name"]
     # The graph cannot tell whether a message sets the robot in motion, so the file says it.
     moves: Annotated[bool, "false: what is published there never sets the robot in motion"] = True
+    rate: Annotated[
+        float | None, "the messages a second that are expected, in Hz; the console subscribes to it"
+    ] = None
+    tolerance: Annotated[float, "the share by which the rate may differ; more is an alarm"] = 0.2
     where: str = _where()
 
 
@@ -333,6 +337,13 @@ class RobotFile:
         topics = (self.battery, self.motion, self.pose)
         named = [topic.topic for topic in topics if topic] + [gauge.topic for gauge in self.gauges]
         return tuple(dict.fromkeys([*named, *filter(None, [self.diagnostics])]))
+
+    @property
+    def unshown_topics(self) -> tuple[str, ...]:
+        """The names of further topics that the console receives: of `record`, or with a rate."""
+        rated = [rule.topic for rule in self.topics if rule.rate is not None]
+        named = dict.fromkeys([*self.record, *rated])
+        return tuple(name for name in named if name not in self.shown_topics or name in self.record)
 
     @property
     def services(self) -> tuple[str, ...]:

@@ -306,7 +306,7 @@ def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
     chosen += [pair for pair in found if pair[0].part == "topics"]
     used: set[str] = set()
     entries = tuple(_with_file_names(entry, where, used) for entry, _ in chosen)
-    used = {sighting.name for _, sighting in chosen}
+    used = {sighting.name for entry, sighting in chosen if entry.part != "topics"}
     used |= {entry.value.release for entry, _ in chosen if entry.part == "stop"}
     unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in used)
     return Proposal(where, entries, unknown)
@@ -336,7 +336,7 @@ def _entries(sighting: Sighting) -> Iterator[Entry]:
         if known_types.DIAGNOSTICS in sighting.types:
             reason = topic_reason(sighting, known_types.DIAGNOSTICS)
             yield Entry("diagnostics", sighting.name, reason)
-        yield from _topic_that_never_moves(sighting)
+        yield from _topic_rules(sighting)
     elif sighting.kind == "action":
         goal = propose_goal(
             sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
@@ -384,11 +384,15 @@ def _is_initial_pose(sighting: Sighting) -> bool:
     return known_types.INITIAL_POSE in sighting.types and "initial" in sighting.name.lower()
 
 
-def _topic_that_never_moves(sighting: Sighting) -> Iterator[Entry]:
-    """Yield the rule for a topic to which a message can be published without a question.
+def _topic_rules(sighting: Sighting) -> Iterator[Entry]:
+    """Yield the rules for a topic: its rate, or that a message to it asks no question.
 
-    Whether a text moves the robot, a person decides.
+    Whether a text moves the robot, and a rate is the right one, a person decides.
     """
+    if sighting.rate is not None:
+        rated = TopicRule(sighting.name, rate=float(f"{sighting.rate:.2g}"))
+        reason = f"{sighting.name} came at {sighting.rate:.2g} Hz: shall another rate be an alarm?"
+        yield Entry("topics", rated, reason, is_sure=False)
     rule = TopicRule(sighting.name, moves=False)
     listens = f"{sighting.name} is a {sighting.types[0]}, and `pub` asks nothing before it:"
     if _is_initial_pose(sighting):
@@ -531,8 +535,10 @@ def text_of(proposal: Proposal, head: str) -> str:
 def _parts(entries: tuple[Entry, ...]) -> Iterator[str]:
     for part, group in groupby(entries, key=lambda entry: entry.part):
         if part in _LISTS:
-            yield f"{part}:\n"
-            for entry in group:
+            items = list(group)
+            is_any_sure = any(entry.is_sure for entry in items)
+            yield f"{part}:\n" if is_any_sure else _comment(f"{part}:")
+            for entry in items:
                 item = yaml_dump.mixed([plain(entry.value)])
                 item = item if entry.is_sure else _comment(item)
                 yield indent(_comment(entry.reason) + item, "  ")

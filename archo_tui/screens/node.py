@@ -50,12 +50,15 @@ class NodeDialog(Dialog[None]):
         disabled_reason: str,  # Of level and lifecycle.
         # Opens the dialog of a topic by its full name and types.
         show_topic: Callable[[str, Sequence[str]], None],
+        # Shows, again and again, the processor time and memory of one that runs here.
+        follow_usage: Callable[[Callable[[str], None]], Coroutine[Any, Any, None]],
     ) -> None:
         super().__init__()
         self._node, self._state_text, self._view = name, state_text, view
         self._disabled_reason = disabled_reason
         self._describe, self._set_level = describe, set_level
         self._change_lifecycle, self._show_topic = change_lifecycle, show_topic
+        self._follow_usage = follow_usage
         self._topics: dict[str, str] = {}  # The types of those that it publishes or subscribes to.
         self._lifecycle = _lifecycle(view, name)
         self._transitions: tuple[str, ...] = ()
@@ -68,6 +71,9 @@ class NodeDialog(Dialog[None]):
             box.border_subtitle = "esc close"
             with VerticalScroll(classes="question", id="node-text"):
                 yield Static(Content(self._state_text(self._view)), id="node-known")
+                usage = Static(id="node-usage")
+                usage.display = False
+                yield usage
                 yield Static(Content("asking the graph ..."), id="node-graph")
             yield Horizontal(classes="answers", id="transitions")
             yield Static(classes="level")
@@ -80,6 +86,12 @@ class NodeDialog(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
         start_worker(self, self._update_details, _GROUP)
+        start_worker(self, partial(self._follow_usage, self._show_usage), _GROUP)
+
+    def _show_usage(self, text: str) -> None:
+        for line in self.query("#node-usage"):
+            line.display = True
+        self.set_text("#node-usage", Content(f"takes       {text}"))
 
     def show_view(self, view: ScreenState) -> None:
         """Show the state once a second, and when a node here starts or ends.

@@ -115,6 +115,8 @@ KINDS = (
         has_own_topic=True,
         has_text=True,
     ),
+    Kind("topic silent", _MED, when.topic_silent, 10.0, is_reported=True, is_silence=True),
+    Kind("topic rate", _LOW, when.topic_rate, 5.0, 5.0, graver="topic silent", is_reported=True),
     Kind("several publishers", _MED, when.several_publishers, _AFTER_GRAPH),
     Kind("name twice", _MED, when.duplicate_name, _AFTER_GRAPH),
     Kind("no nodes", _MED, when.no_nodes, 5.0),

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.messages.period import LEAST_SILENCE, MessageRate
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import not_offered
 from archo_tui.robot.state.readings import WORST_FIRST, Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot_file.model import TopicRule
 
 Found = Iterator[tuple[str, str | None]]
 
@@ -277,6 +279,43 @@ def diagnostics_worst_first(snapshot: Snapshot, now: float) -> list[Diagnostic]:
     """Return the last status of each part with its level now: ERROR, WARN, STALE, OK, by name."""
     found = [status._replace(level=status.level_at(now)) for status in snapshot.diagnostics]
     return sorted(found, key=lambda status: (WORST_FIRST.index(status.level), status.key))
+
+
+# Topics whose rate the robot file expects.
+
+
+def topic_silent(seen: Situation) -> Found:
+    for topic, rule, rate in _rated(seen):
+        if rate is None:
+            yield topic, f"{topic} IS SILENT: nothing came, expected {rule.rate:g} Hz"
+        elif seen.now - rate.heard > _silence(rule):
+            silent = f"{seen.now - rate.heard:.0f} s"
+            yield topic, f"{topic} IS SILENT for {silent}: expected {rule.rate:g} Hz"
+
+
+def topic_rate(seen: Situation) -> Found:
+    for topic, rule, rate in _rated(seen):
+        hertz, due = None if rate is None else rate.hertz, rule.rate or 0.0
+        if rate is None or hertz is None or seen.now - rate.heard > _silence(rule):
+            continue
+        share = f"{rule.tolerance:.0%}"
+        if hertz < due * (1 - rule.tolerance):
+            yield topic, f"{topic} IS TOO SLOW, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+        elif hertz > due * (1 + rule.tolerance):
+            yield topic, f"{topic} IS TOO FAST, {hertz:.1f} Hz: expected {due:g} Hz, within {share}"
+
+
+def _rated(seen: Situation) -> Iterator[tuple[str, TopicRule, MessageRate | None]]:
+    """Yield each topic with an expected rate, by its full name, with the measured one if any."""
+    for rule in seen.snapshot.file.topics:
+        if rule.rate is not None:
+            topic = seen.snapshot.full(rule.topic)
+            yield topic, rule, seen.snapshot.message_rates.get(topic)
+
+
+def _silence(rule: TopicRule) -> float:
+    """Return the seconds without a message that are silence: three periods, at least 2.5 s."""
+    return max(3 / (rule.rate or 1.0), LEAST_SILENCE)
 
 
 # The graph, and the console itself.

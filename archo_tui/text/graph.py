@@ -16,7 +16,7 @@ class ResourceRow(NamedTuple):
     """A topic, service or action as a row of the Graph panel."""
 
     resource: Resource
-    rate: str = ""  # `1.0 Hz` or SILENT for a topic; "" if unknown.
+    rate: str = ""  # `1.0 Hz`, `1.0 of 2 Hz` or SILENT for a topic; "" if unknown.
 
     @property
     def who(self) -> str:
@@ -91,4 +91,6 @@ def _rate_text(view: View, topic: str) -> str:
         return ""
     if rate.is_silent(view.second):
         return SILENT
-    return "" if rate.hertz is None else f"{rate.hertz:.1f} Hz"
+    expected = view.snapshot.expected_rate(topic)
+    of = "" if expected is None else f" of {expected:g}"
+    return "" if rate.hertz is None else f"{rate.hertz:.1f}{of} Hz"

@@ -7,6 +7,7 @@ for terminals without colours.
 from __future__ import annotations
 
 import math
+import re
 from itertools import groupby
 
 from archo_tui.robot.state.readings import GaugeReading
@@ -31,6 +32,19 @@ def elsewhere_text(snapshot: Snapshot) -> str:
     """Return the namespaces of other robots on the graph, and the option to use; "" for none."""
     others = snapshot.other_namespaces
     return f"robots seen: {', '.join(others)}; use --namespace {others[0]}" if others else ""
+
+
+def with_short_types(text: str) -> str:
+    """Return a text in which types have no package: `String` for `std_msgs/msg/String`."""
+    return re.sub(r"\b[a-z]\w*/(?:msg|srv|action)/(?=\w)", "", text)
+
+
+def fault_text(fault: str, width: int) -> str:
+    """Return why a topic is not used in `width` cells: at last `wrong type: String`."""
+    short = with_short_types(fault)
+    found = re.match(r"\S+ is (\w+):", short)
+    texts = fault, short, f"wrong type: {found[1]}" if found else short
+    return next((text for text in texts if len(text) <= width), texts[-1])
 
 
 def no_data_text(snapshot: Snapshot) -> str:
@@ -195,7 +209,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         return (("the robot file names no motion", OLD),)
     if motion.received is None:
         if described.topic in snapshot.faults:
-            return ((snapshot.faults[described.topic], WARN),)
+            return ((fault_text(snapshot.faults[described.topic], width), WARN),)
         offered = described.topic in snapshot.offered
         return (("? NO DATA" if offered else f"no node publishes {described.topic}", OLD),)
     if motion.is_old(now):

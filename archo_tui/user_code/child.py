@@ -19,6 +19,7 @@ from typing import IO, Any, TextIO
 
 from archo_tui.user_code.output import MAX_LENGTH
 from archo_tui.user_code.program import Callbacks, HostedProgram, Program, ProgramEnd
+from archo_tui.user_code.usage import Usage, of_process
 
 assert sys.platform != "win32"  # As mypy is to know: signals and inherited files are of POSIX.
 
@@ -151,6 +152,10 @@ class ProgramChild(HostedProgram):
 
     def node_names(self) -> tuple[str, ...]:
         return tuple(self._names)
+
+    def usage(self) -> Usage | None:
+        process = self._process
+        return None if process is None else of_process(process.pid)
 
     def serves_now(self) -> tuple[str, ...]:
         return self.served  # As it has reported.

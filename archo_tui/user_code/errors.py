@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import re
+import sys
 import sysconfig
 import traceback
 from pathlib import Path
@@ -15,6 +17,7 @@ from rclpy.node import Node
 
 import archo_tui
 from archo_tui.errors import UserFileError, first_line, quoted_line
+from archo_tui.nearest import nearest_hint
 from archo_tui.user_code.source import Source
 
 # Errors that rclpy raises without a text, and what they mean.
@@ -83,10 +86,9 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
     if isinstance(error, SyntaxError) and own_code.is_own(error.filename or ""):
         place = f"{own_code.display_name(error.filename or '')}:{error.lineno}"
         return f"{place}: {name}: {error.msg}{quoted_line(error.text or '')}", report
+    interface = _missing_interface(error)
     if isinstance(error, ModuleNotFoundError):
         why += f" (looked for it in {own_code.path.parent} and where Python looks)"
-        if (error.name or "").partition(".")[0].endswith(_INTERFACE_SUFFIXES):
-            why += ": --interfaces DIR takes the package with its .msg files"
     stack = traceback.extract_tb(error.__traceback__)
     where, line = own_code.place(stack)
     unmade = _unmade_node(error) if not own_code.is_own(stack[-1].filename if stack else "") else ""
@@ -98,8 +100,23 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
         found, reason = _place_of_callback(error, own_code, source, str(own_code), why)
         if found != str(own_code):
             where, line, why = found, "", reason
-    text = f"{name}: {why}".rstrip(": ")
+    text = interface or f"{name}: {why}".rstrip(": ")
     return f"{where}: {WORDLESS.get(text, text)}{line}", report
+
+
+def _missing_interface(error: BaseException) -> str:
+    """Return which package of interfaces, or which interface of one, cannot be imported, or ""."""
+    module = error.name or "" if isinstance(error, ImportError) else ""
+    package, _, kind = module.partition(".")
+    if isinstance(error, ModuleNotFoundError):
+        is_interface = package.endswith(_INTERFACE_SUFFIXES)
+        how = "--interfaces DIR takes it with its .msg files"
+        return f"no package {package}: {how}" if is_interface else ""
+    wanted = re.match(r"cannot import name '(\w+)'", str(error))
+    if wanted is None or kind not in ("msg", "srv", "action"):
+        return ""
+    near = nearest_hint(wanted[1], [name for name in vars(sys.modules[module]) if name[0] != "_"])
+    return f"no {kind} {wanted[1]} in {package}{near}"
 
 
 def reason_of(error: BaseException) -> str:

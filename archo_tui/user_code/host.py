@@ -23,6 +23,7 @@ from archo_tui.user_code.hosted import KILL_TIMEOUT
 from archo_tui.user_code.own_node import OwnNode
 from archo_tui.user_code.probe import restore
 from archo_tui.user_code.program import Callbacks, HostedProgram, Program
+from archo_tui.user_code.usage import Usage
 
 _Hosted = OwnNode | HostedProgram
 _BEHIND_STOP = "is not started behind a STOP that is not released: release it first"
@@ -112,6 +113,11 @@ class Host:
         found = [hosted for hosted in hosts if name in hosted.names]
         found.sort(key=lambda hosted: hosted.state.life.is_running is to_start)
         return found[0] if found else None
+
+    def usage(self, name: str) -> Usage | None:
+        """Return what a node or its program has taken; None for one that does not run here."""
+        found = self.find(name)
+        return None if found is None else found.usage()
 
     def _found(self, name: str, *, to_start: bool = False) -> _Hosted:
         found = self.find(name, to_start=to_start)

@@ -6,6 +6,7 @@ import threading
 from abc import ABC, abstractmethod
 
 from archo_tui.robot.state.snapshot import Hosted, Life
+from archo_tui.user_code.usage import Usage, of_threads
 
 JOIN_TIMEOUT = 3.0  # Seconds that it has to end once it is asked to.
 KILL_TIMEOUT = 0.5  # Seconds that it then takes at most.
@@ -86,6 +87,10 @@ class HostedThread(ABC):
         if self.state.life is not Life.CRASHED:
             self.state = self.state._replace(life=Life.STOPPED, error="")
         return True
+
+    def usage(self) -> Usage | None:
+        """Return the processor time and memory that it has taken; None if that is not known."""
+        return of_threads([self._thread])
 
     def node_names(self) -> tuple[str, ...]:
         """Return the full names of its nodes on the graph, the oldest first, if they may change."""

@@ -37,6 +37,7 @@ from archo_tui.user_code.program import (
     exit_code,
     with_ros_args,
 )
+from archo_tui.user_code.usage import Usage, of_threads
 
 _SERVES_PERIOD = 1.0  # Seconds for which the names of what it serves are kept.
 _OWN_END = 0.2  # Seconds in which its threads end by themselves once its contexts are shut down.
@@ -262,6 +263,9 @@ class ProgramThread(HostedProgram):
     def is_at_rest(self) -> bool:
         threads = [self._thread, *self._other_threads()]
         return self._has_node and any(waits_for_others(thread) for thread in threads)
+
+    def usage(self) -> Usage | None:
+        return of_threads([self._thread, *self._other_threads()])
 
     def constructor_line(self) -> str:
         line: str = self.ask({"ask": "constructor"}).get("constructor", "")

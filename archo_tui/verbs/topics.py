@@ -54,6 +54,7 @@ class Topics(Verb):
                 "types": list(row.resource.types),
                 "nodes": list(row.resource.nodes),
                 "rate": None if row.rate in ("", SILENT) else rates[row.resource.name].hertz,
+                "expected": station.robot.snapshot.expected_rate(row.resource.name),
                 "silent": row.rate == SILENT,
                 "mismatches": list(row.resource.mismatches),
             }

@@ -17,6 +17,7 @@ from archo_tui.text.state import (
     battery_line,
     battery_word,
     charge_bar,
+    fault_text,
     no_reading_reason,
 )
 from archo_tui.widgets.line import Line
@@ -69,7 +70,8 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
     if battery.received is None:
         described = snapshot.file.battery
         is_fault = described is not None and described.topic in snapshot.faults
-        return ((no_reading_reason(snapshot), WARN if is_fault else OLD),)
+        reason = no_reading_reason(snapshot)
+        return ((fault_text(reason, width), WARN) if is_fault else (reason, OLD),)
     if battery.is_old(now):
         return ((f"last heard {age_text(now - battery.received)} ago", OLD),)
     if battery.unreadable:

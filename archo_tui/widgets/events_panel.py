@@ -13,6 +13,7 @@ from archo_tui.robot.state.events import OWN_LEVELS, Event
 from archo_tui.robot.state.snapshot import Hosted
 from archo_tui.text.event import is_of_own_file, one_line_text, outcome_glyph
 from archo_tui.text.event_rows import EventRow, event_rows
+from archo_tui.text.state import with_short_types
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.widgets.screen_state import ScreenState
@@ -44,7 +45,9 @@ def event_lines(row: EventRow, width: int, _columns: Columns) -> list[Text]:
     if event.count > 1:
         text += f"   {repeat_text(event)}" if is_wide else f"   x {event.count}"
     gap = "  " if is_wide else " "
-    return [(f"{at}{gap}{outcome_glyph(event)}{gap}{text}", _STYLES.get(event.level, ""))]
+    line = f"{at}{gap}{outcome_glyph(event)}{gap}{text}"
+    line = with_short_types(line) if len(line) > width else line
+    return [(line, _STYLES.get(event.level, ""))]
 
 
 def repeat_text(event: Event) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 
@@ -82,17 +83,13 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
 
 
 def _crop_at_word(text: str, width: int) -> str:
-    """Return a text in at most `width` cells, cut behind a whole word.
+    """Return what is wrong with a node in at most `width` cells, cut behind a whole word.
 
-    If fewer than two have room, what stands before the first `: ` is left out, so that the name of
-    an exception can be read.
+    That it crashed, and in which line, is left out: what is said of it is read first.
     """
-    cut = textwrap.shorten(text, width, placeholder=" …")
-    if len(cut.split()) > 2:
-        return cut
-    _, _, reason = text.partition(": ")
-    cut = textwrap.shorten(reason or text, width, placeholder=" …")
-    return crop(reason or text, width) if cut == "…" else cut
+    reason = re.sub(r"^(crashed: |not restarted: |line \d+: )+", "", text)
+    cut = textwrap.shorten(reason, width, placeholder=" …")
+    return cut if 3 * len(cut) > 2 * width else crop(reason, width)  # A long word may be cut.
 
 
 def _same_if_equal(before: NodeRow | None, now: NodeRow) -> NodeRow:

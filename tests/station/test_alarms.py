@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot_file.model import TopicRule
 from archo_tui.screens.lists import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
@@ -645,3 +647,29 @@ def test_a_warning_beside_an_error_of_its_part_waits_for_its_own_delay() -> None
     board.update({}, 3.4, 3.4)
     raised = board.update({"diagnostics motor": "W"}, 5.1, 5.1)
     assert "diagnostics motor" not in [alarm.name for alarm in raised]
+
+
+RATED = replace(NORMAL.file, topics=(TopicRule("scan", rate=10.0), TopicRule("words", rate=0.1)))
+
+
+@pytest.mark.parametrize(
+    ("interval", "ago", "said"),
+    [
+        (0.1, 0.1, {}),
+        (0.12, 0.1, {}),  # 8.3 Hz
+        (0.13, 0.1, {"rate": "/scan IS TOO SLOW, 7.7 Hz: expected 10 Hz, within 20%"}),
+        (0.08, 0.1, {"rate": "/scan IS TOO FAST, 12.5 Hz: expected 10 Hz, within 20%"}),
+        (0.13, 3.0, {"silent": "/scan IS SILENT for 3 s: expected 10 Hz"}),
+        (None, 0.0, {"silent": "/scan IS SILENT: nothing came, expected 10 Hz"}),
+    ],
+)
+def test_a_topic_that_is_not_as_often_as_expected_is_an_alarm(
+    interval: float | None, ago: float, said: dict[str, str]
+) -> None:
+    rates = {"/words": MessageRate(NOW - 29.0)}
+    if interval is not None:
+        rates["/scan"] = MessageRate(NOW - ago, interval)
+    snapshot = NORMAL._replace(file=RATED, message_rates=rates)
+    found = conditions(snapshot, NOW)
+    assert found == {f"topic {kind} /scan": text for kind, text in said.items()}
+    assert kind_of(next(iter(found), "topic rate /scan")).name.startswith("topic ")

@@ -97,8 +97,13 @@ async def test_it_is_stopped_started_and_copied(here: Path) -> None:
         ("import nosuchpackage\n", "line 1: ModuleNotFoundError: ", "nosuchpackage"),
         (
             "import no_such_msgs.msg\n",
-            "line 1: ModuleNotFoundError: ",
-            "--interfaces DIR takes the",
+            "line 1: no package no_such_msgs: ",
+            "--interfaces DIR takes",
+        ),
+        (
+            "from archo_interfaces.msg import BatteryState\n",
+            "line 1: no msg BatteryState in archo_interfaces ",
+            "(nearest: BatteryStatus)",
         ),
         ("import sys\nsys.exit('no map')\n", "no map", ""),
         ("import sys\nsys.exit(3)\n", "exit code 3", ""),

@@ -15,6 +15,7 @@ from archo_tui.robot.state.audit_records import AuditRecord
 from archo_tui.robot.state.events import Event, EventLog
 from archo_tui.session import _robots_nodes
 from archo_tui.text.event_rows import event_rows
+from archo_tui.text.state import fault_text
 from archo_tui.widgets.events_panel import event_lines, events_as_text
 from tests.support.clock import seconds
 from tests.support.console import FAST, console
@@ -33,6 +34,18 @@ def test_a_line_feed_is_a_blank_in_a_row_and_in_a_file() -> None:
     (row,) = event_rows([event], ())
     assert row.text == "Incoming request a: 2 b: 3"
     assert events_as_text([event]).count("\n") == 1
+
+
+def test_another_type_is_named_in_the_row_and_in_the_battery_panel() -> None:
+    other = "archo_interfaces/msg/BatteryStatus or std_msgs/msg/Float32"
+    fault = f"battery_level is std_msgs/msg/String: expected {other}"
+    (row,) = event_rows([Event(0.0, "WARN", "console", fault)], ())
+    ((line, _),) = event_lines(row, 78, (0,))
+    assert line.endswith("battery_level is String: expected BatteryStatus or Float32")
+    ((line, _),) = event_lines(row, 140, (0,))
+    assert line.endswith(fault)  # with room for the packages
+    assert fault_text(fault, 25) == "wrong type: String"
+    assert fault_text("battery_level has several types: a, b", 60).endswith("a, b")
 
 
 async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:

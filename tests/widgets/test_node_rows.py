@@ -56,6 +56,12 @@ def test_titles_stand_above_their_columns() -> None:
     assert node_titles(0, columns).split() == ["node", "heard", "rate"]  # A hidden list.
 
 
+def test_a_package_that_is_missing_is_named_in_a_narrow_panel() -> None:
+    error = "line 3: no package my_robot_interfaces: --interfaces DIR takes it"
+    crashed = NodeRow(NodeState("/mine"), Hosted("/mine", Life.CRASHED, error), NOW)
+    assert drawn([crashed], 23)[1] == "  no package my_robot_…"
+
+
 @pytest.mark.parametrize("width", range(22, 30))
 def test_a_crash_in_a_narrow_panel_names_the_exception_and_ends_with_a_word(width: int) -> None:
     error = "ZeroDivisionError: division by zero in the callback of a timer"

@@ -201,6 +201,11 @@ class Snapshot(NamedTuple):
         """Return False for a full topic name of which the robot file says that nothing moves."""
         return all(rule.moves for rule in self.file.topics if self.full(rule.topic) == topic)
 
+    def expected_rate(self, topic: str) -> float | None:
+        """Return the rate in Hz that the robot file expects of a full topic name; None for none."""
+        rates = (rule.rate for rule in self.file.topics if self.full(rule.topic) == topic)
+        return next((rate for rate in rates if rate is not None), None)
+
     def unavailable(self, name: str) -> str:
         """Return why a topic, service or action of the robot file cannot be used; "" if it can."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
