@@ -23,8 +23,10 @@ from archo_tui.recordings import bag, store
 from archo_tui.recordings.recorder import BlackBox
 from archo_tui.recordings.replay.bag import BagFile
 from archo_tui.robot.messages.cdr import serialize
-from tests.support import clock, warm
-from tests.support.console import FAST, console
+from tests.support import warm
+from tests.support.console import FAST
+from tests.support.plain import operated
+from tests.support.quiet import while_passes
 from tests.support.stub import StandingClock
 from tests.support.waiting import DEADLINE, Waited
 
@@ -34,10 +36,10 @@ SLOW = ("-p", "publish_period:=1.0")
 @pytest.mark.waits
 async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
     path = tmp_path / "shift"
-    async with console(*FAST, *SLOW, record=path) as op:
-        await op.press("g", *"12", "enter")
-        await op.until("✓ ARRIVED")
-        await op.at(clock.seconds() + 20)
+    async with operated(ros_args=(*FAST, *SLOW), record=path) as person:
+        person.type("go 12\n")
+        await person.until("ARRIVED")
+        await while_passes(20.0)
         assert not (path / store.METADATA).exists()
     said = store.read_recording(path)
     assert said.why == "all of it"

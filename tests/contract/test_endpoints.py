@@ -83,15 +83,6 @@ def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
     assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
 
 
-def profile(**given: Any) -> QoSProfile:
-    return QoSProfile(
-        depth=1, liveliness=given.pop("liveliness", LivelinessPolicy.AUTOMATIC), **given
-    )
-
-
-SECOND = Duration(seconds=1)
-
-
 def test_profiles_by_their_short_names() -> None:
     assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
     assert QoSProfile(depth=3) == QoSProfile(depth=3)

@@ -236,9 +236,6 @@ def test_another_nodes_parameters_are_deleted(ros: Ros) -> None:
     assert (node.has_parameter("kept"), node.has_parameter("loose")) == (True, False)
 
 
-ANY = ParameterDescriptor(dynamic_typing=True)
-
-
 @pytest.mark.parametrize(
     ("declarations", "error"),
     [

@@ -23,7 +23,9 @@ from tests.support import chosen, clock
 from tests.support.alarms import conditions
 from tests.support.archo import go
 from tests.support.console import console
-from tests.support.quiet import Quiet, ended, until
+from tests.support.night import corners
+from tests.support.plain import operated
+from tests.support.quiet import Quiet, ended, until, while_passes
 from tests.support.robot import robot
 from tests.support.ros import Ros
 
@@ -53,7 +55,7 @@ def text(snapshot: Snapshot) -> str:
     return plain_text(battery_line(snapshot, clock.seconds(), 80))
 
 
-@pytest.mark.parametrize("value", [3e38, float("nan")])
+@pytest.mark.parametrize("value", corners([float("nan")], [3e38]))
 async def test_a_percentage_that_cannot_be_is_shown_as_received_and_is_not_good(
     value: float,
 ) -> None:
@@ -192,14 +194,16 @@ async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
 
 @pytest.mark.waits
 async def test_a_new_pace_that_the_operator_sets_is_measured_anew() -> None:
-    async with console("-p", "drain_max:=0.0", "-p", "drain_min:=0.0") as op:
-        await op.at(clock.seconds() + 10)
-        outcome = op.app.station.robot.set_parameters("/battery_monitor", {"publish_period": 10.0})
+    async with operated(ros_args=("-p", "drain_max:=0.0", "-p", "drain_min:=0.0")) as person:
+        it = person._plain._station.robot
+        await while_passes(10.0)
+        outcome = it.set_parameters("/battery_monitor", {"publish_period": 10.0})
         assert (await ended(outcome)).ok
         for _ in range(4):
-            await op.at(clock.seconds() + 9)
-            assert "silent" not in op.text.splitlines()[0]
-            assert "(old" not in op.text
+            await while_passes(9.0)
+            view = person._plain._station.view
+            assert "silent" not in header(view, 120).plain
+            assert "(old" not in text(it.snapshot)
 
 
 async def test_an_action_of_another_type_is_greyed_with_its_type(
