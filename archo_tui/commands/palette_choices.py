@@ -187,7 +187,7 @@ def _place_choices(console: Console) -> Iterator[Choice]:
             act, words = partial(_drive_to, console, go, name), f"drive place {go.kind.title}"
             yield Choice(f"Go to {name}", act, "", go.refusal(station), words)
     for name, goals in places.lists.items():
-        drive = console.verbs["drive"]
+        drive = console.verbs["go_list"]
         act, title = partial(_drive_to, console, drive, name), f"Drive {name} ({len(goals)} goals)"
         yield Choice(title, act, "", drive.refusal(station), "go list queue round")
 

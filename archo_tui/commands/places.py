@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from archo_tui.commands.base import Console, VerbCommand
 from archo_tui.errors import ArchoError
+from archo_tui.verbs.verb import Verb
 
 
 class SaveUnderName(VerbCommand):
     """The command that asks for a name, and runs a verb with it."""
+
+    def __init__(self, verb: Verb, *others: str) -> None:
+        """Create it; `others` are the verbs that use what it saves."""
+        super().__init__(verb)
+        self.verbs = (verb.id, *others)
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_name import AskName

@@ -154,10 +154,10 @@ def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
 
 
 def _is_long_step(before: Goal | None, goal: Goal) -> bool:
-    """Return True if a feedback is a tenth of the way or more from the one before."""
+    """Return True if a feedback is a sixth of the way or more from the one before."""
     if before is None or before.remaining is None or goal.remaining is None or not goal.length:
         return False
-    return abs(before.remaining - goal.remaining) >= goal.length / 10
+    return abs(before.remaining - goal.remaining) >= goal.length / 6
 
 
 def _is_in_answer(before: Goal | None, goal: Goal) -> bool:

@@ -12,7 +12,7 @@ VERBS = (
     *("nodes", "topics", "echo", "hz", "interface"),
     *("start", "halt", "copy", "log_level", "lifecycle"),
     *("send_goal", "call", "pub"),
-    *("places", "save_place", "save_queue", "drive"),
+    *("places", "save_place", "save_queue", "go_list"),
 )
 # The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow", "--once")

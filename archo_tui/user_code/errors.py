@@ -106,7 +106,9 @@ def explain(error: BaseException, own_code: OwnCode, source: Source) -> tuple[st
 
 def _missing_interface(error: BaseException) -> str:
     """Return which package of interfaces, or which interface of one, cannot be imported, or ""."""
-    module = error.name or "" if isinstance(error, ImportError) else ""
+    if not isinstance(error, ImportError):  # Of any other, the text may raise.
+        return ""
+    module = error.name or ""
     package, _, kind = module.partition(".")
     if isinstance(error, ModuleNotFoundError):
         is_interface = package.endswith(_INTERFACE_SUFFIXES)

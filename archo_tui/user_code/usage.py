@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 
 class Usage(NamedTuple):
-    """What threads of the console, or a process, have taken so far."""
+    """The processor time and memory that threads or a process have taken so far."""
 
     cpu: float  # Seconds of processor time.
     memory: int | None  # Bytes; None for threads, which share that of the console.

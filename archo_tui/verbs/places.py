@@ -105,7 +105,7 @@ class SaveQueue(Verb):
         await in_daemon(station.places.save_list, values["name"], goals)
         shown = ", ".join(goal.text for goal in goals)
         station.robot.note("YOU", "console", f"list {values['name']}: saved as {shown}")
-        text = f"{values['name']} is {shown}: drive {values['name']} drives to them"
+        text = f"{values['name']} is {shown}: go_list {values['name']} drives to them"
         return Outcome(Code.DONE, text)
 
 
@@ -114,9 +114,9 @@ def _lists(station: Station, _: Sequence[str]) -> Iterable[str]:
 
 
 class Drive(Verb):
-    """The verb `drive`: send the goals of a list, once or several times in turn."""
+    """The verb `go_list`: send the goals of a list, once or several times in turn."""
 
-    id, title = "drive", "Drive a list"
+    id, title = "go_list", "Go to the goals of a list"
     help = "Send the goals of a list, once or N times in turn"
     arguments = (
         Argument("name", completer=_lists),

@@ -24,7 +24,7 @@ TYPED = {
     "Charge the battery": ("charge", "battery", "charging"),
     "Send a goal to any action": ("action", "any action", "send goal"),
     "Save where the robot is": ("place", "pose", "waypoint"),
-    "Save the running goal": ("queue", "list", "goals"),
+    "Save the running goal": ("save the queue", "as a list", "running goal and"),
     "Publish a message": ("publish", "pub", "message"),
     "Call any service": ("service", "call", "any service"),
     "Save a robot file": ("keep", "robot file", "yaml"),

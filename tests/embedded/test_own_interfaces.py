@@ -55,7 +55,7 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
     terminal = Terminal("--interfaces", str(source), "--node", str(node))
     terminal.until("the last is temperature")
     package(tmp_path, "float32 humidity", "what is this")
-    terminal.until("archo_interfaces/msg/BatteryStatus.msg:")  # its file and line, and all goes on
+    terminal.until("BatteryStatus.msg:")  # its file and line, and all goes on
     package(tmp_path, "float32 humidity")
     terminal.until("the last is humidity")
     terminal.write("g7\r")

@@ -304,10 +304,13 @@ def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:
 NO_VERBS = ("allow", "deny", "rewind")  # of `--plain` alone, and one that is to come
 
 
+PLACES = ("places", "save_place", "save_queue", "go_list")  # Of robots with goals.
+
+
 def test_the_consoles_words_are_all_reserved_and_no_others() -> None:
     typed = {line.split()[0].rstrip(":") for line in help_text(verbs(RobotFile(), {})).splitlines()}
     ids = {command.id for command in registry(RobotFile())}
-    words = typed | ids | {"go", "wait"} | set(SUBCOMMANDS)
+    words = typed | ids | {"go", "wait", *PLACES} | set(SUBCOMMANDS)
     assert words == RESERVED - set(NO_VERBS)
 
 

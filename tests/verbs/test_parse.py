@@ -69,7 +69,7 @@ def test_behind_two_dashes_nothing_is_an_option() -> None:
         ("status now", "takes no values"),
         ("stop --yes", "takes no values"),
         ("release --yes now", "takes no values"),
-        ("go 12 x", "Shelf: not a whole number: x"),
+        ("go 12 1x", "Shelf: not a whole number: 1x"),
         ("go 0", "Shelf: at least 1, not 0"),
         ("go room=1", "expected shelf=..., not room=1"),
         ("go shelf=1 shelf=2", "expected shelf=..., not shelf=2"),

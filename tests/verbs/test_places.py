@@ -63,7 +63,7 @@ async def test_what_is_saved_under_a_name_is_there_for_the_next_console(file: Pa
     assert (code, "Arrived at shelf 7" in said) == (0, True)
 
 
-async def test_a_queue_that_was_saved_is_driven_again_as_often_as_asked_and_held_by_a_stop(
+async def test_a_queue_that_was_saved_is_driven_again_and_held_by_a_stop(
     file: Path,
 ) -> None:
     config_file("places.yaml").unlink(missing_ok=True)
@@ -75,7 +75,7 @@ async def test_a_queue_that_was_saved_is_driven_again_as_often_as_asked_and_held
         await person.until("STOP: confirmed")
         person.type("release --yes\n")
         await person.until("release stop: ")
-        person.type("drive round 2\n")
+        person.type("go_list round 2\n")
         await until(lambda: len(station.queue.waiting) == 5)
         assert [goal.text for goal in station.queue.waiting] == ["7", "3", "12", "7", "3"]
         person.type("stop\n")
@@ -85,10 +85,10 @@ async def test_a_queue_that_was_saved_is_driven_again_as_often_as_asked_and_held
         await until(lambda: not station.robot.snapshot.is_stopped)
         assert station.running_goal is None
         assert len(station.queue.waiting) == 5  # It never goes on by itself.
-        person.type("drive round 0\ndrive rund\ndrive round 1000\n")
-        await person.until("failed: drive: how often: from 1 to 1000, not 0")
-        await person.until("failed: drive: no list rund (nearest: round)")
-        await person.until("failed: drive: more than 1000 goals would wait")
+        person.type("go_list round 0\ngo_list rund\ngo_list round 1000\n")
+        await person.until("failed: go_list: how often: from 1 to 1000, not 0")
+        await person.until("failed: go_list: no list rund (nearest: round)")
+        await person.until("failed: go_list: more than 1000 goals would wait")
 
 
 async def test_places_stand_in_the_palette(file: Path) -> None:
