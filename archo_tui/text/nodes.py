@@ -112,8 +112,9 @@ def node_rows(view: View) -> tuple[NodeRow, ...]:
         state = states.get(name, NodeState(name))
         return NodeRow(state, hosted.get(name), 0.0 if state.heard is None else view.second, lost)
 
-    ours = []
+    often: dict[str, str] = {}  # A topic may be published to twice at a time.
     for text in view.publishes:
-        name, _, often = text.partition(", ")
-        ours.append(NodeRow(NodeState(name), None, 0.0, publishes=often))
+        name, _, rate = text.partition(", ")
+        often[name] = f"{often[name]} and {rate}" if name in often else rate
+    ours = [NodeRow(NodeState(name), None, 0.0, publishes=rate) for name, rate in often.items()]
     return (*ours, *map(row, sorted(states.keys() | hosted.keys())))

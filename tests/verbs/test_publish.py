@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from archo_tui.verbs.publish import Publish
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
+from tests.support.states import NORMAL
+from tests.support.stub import StubRobot, stub_station
 
 
 class Hearing(Node):
@@ -106,6 +109,13 @@ async def test_what_has_no_end_is_shown_in_nodes_and_ends_by_the_next_line() -> 
         count, later = len(heard), seconds() + 2.0
         await until(lambda: seconds() > later)
         assert len(heard) <= count + 1
+
+
+def test_two_publications_of_one_topic_are_one_row() -> None:
+    view = stub_station(StubRobot(NORMAL)).view
+    twice = replace(view, publishes=("pub /words, at 10 Hz", "pub /words, at 2 Hz"))
+    rows = [row for row in node_rows(twice) if row.publishes]
+    assert [(row.name, row.publishes) for row in rows] == [("pub /words", "at 10 Hz and at 2 Hz")]
 
 
 async def test_in_a_pipe_a_cancel_ends_it() -> None:
