@@ -42,7 +42,7 @@ class ShowResource(Command):
 
 class ShowFrames(Command):
     id, verbs = "tf", ("tf",)
-    help = "Show the transforms: each frame with its parent, age and rate, and what is wrong"
+    help = "Show the transforms: parents, ages, rates, and what is wrong"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.lists import FrameList
