@@ -52,6 +52,7 @@ _PLACES: dict[Any, str] = {
     model.Gauge: "Each of `gauges`",
     model.Place: "Each of `places`",
     model.TopicRule: "Each of `topics`",
+    model.FrameRule: "Each of `frames`",
     model.MessageField: "A reading",
     model.ParameterRef: "A number that is a parameter",
 }

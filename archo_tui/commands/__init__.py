@@ -91,6 +91,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         history.ChangeSpan(-1),
         history.ChangeSpan(1),
         graph.ShowResource(),
+        graph.ShowFrames(),
         console.ShowHelp(),
         console.ShowHelpEverywhere(),
         palette.OpenPalette(),

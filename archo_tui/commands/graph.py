@@ -40,6 +40,16 @@ class ShowResource(Command):
             console.open(ShowText(row.resource.name, row.details))
 
 
+class ShowFrames(Command):
+    id, verbs = "tf", ("tf",)
+    help = "Show the transforms: each frame with its parent, age and rate, and what is wrong"
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.lists import FrameList
+
+        console.open(FrameList(console.view, console.station.robot.listen_to_frames))
+
+
 def _step_in_graph(console: Console, by: int) -> WatchedTopic | None:
     """Move Graph's cursor to the topic below (1) or above (-1), and return it; None if none."""
     row = console.main.graph.step(by, TOPIC)

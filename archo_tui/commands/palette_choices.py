@@ -53,6 +53,7 @@ _SEARCH_WORDS = {
     "filter": "find search",
     "all_parameters": "hidden own use_sim_time ros every standard",
     "resource": "interface message info type definition",
+    "tf": "tf2 frames tree coordinate",
     "undo": "back revert",
     "save": "export write dump yaml",
     "load": "import open read yaml",

@@ -25,6 +25,7 @@ from archo_tui.robot.snapshot_sender import SnapshotSender
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.topics.frames import FrameListener
 from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot_file.model import RobotFile
 
@@ -57,6 +58,7 @@ class Parts:
     lifecycles: Lifecycles
 
     telemetry: Telemetry
+    frames: FrameListener
     clock_offsets: ClockOffsets
     sim_clock: SimClock
     changes: UnexplainedChanges

@@ -50,6 +50,7 @@ from archo_tui.robot.state.readings import Diagnostic
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot.stop.gate import Stops
 from archo_tui.robot.stop.sender import StopSender
+from archo_tui.robot.topics.frames import FrameListener
 from archo_tui.robot.topics.publications import Publications
 from archo_tui.robot.updates import POLL_PERIOD, WATCH_PERIOD, Poller, check_goals
 from archo_tui.robot_file.model import RobotFile
@@ -102,6 +103,9 @@ class Robot(Parts):
             *(node, file, clock, partial(updates.on_reading, self)),
             *(self.reporter.warn, partial(updates.on_stamp, self), file.unshown_topics),
         )
+        self.frames = FrameListener(
+            *(node, clock, lambda: self.graph.has_clock, partial(updates.on_transforms, self))
+        )
         self.parameters = Parameters(
             *(node, clock, self.services, submit, send_soon),
             *(partial(updates.on_new_value, self), partial(updates.on_parameter_event, self)),
@@ -133,6 +137,8 @@ class Robot(Parts):
         node.create_timer(POLL_PERIOD, self._poller.poll_if_due, clock=steady)
         for kind in file.goals:
             self.goals.actions.track(kind)
+        if file.frames:
+            self.frames.begin()
         self.thread = RosThread(node, context, clock, self.reporter.error)
         self.begun = clock.monotonic()
         for text in self.checks.unfit.values():
@@ -173,6 +179,7 @@ class Robot(Parts):
     resubscribe_if_needed = topic_requests.resubscribe_if_needed
     follow_topic = topic_requests.follow_topic
     take_sightings = topic_requests.take_sightings
+    listen_to_frames = topic_requests.listen_to_frames
 
     def start(self) -> None:
         """Start the ROS thread: poll the graph at once, and receive messages from now on."""
@@ -271,6 +278,7 @@ class Robot(Parts):
             services=graph.served_services,
             resources=graph.resources,
             message_rates=graph.message_rates(),
+            transforms=self.frames.transforms,
             faults=self.faults,
             forms=self.checks.forms,
             clock_still_since=self.sim_clock.still_since,

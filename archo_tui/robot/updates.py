@@ -49,6 +49,11 @@ def _on_motion(robot: Parts, topic: str) -> None:
     robot.changes.on_motion(motion, robot.clock.monotonic())
 
 
+def on_transforms(robot: Parts) -> None:
+    """Have the transforms shown that were received, in the snapshot of each second."""
+    robot.snapshots.is_stale = True
+
+
 def on_log(robot: Parts, message: Log) -> None:
     """Add a line on /rosout to the events, unless it is another robot's, or comes as a record."""
     node = logger_node(message.name)
@@ -201,6 +206,7 @@ class Poller:
         for text in self._arrivals.compare(graph.names, robot.own_nodes(), now):
             reporter.warn(text)
         robot.telemetry.resubscribe()
+        robot.frames.update()
         robot.lifecycles.poll(graph.served_services)
         for text in robot.changes.take_due(robot.clock.monotonic()):
             reporter.note("PEER", text)

@@ -42,6 +42,9 @@ def find_faults(robot: RobotFile) -> Faults:
     yield from _reading_faults(robot)
     yield from _gauge_faults(robot)
     yield from _rate_faults(robot)
+    for rule in robot.frames:
+        if not rule.age > 0:
+            yield rule.where, "age is more than 0 s"
     yield from _place_faults(robot)
     for goal in robot.goals:
         yield from _goal_faults(goal)

@@ -313,6 +313,15 @@ class TopicRule:
 
 
 @dataclass(frozen=True)
+class FrameRule:
+    """A frame that must be alive; the console then receives /tf and /tf_static."""
+
+    frame: Annotated[str, "the frame's name, as the transform to it has it"]
+    age: Annotated[float, "how old its transform may be, in s; more is an alarm"] = 1.0
+    where: str = _where()
+
+
+@dataclass(frozen=True)
 class RobotFile:
     """A robot file."""
 
@@ -341,6 +350,7 @@ class RobotFile:
     ] = ()
     places: Annotated[tuple[Place, ...], "goals under a name"] = ()
     topics: Annotated[tuple[TopicRule, ...], "what is known of topics, whoever reads them"] = ()
+    frames: Annotated[tuple[FrameRule, ...], "the frames that must be alive"] = ()
 
     @property
     def shown_topics(self) -> tuple[str, ...]:

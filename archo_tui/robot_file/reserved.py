@@ -9,7 +9,7 @@ VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve", "diagnostics", "forget"),
     *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "topics", "echo", "hz", "interface"),
+    *("nodes", "topics", "echo", "hz", "interface", "tf"),
     *("start", "halt", "copy", "log_level", "lifecycle"),
     *("send_goal", "call", "pub"),
     *("places", "save_place", "save_queue", "go_list"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import textwrap
 from collections.abc import Awaitable, Callable, Iterable, Sequence
+from contextlib import AbstractAsyncContextManager
 from datetime import datetime
 from functools import partial
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding
@@ -24,6 +26,7 @@ from archo_tui.station.view import View
 from archo_tui.terminal.app import start_worker
 from archo_tui.text.alarm import no_alarms_text, timeline
 from archo_tui.text.diagnostics import diagnostic_line, no_diagnostics_text
+from archo_tui.text.frames import transform_lines
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, crop
 from archo_tui.widgets.screen_state import ScreenState
 
@@ -212,6 +215,33 @@ def _part_lines(part: _Part, width: int, _columns: Columns) -> list[Text]:
     style = {DiagnosticLevel.OK: QUIET, DiagnosticLevel.ERROR: "bold"}.get(part.status.level, "")
     wrapped = textwrap.wrap(part.text, max(width, 20), subsequent_indent=_INDENT)
     return [(line, style) for line in wrapped]
+
+
+class FrameList(ListDialog[str]):
+    """A list of the transforms, which are received while it is open; it changes each second."""
+
+    def __init__(self, view: View, listen: Callable[[], AbstractAsyncContextManager[Any]]) -> None:
+        rows: Rows[str] = Rows(
+            lambda line, width, _: [(part, "") for part in textwrap.wrap(line, max(width, 20))],
+            lambda line: line.partition(":")[0],
+            id="transforms",
+            empty="",
+            wraps=True,
+        )
+        super().__init__("Transforms", rows)
+        self._view, self._listen = view, listen
+
+    def on_mount(self) -> None:
+        self.show_view(self._view)
+        start_worker(self, self._receive, "transforms")
+
+    async def _receive(self) -> None:
+        async with self._listen():
+            await asyncio.Event().wait()  # It is cancelled when the dialog closes.
+
+    def show_view(self, view: View) -> None:
+        """Show the transforms of a new view."""
+        self.show_items(transform_lines(view.snapshot.transforms, view.now))
 
 
 def recording_lines(recording: Recording, width: int, _columns: Columns) -> list[Text]:

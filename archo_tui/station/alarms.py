@@ -117,6 +117,12 @@ KINDS = (
     ),
     Kind("topic silent", _MED, when.topic_silent, 10.0, is_reported=True, is_silence=True),
     Kind("topic rate", _LOW, when.topic_rate, 5.0, 5.0, graver="topic silent", is_reported=True),
+    Kind(
+        *("frame silent", _MED, when.frame_silent, 5.0),
+        is_reported=True,
+        is_silence=True,
+        has_text=True,
+    ),
     Kind("several publishers", _MED, when.several_publishers, _AFTER_GRAPH),
     Kind("name twice", _MED, when.duplicate_name, _AFTER_GRAPH),
     Kind("no nodes", _MED, when.no_nodes, 5.0),

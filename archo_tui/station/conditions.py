@@ -318,6 +318,25 @@ def _silence(rule: TopicRule) -> float:
     return max(3 / (rule.rate or 1.0), LEAST_SILENCE)
 
 
+# Frames that the robot file wants alive.
+
+
+def frame_silent(seen: Situation) -> Found:
+    transforms = seen.snapshot.transforms
+    for rule in seen.snapshot.file.frames:
+        name, frame, most = rule.frame, transforms.frames.get(rule.frame), f"{rule.age:g} s"
+        silence = 0.0 if frame is None else seen.now - frame.rate.heard
+        age = None if frame is None else frame.age(seen.now)
+        if frame is None and transforms.fault:
+            yield name, f"FRAME {name} IS SILENT: {transforms.fault}"
+        elif frame is None:
+            yield name, f"FRAME {name} IS SILENT: no transform to it came, expected within {most}"
+        elif age is not None and silence > rule.age:
+            yield name, f"FRAME {name} IS SILENT for {silence:.1f} s: expected within {most}"
+        elif age is not None and age > rule.age:
+            yield name, f"FRAME {name} IS {age:.1f} s OLD by its stamp: expected within {most}"
+
+
 # The graph, and the console itself.
 
 

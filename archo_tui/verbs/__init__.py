@@ -15,7 +15,7 @@ from archo_tui.verbs.publish import Publish
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.show import Events, ForgetPart, Keep, ShowDiagnostics, ShowHistory, Status
 from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
-from archo_tui.verbs.topics import Echo, Hz, ShowInterface, Topics
+from archo_tui.verbs.topics import Echo, Hz, ShowInterface, ShowTransforms, Topics
 from archo_tui.verbs.verb import Verb
 
 
@@ -46,6 +46,6 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterato
     yield from (Status(ask, robot), ShowHistory(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve(), ShowDiagnostics(), ForgetPart())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
-    yield from (Nodes(), Topics(), Echo(), Hz(), ShowInterface())
+    yield from (Nodes(), Topics(), Echo(), Hz(), ShowInterface(), ShowTransforms())
     yield from (StartNode(), StopNode(), DuplicateNode(), LogLevel(), Lifecycle())
     yield from (SendGoal(), Call(), Publish())

@@ -14,11 +14,13 @@ from archo_tui.robot.messages.definitions import definition_text, names_in
 from archo_tui.robot.messages.text import as_data, as_text
 from archo_tui.robot.messages.types import load_class
 from archo_tui.robot.outcome import Code, Outcome, Report
+from archo_tui.robot.state.frames import faults
 from archo_tui.robot.state.graph import TopicInfo
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.propose import Sighting, propose, text_of
 from archo_tui.ros_names import KINDS, base_name, package_of, parse_type
 from archo_tui.station.station import Station
+from archo_tui.text.frames import transform_lines
 from archo_tui.text.graph import SILENT, resource_rows
 from archo_tui.text.inspect import rate_text
 from archo_tui.verbs.names import full_name, topic_names
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from archo_tui.robot.topics.inspect import Inspection
 
 WAIT = 5.0  # Seconds to wait for a message.
+LISTEN_TO_FRAMES = 2.0  # Seconds: static transforms come at once.
 LISTEN = 5.0  # Seconds in which messages are counted.
 FOLLOW = "--follow"
 PERIOD = 0.2  # Seconds between two messages that are shown: five a second, as on the screen.
@@ -225,6 +228,34 @@ async def _silence_outcome(station: Station, topic: str, seconds: float) -> Outc
     if not info.publishers:
         return Outcome(Code.NOT_OFFERED, f"{text}: it has no publisher")
     return Outcome(Code.TIMEOUT, f"{text}: nothing arrived from {names or 'its publisher'}")
+
+
+class ShowTransforms(Verb):
+    """The verb `tf`: listen to /tf and /tf_static, and list the frames and what is wrong."""
+
+    id, title, tells = "tf", "Transforms", True
+    help = f"Listen to the transforms for {LISTEN_TO_FRAMES:g} s: parents, age, rate, what is wrong"
+    started_text = f"listening for {LISTEN_TO_FRAMES:g} s"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        async with station.robot.listen_to_frames() as transforms:
+            await station.clock.sleep(LISTEN_TO_FRAMES)
+            found, now = transforms(), station.clock.monotonic()
+        frames = [
+            {
+                "frame": frame.name,
+                "parents": frame.parents_at(now),
+                "age": frame.age(now),  # In s.
+                "rate": None if frame.is_static else frame.rate.hertz_at(now),
+                "static": frame.is_static,
+                "publishers": list(found.publishers_of(frame)),
+            }
+            for frame in sorted(found.frames.values())
+        ]
+        wrong = [*filter(None, [found.fault, *faults(found, now)])]
+        return Report.of(
+            "\n".join(transform_lines(found, now)), {"frames": frames, "faults": wrong}
+        )
 
 
 class ShowInterface(Verb):

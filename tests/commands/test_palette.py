@@ -48,6 +48,7 @@ TYPED = {
     "Filter the parameters": ("filter", "whose", "find parameters"),
     "Show or hide the other parameters": ("hidden parameters", "every ros", "ros own"),
     "Show the selected topic": ("topic", "interface", "type service"),
+    "Show the transforms": ("tf", "frames", "transforms"),
     "Undo your last change": ("undo", "revert", "last change"),
     "Save all parameters": ("save parameters", "export yaml", "dump"),
     "Load a ROS parameter file": ("load", "import", "open yaml"),

@@ -9,11 +9,12 @@ import pytest
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.messages.period import MessageRate
+from archo_tui.robot.state.frames import Frame, Transforms
 from archo_tui.robot.state.goal import Phase
 from archo_tui.robot.state.graph import Parameter
 from archo_tui.robot.state.readings import Diagnostic, DiagnosticLevel
 from archo_tui.robot.state.snapshot import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer
-from archo_tui.robot_file.model import TopicRule
+from archo_tui.robot_file.model import FrameRule, TopicRule
 from archo_tui.screens.lists import AlarmRow, alarm_lines
 from archo_tui.station import alarms
 from archo_tui.station.alarm_board import SHELF_TIME, TRANSITIONS, AlarmBell, AlarmBoard, Change
@@ -673,3 +674,38 @@ def test_a_topic_that_is_not_as_often_as_expected_is_an_alarm(
     found = conditions(snapshot, NOW)
     assert found == {f"topic {kind} /scan": text for kind, text in said.items()}
     assert kind_of(next(iter(found), "topic rate /scan")).name.startswith("topic ")
+
+
+@pytest.mark.parametrize(
+    ("ago", "behind", "is_static", "said"),
+    [
+        (0.5, 0.1, False, ""),
+        (9.0, 9.0, True, ""),
+        (0.5, -9.0, False, ""),  # The list of transforms says that.
+        (3.0, 0.1, False, "FRAME base_link IS SILENT for 3.0 s: expected within 1 s"),
+        (0.5, 2.0, False, "FRAME base_link IS 2.5 s OLD by its stamp: expected within 1 s"),
+        (
+            None,
+            0.0,
+            False,
+            "FRAME base_link IS SILENT: no transform to it came, expected within 1 s",
+        ),
+    ],
+)
+def test_a_frame_that_is_older_than_the_robot_file_allows_is_an_alarm(
+    ago: float | None, behind: float, is_static: bool, said: str
+) -> None:
+    file, frames = replace(NORMAL.file, frames=(FrameRule("base_link", 1.0),)), {}
+    if ago is not None:
+        rate = MessageRate(NOW - ago)
+        frames["base_link"] = Frame("base_link", "odom", {}, rate, behind, is_static)
+    found = conditions(NORMAL._replace(file=file, transforms=Transforms(frames)), NOW)
+    assert found == ({"frame silent base_link": said} if said else {})
+    assert kind_of("frame silent base_link").priority is Priority.MED
+
+
+def test_why_no_frame_can_be_read_stands_in_its_alarm() -> None:
+    file = replace(NORMAL.file, frames=(FrameRule("base_link"),))
+    unread = NORMAL._replace(file=file, transforms=Transforms(fault="/tf: not installed"))
+    said = "FRAME base_link IS SILENT: /tf: not installed"
+    assert conditions(unread, NOW) == {"frame silent base_link": said}

@@ -47,7 +47,7 @@ WORDS = {
     "lifecycle": "motor_controller activate",
     "echo": "/battery_level", "hz": "/battery_level",
     "interface": "archo_interfaces/msg/MotorStatus",
-    "forget": "motor",
+    "forget": "motor", "tf": "",
 }  # fmt: skip
 
 

@@ -23,7 +23,7 @@ _HEARS_NOTHING = "{} hears nothing of {} on {}: {}"
 _MISREADS = "{} may misread {} on {}: {}"
 _SHOWN = 8  # Digits of a type hash; enough to tell two versions of a type apart.
 _OWN = "this console"
-_DEPTH = 10  # Messages that wait, as in rclpy's examples.
+DEPTH = 10  # Messages that wait, as in rclpy's examples.
 
 
 def is_latched(publishers: Sequence[Any]) -> bool:
@@ -32,8 +32,8 @@ def is_latched(publishers: Sequence[Any]) -> bool:
     return bool(publishers) and all(p.qos_profile.durability == durable for p in publishers)
 
 
-def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
-    """Return the QoS with which a subscription gets the messages of all publishers, depth 10.
+def fitting_qos(publishers: Sequence[Any], depth: int = DEPTH) -> QoSProfile:
+    """Return the QoS with which a subscription gets the messages of all publishers.
 
     It is reliable only if all publishers are, and transient local only if all are: a subscription
     gets nothing from a publisher that offers less than it asks for.
@@ -41,7 +41,7 @@ def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
     latched = is_latched(publishers)
     reliable = all(p.qos_profile.reliability == ReliabilityPolicy.RELIABLE for p in publishers)
     return QoSProfile(
-        depth=_DEPTH,
+        depth=depth,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )

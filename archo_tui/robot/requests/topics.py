@@ -18,8 +18,10 @@ from archo_tui.robot.messages.types import TypedField, field_types, load_class
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parts import Parts
 from archo_tui.robot.requests.nodes import topic_info
+from archo_tui.robot.state.frames import Transforms
 from archo_tui.robot.state.graph import TOPIC, Resource, TopicInfo
 from archo_tui.robot.state.topic import TopicRequest, TopicView
+from archo_tui.robot.topics.frames import TF_MESSAGE
 from archo_tui.robot.topics.inspect import (
     PERIOD,
     SHARE,
@@ -78,6 +80,17 @@ async def inspect(
         yield inspection
     finally:
         robot.thread.submit(inspection.unsubscribe)  # Runs after `begin`, however late that is.
+
+
+@contextlib.asynccontextmanager
+async def listen_to_frames(robot: Parts) -> AsyncIterator[Callable[[], Transforms]]:
+    """Receive /tf and /tf_static while the context is entered; its value returns what came."""
+    await in_daemon(load_class, TF_MESSAGE)  # The ROS thread finds it loaded.
+    try:
+        robot.thread.submit(robot.frames.begin)
+        yield lambda: robot.frames.transforms
+    finally:
+        robot.thread.submit(robot.frames.end)
 
 
 def resubscribe_if_needed(robot: Parts, inspection: Inspection) -> None:

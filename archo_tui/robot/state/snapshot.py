@@ -12,6 +12,7 @@ from archo_tui.clock import Monotonic, UnixTime
 from archo_tui.robot.messages.period import MessageRate
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.state.events import Event
+from archo_tui.robot.state.frames import Transforms
 from archo_tui.robot.state.goal import Goal
 from archo_tui.robot.state.graph import (
     NodeState,
@@ -142,6 +143,7 @@ class Snapshot(NamedTuple):
     resources: tuple[Resource, ...] = ()
     # The rate of each topic that the console reads, by its full name.
     message_rates: Mapping[str, MessageRate] = _NOTHING
+    transforms: Transforms = Transforms()  # Empty while nobody needs them.
 
     @property
     def is_stopped(self) -> bool:

@@ -18,7 +18,7 @@ from rclpy.serialization import deserialize_message
 
 from archo_tui.clock import Clock
 from archo_tui.errors import ArchoError, in_one_line
-from archo_tui.robot.graph.endpoints import fitting_qos
+from archo_tui.robot.graph.endpoints import DEPTH, fitting_qos
 from archo_tui.robot.messages.period import RATE_INTERVALS
 from archo_tui.robot.node import Listener
 from archo_tui.robot.state.graph import TopicInfo
@@ -49,8 +49,9 @@ class Inspection:
         topic: str,
         message_class: Any,
         on_data: Callable[[float, bytes, bool], None] = lambda *_: None,
+        depth: int = DEPTH,
     ) -> None:
-        self._on_data = on_data
+        self._on_data, self._depth = on_data, depth
         self._node, self._clock, self._class = node, clock, message_class
         self._subscription: Any = None
         self._is_tap = False  # True while the messages are those of another subscription.
@@ -78,7 +79,8 @@ class Inspection:
             if last is not None and not self.count:
                 self._take(last, was_kept=True)
             return
-        self._qos = fitting_qos(self._node.get_publishers_info_by_topic(self.topic))
+        publishers = self._node.get_publishers_info_by_topic(self.topic)
+        self._qos = fitting_qos(publishers, self._depth)
         if self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             self._kept_until = self._clock.monotonic() + _KEPT
         self._subscription = self._node.listen_raw(self._class, self.topic, self._take, self._qos)
@@ -94,7 +96,9 @@ class Inspection:
             self.subscribe()
             return
         publishers = self._node.get_publishers_info_by_topic(self.topic)
-        if self._subscription is None or not publishers or fitting_qos(publishers) == self._qos:
+        if self._subscription is None or not publishers:
+            return
+        if fitting_qos(publishers, self._depth) == self._qos:
             return
         self.unsubscribe()
         self.subscribe()
