@@ -47,7 +47,7 @@ def test_each_frame_tells_parent_rate_age_and_who_publishes_it() -> None:
     ]
 
 
-def test_a_frame_that_falls_silent_is_said_to_be_and_a_static_one_is_not() -> None:
+def test_a_frame_falls_silent_unless_it_is_static() -> None:
     lines = transform_lines(heard(*ODOM, LASER), 61.0)
     assert lines == [
         "base_link in odom: SILENT for 60 s, from odometry",
