@@ -24,6 +24,8 @@ def write_chapter(options: Namespace) -> int:
 
     Raises ArchoError, and writes nothing, if one of the files is there.
     """
+    if not options.folder.strip():
+        raise ArchoError("type the name of a folder")
     workspace = Path(options.folder)
     files = {workspace / name: source for name, source in _sources().items()}
     if there := next((path for path in files if path.exists() or path.is_symlink()), None):

@@ -16,6 +16,10 @@ _WAIT_TIMEOUT = "--timeout S", "give up after S seconds with exit code 4"
 _OPTIONS_OF_VERB = {
     "status": (("--line", "print one line, for a prompt"),),
     "events": (("--follow", "also print new events as they come"),),
+    "pub": (
+        ("--rate HZ", "publish again and again, so many times a second"),
+        ("--times N", "publish N times, once a second without --rate"),
+    ),
     "echo": (("--once", "print one message; without it each, until ctrl+c"),),
 }
 _GOAL_OPTIONS = (

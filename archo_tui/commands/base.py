@@ -221,15 +221,17 @@ def asking_first(
 ) -> Callable[[Mapping[str, Any]], Awaitable[Outcome]]:
     """Return the `send` of a form, which at first returns what `ask` asks, if anything.
 
-    Called again, it sends; not before _AGREE_AFTER seconds: a key may be held down.
+    Called again with the same values, it sends; not before _AGREE_AFTER seconds: a key may be held
+    down.
     """
-    asked: float | None = None
+    asked: tuple[float, Mapping[str, Any]] | None = None
 
     async def ask_or_send(values: Mapping[str, Any]) -> Outcome:
         nonlocal asked
         question, now = ask(values), console.station.clock.monotonic()
-        if question is not None and (asked is None or now - asked < _AGREE_AFTER):
-            asked = now if asked is None else asked
+        is_same = asked is not None and asked[1] == values
+        if question is not None and (asked is None or not is_same or now - asked[0] < _AGREE_AFTER):
+            asked = asked if is_same else (now, values)
             return Outcome(Code.REFUSED, f"{question.text} Then send it again.")
         return await send(values)
 

@@ -169,11 +169,14 @@ class AnyTopic(_GenericCommand):
             return Outcome(Code.MISUSE, str(error))
         except ArchoError as error:
             return Outcome(Code.REFUSED, str(error))
+        before = station.robot.publications.active
         publishing = asyncio.ensure_future(self.verb.run(station, prepared))
         self._running.add(publishing)
         publishing.add_done_callback(self._running.discard)
         active = station.robot.publications
-        while not publishing.done() and not any(p.count for p in active.active):
+        while not publishing.done():
+            if any(each.count for each in active.active if each not in before):
+                break
             await station.clock.sleep(_LOOK_PERIOD)
         console.update_screen()
         if not publishing.done():

@@ -198,7 +198,9 @@ def _line_time(line: str) -> float:
 
 
 # Fields that a replay has from the robot file and from the robot's messages.
-TOLD = frozenset({"file", "forms", "battery", "motion", "pose", "diagnostics", "gauges"})
+TOLD = frozenset(
+    {"file", "forms", "battery", "motion", "pose", "diagnostics", "gauges", "transforms"}
+)
 _FIELDS = [name for name in Snapshot._fields if name not in TOLD]
 # What changes all the time, or is compared by some of its fields only.
 _VOLATILE = {"events", "charge", "message_rates", "nodes", "goal", "history"}

@@ -117,7 +117,7 @@ class Robot(Parts):
             frozenset(kind.action for kind in file.goals if not kind.stop_cancels),
             watching,
         )
-        self.publications = Publications(node, self.services, steady)
+        self.publications = Publications(node, clock, self.services, steady)
         self.goal_timer = node.create_timer(WATCH_PERIOD, partial(check_goals, self), clock=steady)
         self.goal_timer.cancel()
         self.stops = Stops()

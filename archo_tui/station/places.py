@@ -46,8 +46,10 @@ class Places:
 
     @property
     def all(self) -> list[Place]:
-        """All places by name; those of the robot file come first."""
-        return [*self._given, *self._own.values()]
+        """All places by name; of two with one name that of the robot file."""
+        given = {place.name for place in self._given}
+        own = [place for place in self._own.values() if place.name not in given]
+        return [*self._given, *own]
 
     def of(self, kind: GoalKind) -> dict[str, Mapping[str, Any]]:
         """Return the values of the places of a kind of goal, by name."""
@@ -70,21 +72,23 @@ class Places:
             if goal not in kinds or values.keys() != kinds[goal].form.keys():
                 raise ArchoError(f"{name}: the robot file has no goal {goal} with these fields")
             found.append(QueuedGoal(kinds[goal], values))
+        if not found:
+            raise ArchoError(f"{name} has no goals")
         return found
 
     def save_place(self, name: str, kind: GoalKind, values: Mapping[str, Any]) -> None:
         """Add a place of the user's own, or replace one, and write the file; ArchoError."""
         self._check_name(name)
-        self._read_again()  # Another console may have written it.
-        self._own[name] = Place(name, kind.id, dict(values), is_own=True)
-        self._write()
+        self.read_again()  # Another console may have written it.
+        place = Place(name, kind.id, dict(values), is_own=True)
+        self._write({**self._own, name: place}, self.lists)
 
     def save_list(self, name: str, goals: Sequence[QueuedGoal]) -> None:
         """Add a list of goals, or replace one, and write the file; ArchoError."""
         self._check_name(name)
-        self._read_again()
-        self.lists[name] = [(goal.kind.id, dict(goal.values)) for goal in goals]
-        self._write()
+        self.read_again()
+        made = [(goal.kind.id, dict(goal.values)) for goal in goals]
+        self._write(self._own, {**self.lists, name: made})
 
     def _check_name(self, name: str) -> None:
         if not is_place_name(name):
@@ -95,26 +99,28 @@ class Places:
     def load(self) -> None:
         """Read the user's file, if there is one; `fault` says why it is not read."""
         try:
-            self._read_again()
+            self.read_again()
         except ArchoError as error:
             self.fault = str(error)
 
-    def _read_again(self) -> None:
+    def read_again(self) -> None:
+        """Read the user's file, which another console may have written; ArchoError."""
         if self.path is not None:
             self._take(self._read(self.path).get(self._robot.name))
 
-    def _write(self) -> None:
-        """Write the user's file, other robots' parts of it as they are; ArchoError."""
+    def _write(
+        self, own: Mapping[str, Place], all_lists: Mapping[str, Sequence[tuple[str, Any]]]
+    ) -> None:
+        """Write the user's file, other robots' parts of it as they are, and take it; ArchoError."""
         if self.path is None:
             raise ArchoError("there is no folder for settings")
         robots = self._read(self.path)
         places = {
-            name: {"goal": place.goal, "values": dict(place.values)}
-            for name, place in self._own.items()
+            name: {"goal": place.goal, "values": dict(place.values)} for name, place in own.items()
         }
         lists = {
             name: [{"goal": goal, "values": dict(values)} for goal, values in goals]
-            for name, goals in self.lists.items()
+            for name, goals in all_lists.items()
         }
         robots[self._robot.name] = {_PLACES: places, _LISTS: lists}
         try:
@@ -122,14 +128,17 @@ class Places:
         except OSError as error:
             raise ArchoError(f"{self.path.parent}: {error.strerror}") from None
         write_atomically(self.path, block(robots))
+        self._own, self.lists = dict(own), {name: list(goals) for name, goals in all_lists.items()}
 
     def _read(self, path: Path) -> dict[str, Any]:
         try:
-            found = bounded_yaml.load(path.read_text(encoding="utf-8"))
+            found = bounded_yaml.load(bounded_yaml.read(path))
         except FileNotFoundError:
             return {}
         except (OSError, ValueError) as error:
             raise ArchoError(f"{path}: not read: {error}") from None
+        if found is None:
+            return {}
         if not isinstance(found, dict):
             raise ArchoError(f"{path}: {_SHAPE}")
         return found
@@ -149,9 +158,9 @@ class Places:
             lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {
                 name: [*map(goal_of, given)] for name, given in part.get(_LISTS, {}).items()
             }
-            for name in (*own, *lists):
-                self._check_name(name)
-        except (KeyError, TypeError, AttributeError):
+            if not all(is_place_name(name) for name in (*own, *lists)):
+                raise ValueError
+        except (KeyError, TypeError, AttributeError, ValueError):
             raise ArchoError(f"{self.path}: {_SHAPE}") from None
         self._own = {name: Place(name, *given, is_own=True) for name, given in own.items()}
         self.lists = lists

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from traceback import extract_stack
@@ -20,7 +19,7 @@ from rclpy.qos import QoSReliabilityPolicy
 from archo_tui.errors import in_one_line
 from archo_tui.robot.messages.types import name_of
 from archo_tui.user_code.errors import OwnCode, code_of
-from archo_tui.user_code.interrupt import stack_of
+from archo_tui.user_code.interrupt import frame_of, stack_of
 
 # The functions of rclpy that return only after other nodes have done something.
 _WAITING_FUNCTIONS = {
@@ -230,7 +229,7 @@ def constructed_class(thread: threading.Thread) -> str:
 
 def _frames(thread: threading.Thread) -> Iterable[FrameType]:
     """Yield the frames of a thread as it is now, the innermost first."""
-    frame = sys._current_frames().get(thread.ident or 0)
+    frame = frame_of(thread)
     while frame is not None:
         yield frame
         frame = frame.f_back

@@ -6,6 +6,7 @@ import math
 from collections.abc import Awaitable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot.messages.typed import (
     check_ranges,
@@ -163,6 +164,8 @@ class Go(Verb):
 
     async def prepare(self, station: Station, values: Values) -> Values:
         form = station.robot.snapshot.form(self.kind)
+        if any(isinstance(goal, _Named) for goal in values[GOALS]):
+            await in_daemon(station.places.read_again)
         goals = [self._values_of(station, goal) for goal in values[GOALS]]
         for goal in goals:
             check_ranges(self._fields or (), form, goal)

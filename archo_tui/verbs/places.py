@@ -21,6 +21,7 @@ class ShowPlaces(Verb):
     help = "List the places and the lists of goals"
 
     async def run(self, station: Station, values: Values) -> Outcome:
+        await in_daemon(station.places.read_again)
         places, kinds = station.places, {kind.id: kind for kind in station.robot.file.goals}
         lines: list[str] = []
         data: list[dict[str, Any]] = []
@@ -131,6 +132,7 @@ class Drive(Verb):
         text = values.get("n", "1")
         if not (text.isascii() and text.isdecimal() and 1 <= int(text[:9]) <= MAX_QUEUED_GOALS):
             raise ValueError(f"how often: from 1 to {MAX_QUEUED_GOALS}, not {text}")
+        await in_daemon(station.places.read_again)
         checked = []
         for goal in station.places.goals(values["name"]):
             go = self._goals[goal.kind.id]

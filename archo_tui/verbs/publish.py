@@ -65,6 +65,13 @@ class Publish(Verb):
         fields = values.get("fields")  # Of a form.
         if fields is None:
             fields = await fields_of(station, name, kind, words)
+        read = {snapshot.full(topic) for topic in snapshot.file.shown_topics}
+        nodes = next((r.nodes for r in snapshot.resources if r.name == name), ())
+        if name in read and nodes:
+            raise NotPossible(
+                f"the console reads {name}, and {', '.join(nodes)} publishes it: "
+                "nothing else is to be shown as the robot's words; stop that node first"
+            )
         moves = snapshot.moves_by(name)
         if moves and (reason := station.restart_blocker):
             raise NotPossible(reason)

@@ -25,6 +25,7 @@ ACTS = {
     *("save_place", "save_queue"),
     *("go", "cancel", "cancel_all", "continue", "skip", "give_up_stop", "release", "send_goal"),
     "pub",
+    "tf",
     *(
         "call",
         "keep_robot",

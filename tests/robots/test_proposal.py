@@ -68,7 +68,7 @@ def test_every_part_that_can_be_proposed_is_read_back() -> None:
     ]
     entries = propose(seen).entries
     assert {entry.part for entry in entries} == set(get_args(Part))
-    not_proposed = {"version", "name", "gauges", "record", "places", "shown"}
+    not_proposed = {"version", "name", "gauges", "record", "places", "shown", "frames"}
     assert set(get_args(Part)) == {part.name for part in fields(RobotFile)} - not_proposed
     all_sure = propose(seen)._replace(entries=tuple(e._replace(is_sure=True) for e in entries))
     made = parse(text_of(all_sure, "Written by a test."), Path("test.yaml"))

@@ -108,6 +108,8 @@ async def test_places_stand_in_the_palette(file: Path) -> None:
         "ARCHO: {places: {dock: {goal: shelf}}}",
         "ARCHO: {places: {dock: {goal: shelf, values: {shelf: 3}}}}",
         "ARCHO: {lists: {a: {goal: shelf}}}",
+        "ARCHO: {places: {dock: {goal: nothere, values: abc}}}",
+        "ARCHO: {places: {'1': {goal: shelf, values: {shelf_number: 1}}}}",
         "ARCHO: [",
     ],
 )
@@ -139,3 +141,43 @@ def test_two_consoles_and_two_robots_keep_each_others_places(tmp_path: Path) -> 
 def test_a_pose_is_a_goal_only_of_a_form_that_asks_for_a_pose() -> None:
     with pytest.raises(NotPossible, match="Shelf is no part of a pose"):
         pose_goal(SHELF, {"x": 1.0, "y": 2.0, "yaw": 0.0})
+
+
+def test_a_place_that_could_not_be_written_is_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places = Places(ARCHO, tmp_path / "places.yaml")
+    places.save_place("a", SHELF, {"shelf_number": 1})
+
+    def refuse(*_: object) -> None:
+        raise ArchoError("the disk is full")
+
+    monkeypatch.setattr("archo_tui.station.places.write_atomically", refuse)
+    with pytest.raises(ArchoError, match="the disk is full"):
+        places.save_place("a", SHELF, {"shelf_number": 7})
+    assert places.find(SHELF, "a") == {"shelf_number": 1}
+
+
+async def test_a_place_that_was_changed_meanwhile_is_the_one_of_the_file(file: Path) -> None:
+    path = config_file("places.yaml")
+    path.unlink(missing_ok=True)
+    async with operated(robot=file, ros_args=FAST) as person:
+        person.type("save_place mine 7\n")
+        await person.until("place mine: saved as 7")
+        path.write_text(path.read_text().replace("shelf_number: 7", "shelf_number: 5"))
+        person.type("go mine\n")
+        await person.until("Arrived at shelf 5")
+
+
+def test_an_own_place_gives_way_to_one_of_the_robot_file(file: Path, tmp_path: Path) -> None:
+    path = tmp_path / "places.yaml"
+    path.write_text("")
+    places = Places(load.load(file), path)
+    places.load()
+    assert places.fault == ""
+    own = "ARCHO: {places: {dock: {goal: shelf, values: {shelf_number: 9}}, "
+    path.write_text(f"{own}x: {{goal: shelf, values: {{shelf_number: 2}}}}}}}}")
+    places.load()
+    assert places.fault == ""
+    assert places.find(SHELF, "dock") == {"shelf_number": 1}
+    assert places.find(SHELF, "x") == {"shelf_number": 2}

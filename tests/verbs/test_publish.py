@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from archo_bringup.battery_monitor import BatteryMonitor
 from archo_bringup.motor_controller import MotorController
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 from archo_tui.robot_file import load
@@ -191,3 +193,59 @@ async def test_a_speed_that_is_ended_is_followed_by_no_speed() -> None:
         assert set(heard[:-1]) == {0.5}
         await typed(person, "pub words linear.x=0.3 --yes", "published; 1 subscriber\n")
         await until(lambda: heard[-1] == 0.3)  # One message is meant as it is typed.
+
+
+async def test_after_a_pause_of_the_console_nothing_more_is_published() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard)) as person:
+        await is_seen(person)
+        person.type("pub words data=x --rate 50 --yes\n")
+        await until(lambda: len(heard) > 3)
+        (publication,) = person._plain._station.robot.publications.active
+        publication.looked = seconds() - 3.0  # As it was suspended, and read no STOP.
+        await person.until("failed: pub: ended by a pause of the console after")
+        count, later = len(heard), seconds() + 1.0
+        await until(lambda: seconds() > later)
+        assert len(heard) == count
+
+
+async def test_a_cancel_while_a_subscriber_is_sought_ends_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Publisher, "get_subscription_count", lambda _: 0)
+    heard: list[str] = []
+    async with operated(hearing(heard)) as person:
+        await is_seen(person)
+        station = person._plain._station
+        person.type("pub words data=x --yes\n")
+        await until(lambda: station.robot.publications.active)
+        await station.robot.end_publications()
+        await person.until("failed: pub: ended by cancel after 0 messages")
+        assert heard == []
+
+
+async def test_what_the_robot_says_to_the_console_is_not_said_in_its_place() -> None:
+    async with operated(BatteryMonitor) as person:
+        topics = person._plain._station.robot
+        await until(lambda: "/battery_level" in {r.name for r in topics.snapshot.resources})
+        person.type("pub battery_level percentage=100 --yes\n")
+        await person.until("failed: pub: the console reads /battery_level, and /battery_monitor")
+
+
+async def test_a_header_gets_the_present_time_unless_one_is_typed() -> None:
+    geometry = pytest.importorskip("geometry_msgs.msg")
+    heard: list[Any] = []
+
+    class Posed(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("posed", **options)
+            self.create_subscription(geometry.PoseStamped, "words", heard.append, 10)
+
+    async with operated(Posed) as person:
+        await is_seen(person)
+        for header in ("header.frame_id=map", "'{header: {frame_id: map}}'"):
+            await typed(person, f"pub words {header} --yes", "published; 1 subscriber\n")
+        await typed(person, "pub words header.stamp.sec=7 --times 1 --yes", "published")
+        await until(lambda: len(heard) == 3)
+        assert [message.header.stamp.sec > 1000 for message in heard] == [True, True, False]
+        assert heard[0].header.frame_id == "map"

@@ -42,7 +42,7 @@ WORDS = {
     "start": "motor_controller", "halt": "motor_controller", "copy": "motor_controller",
     "save": "/dev/null/x", "load": "/dev/null/x", "shelve": "stopped", "ack": "",
     "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
-    "pub": "/battery_level", "go_list": "round", "save_place": "here 1", "save_queue": "round",
+    "pub": "/battery_drain", "go_list": "round", "save_place": "here 1", "save_queue": "round",
     "log_level": "motor_controller debug",
     "lifecycle": "motor_controller activate",
     "echo": "/battery_level", "hz": "/battery_level",

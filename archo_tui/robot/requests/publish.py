@@ -47,9 +47,8 @@ async def publish(
         return Outcome(Code.MISUSE, str(error))
     title, requester = f"pub {topic.lstrip('/')}", current_requester()
     arguments = {"topic": topic, "values": values, "rate": rate, "times": times}
-    takes_time = hasattr(message, "header") and not any(
-        path.startswith("header") for path in values
-    )
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    takes_time = stamp is not None and not (stamp.sec or stamp.nanosec)
     begun: list[Publication] = []
     has_left = threading.Event()
 

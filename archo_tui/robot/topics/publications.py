@@ -12,10 +12,12 @@ from rclpy.clock import Clock as RosClock
 from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
+from archo_tui.clock import Clock
 from archo_tui.robot.calls import Services
 from archo_tui.robot.messages.types import name_of
 
 _LOOK_PERIOD = 0.02  # Seconds between two looks whether a STOP was read.
+_LONGEST_GAP = 0.5  # Seconds without a look: this process was suspended, and read no STOP.
 _LINGER = 0.5  # Seconds that a publisher stays behind its last message, which may be on its way.
 _FIND_TIME = 1.0  # Seconds in which a subscriber is found before the first message.
 _FIND_PERIOD = 0.05
@@ -41,6 +43,7 @@ class Publication:
         self.topic: str = publisher.topic_name
         self.timers: list[Any] = []
         self.count = 0  # Messages so far.
+        self.looked: float | None = None  # Monotonic s of the last look; None before the first.
         self.ended = ""  # Why it was ended; "" while it runs, and if all times are over.
         self.is_over = False
 
@@ -59,8 +62,9 @@ class Publication:
 class Publications:
     """All publications of this console that run."""
 
-    def __init__(self, node: Node, services: Services, timer_clock: RosClock) -> None:
-        self._node, self._services, self._timer_clock = node, services, timer_clock
+    def __init__(self, node: Node, clock: Clock, services: Services, timer_clock: RosClock) -> None:
+        self._node, self._clock = node, clock
+        self._services, self._timer_clock = services, timer_clock
         self.active: tuple[Publication, ...] = ()  # Replaced, so any thread may read it.
 
     async def begin(
@@ -91,7 +95,9 @@ class Publications:
         )
         self.active = (*self.active, publication)
         waits = _FIND_TIME if infos else 0.0
-        while publisher.get_subscription_count() == 0 and waits > 0 and not why_end():
+        while waits > 0 and not (publication.is_over or why_end()):
+            if publisher.get_subscription_count():
+                break
             await self._services.pause(_FIND_PERIOD)
             waits -= _FIND_PERIOD
 
@@ -104,7 +110,11 @@ class Publications:
                     self.end(publication, "")
 
         def look() -> None:
-            if why := why_end():
+            now, before = self._clock.monotonic(), publication.looked
+            publication.looked = now
+            if before is not None and now - before > _LONGEST_GAP:
+                self.end(publication, "a pause of the console")
+            elif why := why_end():
                 self.end(publication, why)
 
         next_message()
