@@ -203,7 +203,7 @@ def options() -> set[str]:
         made.append(OneLineErrorParser("", ""))
         add_options(made[-1])
     found = {option for parser in made for option in parser._option_string_actions}
-    found |= {argument.name.split()[0] for verb in VERBS.values() for argument in verb.arguments}
+    found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
     return found | {YES}
 
 

@@ -110,6 +110,8 @@ def _add_options(parser: argparse.ArgumentParser, options: Iterable[tuple[str, s
 
 
 def _add_argument(parser: argparse.ArgumentParser, argument: Argument) -> None:
+    if argument.takes:  # Among the options, with what it does.
+        return
     if argument.is_flag:
         parser.add_argument(argument.name, action="store_true")
         return

@@ -14,7 +14,6 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.robot.messages.types import TypedField
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state.graph import TOPIC
 from archo_tui.robot_file.check import not_installed
 from archo_tui.robot_file.load import dump, without
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
@@ -22,8 +21,8 @@ from archo_tui.robot_file.propose import SeveralRobots
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.ros_names import base_name
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
-from archo_tui.verbs.names import type_of
-from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish
+from archo_tui.verbs.names import topics_of, type_of
+from archo_tui.verbs.publish import MAX_RATE, RATE, TIMES, Publish, frequency
 from archo_tui.verbs.services import refuse_transition, verbs_by_service
 from archo_tui.verbs.topics import LISTENING, robot_file_text
 from archo_tui.verbs.verb import Question, Verb
@@ -56,9 +55,9 @@ class _GenericCommand(VerbCommand):
         from archo_tui.screens.choose import Choice
 
         types = ", ".join(self.types_by_name(console)[name])
-        return [Choice(name, partial(self._open_form, console, name), types)]
+        return [Choice(name, partial(self.open_form, console, name), types)]
 
-    async def _open_form(self, console: Console, name: str) -> None:
+    async def open_form(self, console: Console, name: str) -> None:
         """Open the form for a goal or a request, which is sent by `self.send`, or show why not."""
         from archo_tui.screens.message_form import MessageForm
 
@@ -100,10 +99,10 @@ class AnyGoal(_GenericCommand):
 
     key = "G"
 
-    async def _open_form(self, console: Console, name: str) -> None:
+    async def open_form(self, console: Console, name: str) -> None:
         kind = kind_of(console.view.snapshot, name)
         if kind is None:
-            await super()._open_form(console, name)
+            await super().open_form(console, name)
             return
         go = next(v for v in console.verbs.values() if isinstance(v, Go) and v.kind == kind)
         work = FormGoalKey(go).run(console)  # The robot file has a form of its own.
@@ -145,17 +144,16 @@ class AnyTopic(_GenericCommand):
         return super().disabled_reason(console) or no_topic
 
     def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        topics = (found for found in console.view.snapshot.resources if found.kind == TOPIC)
-        return {found.name: found.types for found in topics}
-
-    async def open_form(self, console: Console, name: str) -> None:
-        await self._open_form(console, name)
+        return {found.name: found.types for found in topics_of(console.view.snapshot)}
 
     def question(
         self, console: Console, name: str, type_name: str, values: Mapping[str, Any]
     ) -> Question | None:
         moves = console.view.snapshot.moves_by(name)
-        given = {**_publish_values(name, values), "type": type_name, "moves": moves}
+        try:
+            given = {**_publish_values(name, values), "type": type_name, "moves": moves}
+        except ValueError:  # `send` says why.
+            return None
         return self.verb.question(console.station, given)
 
     async def send(
@@ -189,9 +187,9 @@ class AnyTopic(_GenericCommand):
 
 
 def _publish_values(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `pub` for those of its form."""
+    """Return the values of `pub` for those of its form, where no times are without end."""
     fields = {path: value for path, value in values.items() if path not in (RATE, TIMES)}
-    rate, times = values.get(RATE, 1.0), values.get(TIMES, 1) or None
+    rate, times = frequency(values.get(RATE, 1.0), values.get(TIMES, 1) or None)
     return {"topic": name, "field=value": [], "rate": rate, "times": times, "fields": fields}
 
 
@@ -213,14 +211,14 @@ class AnyService(_GenericCommand):
             for verb in verbs
         ] or super().choices(console, name)
 
-    async def _open_form(self, console: Console, name: str) -> None:
+    async def open_form(self, console: Console, name: str) -> None:
         try:
             for kind in self.types_by_name(console).get(name, ()):
                 refuse_transition(name, kind)
         except ValueError as error:
             console.show_message(str(error))
             return
-        await super()._open_form(console, name)
+        await super().open_form(console, name)
 
     @staticmethod
     def _run_verb(console: Console, verb: Verb) -> Work | None:

@@ -13,10 +13,11 @@ from archo_tui.errors import ArchoError
 from archo_tui.robot.graph.parameter_values import parse
 from archo_tui.robot.messages.values import text_of
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state.graph import TOPIC, Parameter
+from archo_tui.robot.state.graph import Parameter
 from archo_tui.screens.choose import Choice, Choose
 from archo_tui.text.nodes import node_rows
 from archo_tui.verbs.goals import Go
+from archo_tui.verbs.names import topics_of
 from archo_tui.verbs.parameters import Set
 from archo_tui.verbs.verb import Values, Verb, run_when_ready
 from archo_tui.widgets.screen_state import ScreenState
@@ -253,11 +254,9 @@ def _node_choices(console: Console) -> Iterator[Choice]:
 
 
 def _topic_choices(console: Console) -> Iterator[Choice]:
-    for resource in console.view.snapshot.resources:
-        if resource.kind == TOPIC:
-            act = partial(graph.show_topic, console, resource.name, resource.types)
-            words = "echo plot inspect fields rate QoS"
-            yield Choice(f"Topic {resource.name}", act, words=words)
+    for topic in topics_of(console.view.snapshot):
+        act = partial(graph.show_topic, console, topic.name, topic.types)
+        yield Choice(f"Topic {topic.name}", act, words="echo plot inspect fields rate QoS")
 
 
 def _open_themes(console: Console) -> None:

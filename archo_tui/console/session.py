@@ -215,9 +215,7 @@ class Session:
         self.requester.waits = self._is_assistant or (self._is_waiting and not self._keeps_goals)
         word = words[0] if isinstance(words, list) and words else None
         verb = self._handler.verbs.get(word) if isinstance(word, str) else None
-        waits = word in ("wait", "echo") or (
-            verb is not None and bool(verb.started_text or verb.lasts)
-        )
+        waits = word in ("wait", "echo") or (verb is not None and verb.is_slow)
         self._calls_service = False
         # So cancelling the task calls it off.
         self._is_read_only = waits or bool(request.get("follow"))

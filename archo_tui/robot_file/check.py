@@ -73,10 +73,7 @@ def _place_faults(robot: RobotFile) -> Faults:
     for place in robot.places:
         goal = goals.get(place.goal) if place.goal else next(iter(robot.goals), None)
         if not is_place_name(place.name):
-            yield (
-                place.where,
-                f"{place.name!r} is no name: a letter, then letters and digits",
-            )
+            yield place.where, f"{place.name!r} is no name: a letter, then letters and digits"
         if place.name in names:
             yield place.where, f"duplicate place {place.name}: choose another name"
         names.add(place.name)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters.save_load import write_atomically
+from archo_tui.paths import make_folder
 from archo_tui.robot.goals.queue import QueuedGoal
 from archo_tui.robot_file.check import is_place_name
 from archo_tui.robot_file.model import GoalKind, RobotFile
@@ -26,7 +27,6 @@ class Place(NamedTuple):
     name: str
     goal: str  # The goal's id.
     values: Mapping[str, Any]  # By dotted path.
-    is_own: bool  # Of the user's file.
 
 
 class Places:
@@ -35,10 +35,10 @@ class Places:
     def __init__(self, robot: RobotFile, path: Path | None = None) -> None:
         """Create them; `path` is the user's file, None for none."""
         self._robot, self.path = robot, path
+        self._kinds = {kind.id: kind for kind in robot.goals}
         first = robot.goals[0].id if robot.goals else ""
         self._given = [
-            Place(place.name, place.goal or first, place.values, is_own=False)
-            for place in robot.places
+            Place(place.name, place.goal or first, place.values) for place in robot.places
         ]
         self._own: dict[str, Place] = {}
         self.lists: dict[str, list[tuple[str, Mapping[str, Any]]]] = {}  # Goal ids and values.
@@ -66,12 +66,12 @@ class Places:
         """Return the goals of a list; ArchoError if there is none, or no such goal any more."""
         if name not in self.lists:
             raise ArchoError(f"no list {name}{nearest_hint(name, self.lists)}")
-        kinds = {kind.id: kind for kind in self._robot.goals}
         found = []
         for goal, values in self.lists[name]:
-            if goal not in kinds or values.keys() != kinds[goal].form.keys():
+            kind = self._kinds.get(goal)
+            if kind is None or values.keys() != kind.form.keys():
                 raise ArchoError(f"{name}: the robot file has no goal {goal} with these fields")
-            found.append(QueuedGoal(kinds[goal], values))
+            found.append(QueuedGoal(kind, values))
         if not found:
             raise ArchoError(f"{name} has no goals")
         return found
@@ -80,7 +80,7 @@ class Places:
         """Add a place of the user's own, or replace one, and write the file; ArchoError."""
         self._check_name(name)
         self.read_again()  # Another console may have written it.
-        place = Place(name, kind.id, dict(values), is_own=True)
+        place = Place(name, kind.id, dict(values))
         self._write({**self._own, name: place}, self.lists)
 
     def save_list(self, name: str, goals: Sequence[QueuedGoal]) -> None:
@@ -124,7 +124,7 @@ class Places:
         }
         robots[self._robot.name] = {_PLACES: places, _LISTS: lists}
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(self.path)
         except OSError as error:
             raise ArchoError(f"{self.path.parent}: {error.strerror}") from None
         write_atomically(self.path, block(robots))
@@ -144,11 +144,9 @@ class Places:
         return found
 
     def _take(self, part: Any) -> None:
-        kinds = {kind.id: kind for kind in self._robot.goals}
-
         def goal_of(given: Any) -> tuple[str, dict[str, Any]]:
             goal, values = given["goal"], given["values"]
-            if goal in kinds and values.keys() != kinds[goal].form.keys():
+            if goal in self._kinds and values.keys() != self._kinds[goal].form.keys():
                 raise KeyError
             return str(goal), dict(values)
 
@@ -162,5 +160,5 @@ class Places:
                 raise ValueError
         except (KeyError, TypeError, AttributeError, ValueError):
             raise ArchoError(f"{self.path}: {_SHAPE}") from None
-        self._own = {name: Place(name, *given, is_own=True) for name, given in own.items()}
+        self._own = {name: Place(name, *given) for name, given in own.items()}
         self.lists = lists

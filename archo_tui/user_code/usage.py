@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 import threading
-import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
@@ -21,30 +20,35 @@ class Usage(NamedTuple):
 
 def of_threads(threads: Iterable[threading.Thread]) -> Usage | None:
     """Return what threads have taken; None where the system does not tell it."""
-    if sys.platform != "linux":
-        return None
-    alive = [thread for thread in threads if thread.is_alive() and thread.ident is not None]
-    try:
-        clocks = [time.pthread_getcpuclockid(thread.ident or 0) for thread in alive]
-        cpu = sum(map(time.clock_gettime, clocks))
-    except OSError:  # One has just ended.
-        return None
-    return Usage(cpu, None, f"{len(alive)} thread{'s' * (len(alive) != 1)} of this process")
+    numbers = [thread.native_id for thread in threads if thread.is_alive()]
+    taken = [_cpu(f"/proc/self/task/{number}/stat") for number in numbers]
+    found = [seconds for seconds in taken if seconds is not None]
+    where = f"{len(found)} thread{'s' * (len(found) != 1)} of this process"
+    return Usage(sum(found), None, where) if found else None
 
 
 def of_process(number: int) -> Usage | None:
     """Return what a process has taken; None if it has ended, or where the system does not tell."""
-    if sys.platform != "linux":
+    cpu = _cpu(f"/proc/{number}/stat")
+    if cpu is None or sys.platform != "linux":
         return None
     try:
-        stat = Path(f"/proc/{number}/stat").read_text(errors="replace")
         pages = int(Path(f"/proc/{number}/statm").read_text().split()[1])
     except OSError:
         return None
-    fields = stat.rpartition(")")[2].split()  # Behind the name, which may be anything.
-    ticks = int(fields[11]) + int(fields[12])  # In user and in kernel mode: see proc(5).
-    memory = pages * os.sysconf("SC_PAGE_SIZE")
-    return Usage(ticks / os.sysconf("SC_CLK_TCK"), memory, f"process {number}")
+    return Usage(cpu, pages * os.sysconf("SC_PAGE_SIZE"), f"process {number}")
+
+
+def _cpu(stat: str) -> float | None:
+    """Return the seconds of processor time in a file of proc(5); None if it is not there."""
+    if sys.platform != "linux":
+        return None
+    try:
+        text = Path(stat).read_text(errors="replace")
+    except OSError:
+        return None
+    fields = text.rpartition(")")[2].split()  # Behind the name, which may be anything.
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")  # User and kernel mode.
 
 
 def usage_text(before: Usage | None, now: Usage, seconds: float) -> str:

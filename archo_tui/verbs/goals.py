@@ -269,7 +269,8 @@ class Cancel(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         ended = await station.robot.end_publications()
-        if ended and values[RUNNING] is None and station.running_goal is None:
+        running = values.get(RUNNING) or station.running_goal
+        if ended and running is None and "--all" not in values:
             return Outcome(Code.DONE, f"ended: pub {ended}")
         staying = station.goals.staying
         outcome = await self._cancel(station, values)

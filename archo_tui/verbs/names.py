@@ -8,7 +8,7 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot.messages.typed import mapping, parse_all, texts_by_path
-from archo_tui.robot.state.graph import TOPIC, in_namespace
+from archo_tui.robot.state.graph import TOPIC, Resource, in_namespace
 from archo_tui.robot.state.snapshot import Snapshot
 from archo_tui.robot_file import check
 from archo_tui.station.station import Station
@@ -76,4 +76,9 @@ def node_names(station: Station, _: Sequence[str]) -> Iterable[str]:
 
 def topic_names(station: Station, _: Sequence[str]) -> Iterable[str]:
     """Return the topics on the graph."""
-    return [found.name for found in station.robot.snapshot.resources if found.kind == TOPIC]
+    return [found.name for found in topics_of(station.robot.snapshot)]
+
+
+def topics_of(snapshot: Snapshot) -> list[Resource]:
+    """Return the topics on the graph, with their types and publishers."""
+    return [found for found in snapshot.resources if found.kind == TOPIC]

@@ -152,8 +152,8 @@ class Set(_ParameterVerb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         parameter = self.find_parameter(station, values)
-        set_now = station.set_parameters(parameter.node, {parameter.name: values["value"]})
-        outcome = await set_now
+        changed = {parameter.name: values["value"]}
+        outcome = await station.set_parameters(parameter.node, changed)
         return outcome._replace(text=f"{values.get(TOLD, '')}{outcome.text}")
 
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state.graph import TOPIC
 from archo_tui.ros_names import parse_type
 from archo_tui.station.station import Station
 from archo_tui.text.goal import activity
-from archo_tui.verbs.names import fields_of, full_name, topic_names, type_of
-from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb, split_options
+from archo_tui.verbs.names import fields_of, full_name, topic_names, topics_of, type_of
+from archo_tui.verbs.verb import Argument, NotPossible, Question, Values, Verb
 
 RATE, TIMES = "--rate", "--times"
 MAX_RATE = 100.0  # Hz
-_KINDS = {"--rate": "a number of Hz", "--times": "a whole number"}
 _OWN = ("/rosout", "/parameter_events")  # Of ROS itself.
 
 
@@ -29,44 +28,35 @@ class Publish(Verb):
     arguments = (
         Argument("topic", completer=topic_names),
         Argument("field=value", many=True, optional=True),
-        Argument(f"{RATE} HZ", optional=True),
-        Argument(f"{TIMES} N", optional=True),
+        Argument(RATE, takes="HZ"),
+        Argument(TIMES, takes="N"),
     )
     acts = moves = may_ask = lasts = True
 
     def values(self, words: Sequence[str]) -> Values:
-        """Return `topic`, `field=value`, `rate` in Hz and `times`, None for without end.
-
-        Without both, one message is published; with `--times` alone one a second.
-        """
-        rest, numbers = _split_numbers(words)
-        given = super().values(rest)
-        rate, times = numbers.get(RATE), numbers.get(TIMES)
-        if rate is not None and not 0 < rate <= MAX_RATE:
-            raise ValueError(f"{RATE}: more than 0, at most {MAX_RATE:g} Hz, not {rate:g}")
-        if times is not None and (times < 1 or not times.is_integer()):
-            raise ValueError(f"{TIMES}: a whole number from 1 on, not {times:g}")
-        often = int(times) if times is not None else None if rate is not None else 1
-        return {**given, "rate": rate or 1.0, "times": often}
+        """Return `topic`, `field=value`, and `rate` and `times` as `frequency` does."""
+        given = dict(super().values(words))
+        rate, times = frequency(given.pop(RATE, None), given.pop(TIMES, None))
+        return {**given, "rate": rate, "times": times}
 
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot = station.robot.snapshot
-        found = {r.name: r.types for r in snapshot.resources if r.kind == TOPIC}
+        found = {topic.name: topic for topic in topics_of(snapshot)}
         name = full_name(snapshot, values["topic"], found)
         words = list(values["field=value"])
         if words and "=" not in words[0] and parse_type(words[0]) is not None:
             kind = words.pop(0)
-            if kind not in found.get(name, (kind,)):
-                raise ValueError(f"{name} is {', '.join(found[name])}, not {kind}")
+            if name in found and kind not in found[name].types:
+                raise ValueError(f"{name} is {', '.join(found[name].types)}, not {kind}")
         else:
-            kind = type_of("topic", name, found)
+            kind = type_of("topic", name, {each.name: each.types for each in found.values()})
         if any(part.startswith("_") for part in name.split("/")) or name in _OWN:
             raise ValueError(f"{name} is of ROS or the console itself: nothing is published there")
         fields = values.get("fields")  # Of a form.
         if fields is None:
             fields = await fields_of(station, name, kind, words)
         read = {snapshot.full(topic) for topic in snapshot.file.shown_topics}
-        nodes = next((r.nodes for r in snapshot.resources if r.name == name), ())
+        nodes = found[name].nodes if name in found else ()
         if name in read and nodes:
             raise NotPossible(
                 f"the console reads {name}, and {', '.join(nodes)} publishes it: "
@@ -95,20 +85,26 @@ class Publish(Verb):
         )
 
 
-def _split_numbers(words: Sequence[str]) -> tuple[list[str], dict[str, float]]:
-    """Return the words without `--rate` and `--times`, and their numbers; raise ValueError."""
-    options, literal = split_options(words)
-    rest: list[str] = []
-    numbers: dict[str, float] = {}
-    remaining = iter(options)
-    for word in remaining:
-        name, equals, text = word.partition("=")
-        if name not in _KINDS:
-            rest.append(word)
-            continue
-        text = text if equals else next(remaining, "")
-        try:
-            numbers[name] = float(text)
-        except ValueError:
-            raise ValueError(f"{name} needs {_KINDS[name]}, not {text!r}") from None
-    return [*rest, *(["--", *literal] if literal else [])], numbers
+def frequency(rate: Any, times: Any) -> tuple[float, int | None]:
+    """Return the rate in Hz and how often, None for without end; a given None was left out.
+
+    Without both it is once, with `times` alone once a second; with a rate alone it has no end.
+
+    Raises:
+        ValueError: One of both is no such number.
+    """
+    hertz = None if rate is None else _number(RATE, rate, "a number of Hz")
+    count = None if times is None else _number(TIMES, times, "a whole number")
+    if hertz is not None and not 0 < hertz <= MAX_RATE:
+        raise ValueError(f"{RATE}: more than 0, at most {MAX_RATE:g} Hz, not {hertz:g}")
+    if count is not None and (count < 1 or not count.is_integer()):
+        raise ValueError(f"{TIMES}: a whole number from 1 on, not {count:g}")
+    often = int(count) if count is not None else None if hertz is not None else 1
+    return hertz or 1.0, often
+
+
+def _number(option: str, value: Any, what: str) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{option} needs {what}, not {value!r}") from None

@@ -36,6 +36,7 @@ class Argument(NamedTuple):
 
     Attributes:
         name: The name; with a leading `--`, as in `--all`, the argument is a flag.
+        takes: What stands behind a flag: `HZ`; "" for nothing.
         type: The type as ROS names it: int32, double, string, sequence<int32>.
         many: True if it takes all further words, each as a value.
         rest: True if it takes all further words as one text.
@@ -54,6 +55,7 @@ class Argument(NamedTuple):
     high: Limit = None
     unit: str = ""
     completer: Completer | None = None
+    takes: str = ""
 
     @property
     def is_flag(self) -> bool:
@@ -125,17 +127,25 @@ class Verb:
         """Return the values that the words after the verb mean, by the names of the arguments.
 
         A value is the typed text; for `many` a list of texts; for a flag, which may stand anywhere
-        among the words, True. Arguments that were not typed are left out, but `many` is [] then.
-        Behind the word `--` nothing is a flag. Verbs for goals return parsed values instead.
+        among the words, True, or the text behind it if it takes one. Arguments that were not typed
+        are left out, but `many` is [] then. Behind the word `--` nothing is a flag. Verbs for goals
+        return parsed values instead.
 
         Raises:
             ValueError: The words are too few or too many; the message is one line.
         """
         typed, literal = split_options(words)
-        given: dict[str, Any] = {
-            a.name: True for a in self.arguments if a.is_flag and a.name in typed
-        }
-        words = [*(word for word in typed if word not in given), *literal]
+        flags = {argument.name: argument for argument in self.arguments if argument.is_flag}
+        given, kept, remaining = dict[str, Any](), list[str](), iter(typed)
+        for word in remaining:
+            name, equals, text = word.partition("=")
+            if name in flags and flags[name].takes:
+                given[name] = text if equals else next(remaining, "")
+            elif word in flags:
+                given[word] = True
+            else:
+                kept.append(word)
+        words = [*kept, *literal]
         wanted = [argument for argument in self.arguments if not argument.is_flag]
         for number, argument in enumerate(wanted):
             if argument.many:
@@ -150,6 +160,11 @@ class Verb:
         if len(words) > len(wanted) and not (wanted and (wanted[-1].many or wanted[-1].rest)):
             raise ValueError(f"takes only {self.usage}" if self.usage else "takes no values")
         return given
+
+    @property
+    def is_slow(self) -> bool:
+        """True if its outcome takes seconds, and who waits for it can end the waiting."""
+        return bool(self.started_text) or self.lasts
 
     @property
     def usage(self) -> str:
@@ -235,7 +250,8 @@ class Verb:
 
 
 def _usage(argument: Argument) -> str:
-    shown = argument.name if argument.is_flag else argument.name.upper()
+    shown = f"{argument.name} {argument.takes}".rstrip()
+    shown = shown if argument.is_flag else argument.name.upper()
     shown += " ..." if argument.many else ""
     return f"[{shown}]" if argument.optional or argument.is_flag else shown
 

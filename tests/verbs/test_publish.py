@@ -14,9 +14,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
+from archo_tui.commands.generic import _publish_values
 from archo_tui.robot_file import load
 from archo_tui.text.nodes import node_rows
-from archo_tui.verbs.publish import Publish
+from archo_tui.verbs.goals import Cancel
+from archo_tui.verbs.publish import Publish, frequency
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
@@ -77,6 +79,36 @@ def test_without_a_rate_it_is_one_message_and_with_one_it_has_no_end(
 def test_a_rate_or_a_number_of_times_that_is_none_is_refused(number: str) -> None:
     with pytest.raises(ValueError, match=number.split()[0]):
         Publish().values(["words", *number.split()])
+
+
+@pytest.mark.parametrize(
+    ("rate", "times", "found"),
+    [(1.0, 1, (1.0, 1)), (5, None, (5.0, None)), (None, 3, (1.0, 3)), (None, None, (1.0, 1))],
+)
+def test_a_form_and_a_line_mean_the_same_by_a_rate_and_times(
+    rate: Any, times: Any, found: tuple[float, int | None]
+) -> None:
+    assert frequency(rate, times) == found
+
+
+def test_the_text_of_a_large_message_keeps_the_limits_of_a_rate_too() -> None:
+    values = {"--rate": 1000.0, "--times": 0, "pose": {}}  # As a form of YAML gives them.
+    for wrong in ({}, {"--rate": "often"}, {"--rate": 1.0, "--times": 1.5}):
+        with pytest.raises(ValueError, match=r"--rate|--times"):
+            _publish_values("/words", {**values, **wrong})
+
+
+async def test_cancel_all_cancels_every_goal_also_while_something_is_published() -> None:
+    heard: list[str] = []
+    async with operated(hearing(heard), MotorController) as person:
+        await is_seen(person)
+        station = person._plain._station
+        await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
+        person.type("pub words data=x --rate 10 --yes\n")
+        await until(lambda: len(heard) > 2)
+        outcome = await Cancel().run(station, {"--all": True})
+        assert outcome.text == "none was cancelled"
+        assert not station.robot.publications.active
 
 
 async def test_a_message_is_asked_about_and_arrives_as_often_as_asked() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Mapping
 from typing import Any
@@ -109,9 +110,15 @@ def _outcome(publication: Publication) -> Outcome:
 
 
 async def end_publications(robot: Parts) -> str:
-    """End all that this console publishes, as by cancel; return the topics, "" for none."""
+    """End all that this console publishes, as by cancel; return the topics, "" for none.
+
+    If the ROS thread does not answer, they end once it does.
+    """
 
     async def there() -> str:
         return robot.publications.end_all(_CANCEL)
 
-    return await robot.thread.run(there, calls.DEADLINE) if robot.publications.active else ""
+    if robot.publications.active:
+        with contextlib.suppress(TimeoutError):
+            return await robot.thread.run(there, calls.DEADLINE)
+    return ""
