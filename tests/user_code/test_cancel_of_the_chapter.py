@@ -39,20 +39,17 @@ IMPORTS = (
 )
 THREADS = ("rclpy.spin(node)", "rclpy.spin(node, executor=MultiThreadedExecutor())")
 AWAITS = (
-    ("    def execute_callback", "    async def execute_callback"),
-    ("time.sleep(0.5)", "await self.pause(0.5)"),
     (
-        "\n\ndef main",
-        """
-    async def pause(self, seconds):
+        "    def execute_callback",
+        """    async def pause(self, seconds):
         done = Future()
         timer = self.create_timer(seconds, lambda: done.set_result(True))
         await done
         self.destroy_timer(timer)
 
-
-def main""",
+    async def execute_callback""",
     ),
+    ("time.sleep(0.5)", "await self.pause(0.5)"),
 )
 MENDED = (IMPORTS, TAKES_CANCELS, ENDS_CANCELLED)
 
