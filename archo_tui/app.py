@@ -92,6 +92,7 @@ class ArchoApp(KeyedApp):
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
             self.push_screen(ShowText("An error of the console", text))
+            self.drop_following_keys("The screen crashed")
 
     def on_unmount(self) -> None:
         self.station.detach()

@@ -31,6 +31,7 @@ from archo_tui.terminal.stop_marks import (
     mark_stops,
     marks_of,
     stops_before,
+    typed_after,
 )
 from archo_tui.verbs import verbs
 from archo_tui.verbs.verb import Verb
@@ -82,14 +83,14 @@ class KeyedApp(TerminalApp):
         self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
         self._swallows = False  # True if enter is held, and a message has explained that.
         self.repeated = False  # True while the key that is being handled is held down.
-        # Of the last key or click, however late it is handled.
-        self._read = InputTime(-math.inf, math.inf)
+        self._last_read = -math.inf  # The `event.time` of the last key or click.
+        self._read = InputTime(-math.inf, math.inf)  # Of that, however late it is handled.
         self.input: InputTime | None = None  # Of the one that is being handled.
 
     @property
     def was_operated(self) -> bool:
         """True once a key, a paste or a click was read."""
-        return self._read.at > -math.inf
+        return self._last_read > -math.inf
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """Return the commands for the robot of a snapshot; a subclass may change them."""
@@ -207,11 +208,10 @@ class KeyedApp(TerminalApp):
             return False
         if isinstance(event, events.Key) and event.key == "escape":  # Escape only closes.
             return False
-        now = self.station.clock.monotonic()
-        if now - self._shut_since >= HELD:
+        if self._earliest(event) - self._shut_since >= HELD:
             self._shut_since = None
             return False
-        self._shut_since = now
+        self._shut_since = self.station.clock.monotonic()
         if not self._shut_said:
             self._shut_said = True
             said = f"{self._shut_by}: press the key again."
@@ -276,14 +276,24 @@ class KeyedApp(TerminalApp):
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
-        self._read = InputTime(event.time, event.time - self._read.at)
+        typed = typed_after(event)
+        at = event.time if typed is None else typed
+        self._read, self._last_read = InputTime(at, at - self._last_read), event.time
         mark_input(event, self._read)
         # Equal unless a STOP came between them.
         apart, self._last_stops = self._last_stops, stops_before(event)
-        repeated = key != "" and key == before and self._last_typed - since < HELD
+        repeated = key != "" and key == before and self._earliest(event) - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
         self._swallows = self._swallows and repeated
         return repeated
+
+    def _earliest(self, event: events.Event) -> float:
+        """Return the earliest time at which a key can have been typed, on the station's clock.
+
+        It may be long ago, if this process did not come to read it.
+        """
+        typed = typed_after(event)
+        return self.station.clock.monotonic() if typed is None else typed
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
         """Pass a key or a click on to Textual; do nothing for a held key that may not repeat."""

@@ -287,7 +287,7 @@ class Session:
         """Take over what the process before a restart has left, and say so."""
         station = self.station
         if left.stop:
-            self.send_stop()
+            self.send_stop("the console restarted")
         station.edits.restore(Edit(*edit) for edit in left.edits)
         known = {(kind.id, kind.action): kind for kind in self.file.goals}
         station.goals.restore(
@@ -298,13 +298,13 @@ class Session:
         )
         self.robot.note("YOU", "console", f"{left.why}: restarted")
 
-    def send_stop(self) -> None:
+    def send_stop(self, when: str) -> None:
         """Send a STOP that was counted before the frontend came, as soon as it comes."""
 
         async def send() -> None:
             await self.robot.emergency_stop()
 
-        self.robot.note("YOU", "console", "STOP was read while the console restarted: sent now")
+        self.robot.note("YOU", "console", f"STOP was read while {when}: sent now")
         self.station.post(send)
 
     def hand_over(self) -> Handover:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from typing import TextIO
 
     from archo_tui.handover import Handover
+    from archo_tui.robot.robot import Robot
     from archo_tui.session import Session
     from archo_tui.session_options import Launch
 
@@ -155,8 +156,8 @@ def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> in
 def _run_screen(session: Session, stdin: TextIO | None) -> int:
     """Start the session and show the screen until it is left; after a crash, show it again.
 
-    After the third crash without a key between them, the running goal is cancelled or left, as
-    `--on-disconnect` says, and FAILED is returned.
+    What is typed meanwhile is for the next screen. After the third crash without a key between
+    them, the running goal is cancelled or left, as `--on-disconnect` says, and FAILED is returned.
     """
     require_terminal(stdin)
     import asyncio
@@ -181,10 +182,11 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
     late = _with_typed_stop(left and left._replace(stop=False), stdin)
     if late is not None and late.stop:
         station.robot.stops.register()
-        session.send_stop()
+        session.send_stop("the console restarted")
+    settings_before = None if left is None else left.terminal
     while True:
         app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
-        app.settings_before = None if left is None else left.terminal
+        app.settings_before = settings_before
         with guarded_streams(log_file(), session.printer_of_children()):
             app.run()
         if not app.failure:
@@ -194,14 +196,32 @@ def _run_screen(session: Session, stdin: TextIO | None) -> int:
                 complain(f"{why}: the console restarts; {app.shown_keys['stop']} is STOP meanwhile")
             return app.return_code or 0
         failed, failures = app.failure, 1 if app.was_operated else failures + 1
+        settings_before = app.settings_before
         last = failed.strip().splitlines()[-1]
         station.robot.note("ERROR", "console", f"the screen crashed: {last}")
         session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
         if failures == _MOST_FAILURES:
             why = "the screen keeps crashing"
+            end = Handover(stop_key=app.stop_key, terminal=settings_before)
+            _send_typed_stop(station.robot, end, stdin)
             asyncio.run(let_go(station.robot, clock, station.on_disconnect, why))
+            _send_typed_stop(station.robot, end, stdin)
+            end.restore_terminal()
             complain(f"the screen keeps crashing: {last}")
             return FAILED
+        if not station.robot.stops.are_answered:  # The screen has read it, and sent it or not.
+            session.send_stop("the screen crashed")
+
+
+def _send_typed_stop(robot: Robot, end: Handover, stdin: TextIO | None) -> None:
+    """Send a STOP that was typed since the last screen, or that this has read and not sent."""
+    import asyncio
+
+    left = _with_typed_stop(end, stdin)
+    if left is not None and left.stop:
+        robot.stops.register()
+    if not robot.stops.are_answered:
+        asyncio.run(robot.emergency_stop())
 
 
 def _print_version(engine: str) -> int:

@@ -238,10 +238,10 @@ class TerminalApp(App[None]):
         return timer
 
     def keep_keys(self) -> None:
-        """Leave the terminal raw at the end, and what is typed from now on to the next process."""
+        """Leave the terminal raw at the end, and what is typed from now on to who follows."""
         keep_keys = getattr(self._driver, "keep_keys", None)  # Not Windows', or a test's.
         if keep_keys is not None:
-            self.settings_before = keep_keys()
+            self.settings_before = keep_keys() or self.settings_before
 
     def end(self, code: int) -> None:
         self.exit(return_code=code)
@@ -262,6 +262,8 @@ class TerminalApp(App[None]):
             return
         if self._exit:  # Errors while the screen is taken down do not matter.
             return
-        self.failure = self.failure or "".join(traceback.format_exception(error))
+        if not self.failure:
+            self.failure = "".join(traceback.format_exception(error))
+            self.keep_keys()  # A STOP that is typed before the next screen comes is for that.
         self._return_code = 1
         self._close_messages_no_wait()

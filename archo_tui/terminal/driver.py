@@ -45,7 +45,7 @@ class DriverApp(StopKeyOwner, Protocol):
     """The methods of the app that the driver calls."""
 
     stop_key: str  # Textual's name of the key of STOP.
-    settings_before: Sequence[Any] | None  # Of the terminal before a restart; None: as they are.
+    settings_before: Sequence[Any] | None  # Of the terminal before the first start; None: as now.
 
     def hang_up(self) -> None:
         """Begin to end the app, because the terminal is gone for good."""
@@ -168,6 +168,7 @@ class SteadyDriver(LinuxDriver):
         self._started = False
         self._is_setting_modes = True  # Such writes are never dropped.
         self._keeps_keys = False
+        self._empty_at = time.monotonic()  # In s: the last time when there was nothing to read.
         super().__init__(*args, **options)
 
     # LinuxDriver creates its thread within start_application_mode; the setter replaces it.
@@ -200,11 +201,12 @@ class SteadyDriver(LinuxDriver):
         self._started = False
 
     def keep_keys(self) -> list[Any] | None:
-        """Leave the terminal raw at the end: what is typed waits for the process that follows.
+        """Read no more, and leave the terminal raw at the end: what is typed waits for who follows.
 
         Returns the settings from before the start, as numbers only, or None if they are not known.
         """
         self._keeps_keys = True
+        self.exit_event.set()
         settings, self.attrs_before = self.attrs_before, None
         if settings is None:
             return None
@@ -218,7 +220,6 @@ class SteadyDriver(LinuxDriver):
         # As Textual does it, but what waits to be read is not thrown away.
         signal.signal(signal.SIGWINCH, signal.SIG_DFL)
         self._disable_mouse_support()
-        self.exit_event.set()
         if self._key_thread is not None:
             self._key_thread.join()
         self.exit_event.clear()
@@ -250,15 +251,20 @@ class SteadyDriver(LinuxDriver):
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
-                if selector.select(_POLL_FOR_ESCAPE if keyboard.is_waiting else _POLL):
+                began, wait = time.monotonic(), _POLL_FOR_ESCAPE if keyboard.is_waiting else _POLL
+                is_ready, empty_at = selector.select(wait), self._empty_at
+                if self.exit_event.is_set():
+                    return
+                if is_ready:
                     data = self._read_available(selector)
                     if not data:
                         self._on_hang_up()
                         return
                     messages = keyboard.feed(data, time.monotonic())
                 else:
+                    self._empty_at = began + wait
                     messages = keyboard.on_silence(time.monotonic())
-                dispatch(messages, app, self._on_stop_key, self.process_message)
+                dispatch(messages, app, self._on_stop_key, self.process_message, empty_at)
 
     def _on_stop_key(self, message: Message) -> None:
         self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
@@ -269,7 +275,11 @@ class SteadyDriver(LinuxDriver):
         with contextlib.suppress(OSError):
             while part := os.read(self.fileno, _MAX_READ - len(data)):
                 data += part
-                if len(data) == _MAX_READ or not selector.select(0):
+                now = time.monotonic()
+                if len(data) == _MAX_READ:
+                    break
+                if not selector.select(0):
+                    self._empty_at = now
                     break
         return data
 

@@ -47,11 +47,26 @@ def stops_before(message: Message) -> int | None:
     return min((mark.stops for mark in found if isinstance(mark, StopMark)), default=None)
 
 
+class TypedAfter(NamedTuple):
+    """A mark on a message: the last time before its input when the terminal had nothing to read."""
+
+    at: float  # Monotonic time, in s.
+
+
+def typed_after(message: Message) -> float | None:
+    """Return the earliest time in s at which a message can have been typed; None if not marked.
+
+    A busy machine reads late: only by this time it is known how long ago a key came before it.
+    """
+    found: set[object] = {*message._prevent}
+    return next((mark.at for mark in found if isinstance(mark, TypedAfter)), None)
+
+
 class InputTime(NamedTuple):
-    """A mark on a message: when the input was read that the message results from."""
+    """A mark on a message: the earliest time of the input that the message results from."""
 
     at: float  # s, on the clock of `Message.time`
-    pause: float  # s since the input before
+    pause: float  # s since the input before was read
 
 
 def now() -> float:
@@ -80,10 +95,13 @@ def dispatch(
     app: StopKeyOwner,
     stop: Callable[[Message], object],
     other: Callable[[Message], object],
+    empty_at: float | None = None,  # Monotonic time in s when there was nothing to read yet.
 ) -> None:
-    """Mark messages that were read together with the count of STOPs, and pass STOPs on first."""
+    """Mark messages that were read together with count and time, and pass STOPs on first."""
     others = []
     for message in messages:
+        if empty_at is not None:
+            message._prevent.add(cast("type[Message]", TypedAfter(empty_at)))
         if app.is_stop(message):
             mark_stops(message, app.stops.register())
             stop(message)

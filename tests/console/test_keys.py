@@ -17,8 +17,9 @@ from archo_tui.commands.console import PanelKey
 from archo_tui.paths import config_file
 from archo_tui.station import form_history
 from archo_tui.terminal import themes
+from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
-from tests.support.console import FAST, LONG, Console, console
+from tests.support.console import FAST, LONG, Console, console, key_event
 from tests.support.night import corners
 
 PLACES = ("Everywhere", "Not while typing", "In Events")
@@ -255,6 +256,17 @@ async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
         await op.until(lambda: _said(op))  # the screen shows it before the verb has ended
         await op.settle()
         assert len(_said(op)) == 1
+
+
+async def test_enter_that_was_held_while_the_screen_stood_still_sets_nothing() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "enter")
+        held = seconds() + 0.3
+        await op.at(held + 2.0)  # The screen comes to it only now.
+        app = op.app
+        dispatch([key_event("enter")], app, app.stop_typed, app.post_message, held)
+        await op.until("press it again")
+        assert not _said(op)
 
 
 async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_is_held() -> None:

@@ -78,6 +78,12 @@ class Terminal:
             except OSError:  # the other end is closed
                 time.sleep(0.01)
 
+    def read_for(self, seconds: float) -> None:
+        """Take what is drawn in that time."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self.read(left)
+
     def until(self, wanted: str | Callable[[], object]) -> None:
         """Read until the text has been drawn, or a condition holds."""
         end = time.monotonic() + 2 * DEADLINE

@@ -1,15 +1,21 @@
-"""The writer between the screen and a terminal: bounded, whole frames, the modes always."""
+"""The driver of a terminal: whole frames in bounds, the modes always, keys with their times."""
 
 from __future__ import annotations
 
+import asyncio
 import os
+import pty
 import select
 import threading
+import time
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
+from textual.message import Message
 
-from archo_tui.terminal.driver import MAX_WAITING, TerminalWriter
+from archo_tui.terminal.driver import MAX_WAITING, SteadyDriver, TerminalWriter
+from archo_tui.terminal.stop_marks import typed_after
 from tests.support.waiting import DEADLINE, wait_until
 
 FILLING = 7  # frames
@@ -116,3 +122,50 @@ def test_a_terminal_that_takes_nothing_is_known_to_show_nothing(pipe: Pipe) -> N
     wait_until(lambda: pipe.writer.is_stuck)
     pipe.read(frame(FILLING - 1).encode())
     wait_until(lambda: not pipe.writer.is_stuck)
+
+
+class Reader:
+    """An app for a driver; what reads its keys stands still while it is told to."""
+
+    stop_key = "ctrl+x"
+
+    def __init__(self) -> None:
+        self.goes_on, self.stands = threading.Event(), threading.Event()
+        self.stops = type("Stops", (), {"count": 0})
+
+    def is_stop(self, _: Message) -> bool:
+        self.stands.set()
+        self.goes_on.wait(DEADLINE)
+        return False
+
+
+async def test_a_key_that_is_read_late_may_be_as_old_as_the_last_look() -> None:
+    read: list[tuple[float, float]] = []  # When at the earliest it was typed, and when read.
+
+    class Driver(SteadyDriver):
+        def process_message(self, message: Message) -> None:
+            read.append((typed_after(message) or 0.0, time.monotonic()))
+
+    app: Any = Reader()
+    driver = Driver(app)
+    terminal, driver.fileno = pty.openpty()
+    thread = threading.Thread(target=driver.run_input_thread)
+    thread.start()
+    try:
+        os.write(terminal, b"\n")
+        await asyncio.to_thread(app.stands.wait, DEADLINE)
+        second = time.monotonic()
+        os.write(terminal, b"\n")
+        app.goes_on.set()
+        await asyncio.to_thread(wait_until, lambda: len(read) == 2)
+        assert read[1][0] <= second
+        silent = time.monotonic()
+        await asyncio.to_thread(wait_until, lambda: driver._empty_at > silent)
+        os.write(terminal, b"\n")
+        await asyncio.to_thread(wait_until, lambda: len(read) == 3)
+        assert silent < read[2][0] <= read[2][1]
+    finally:
+        driver.exit_event.set()
+        thread.join(DEADLINE)
+        os.close(terminal)
+        os.close(driver.fileno)

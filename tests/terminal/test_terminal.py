@@ -18,7 +18,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.paths import journal_file
 from tests.support.night import corners
 from tests.support.terminal import Terminal
-from tests.support.waiting import wait_until
+from tests.support.waiting import DEADLINE, wait_until
 
 SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
@@ -209,7 +209,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     terminal.until("The screen crashed and was restarted; the nodes kept running.")
     terminal.until("in failing")
     terminal.until("esc close")
-    terminal.write("\r")
+    terminal.write("\x1b")
     terminal.until("m left of")  # the goal ran on
     terminal.write("\x03")
     terminal.until("CANCELLED")
@@ -238,20 +238,70 @@ def test_a_dialog_that_fails_whenever_it_is_opened_does_not_end_the_console(
     terminal.until("max_speed")
     terminal.write("g12\r")
     terminal.until("m left of")
-    for _ in range(4):
+    for count in range(1, 5):
         terminal.output = b""
         terminal.leave_field()
-        terminal.write("?")
+        end = time.monotonic() + DEADLINE
+        while crashes() < count:  # Directly after a crash a key is to be pressed again.
+            assert time.monotonic() < end
+            terminal.write("?")
+            terminal.read_for(1.0)
         terminal.until("The screen crashed and was restarted; the nodes kept running.")
         terminal.until("esc close")
         terminal.until("m left of")  # the goal ran on
-        terminal.output = b""
-        terminal.write("\r")
-        terminal.until("Cancel")  # the keys of the main screen are there again
+        terminal.write("\x1b")
     terminal.write("\x03")
     terminal.until("CANCELLED")
-    terminal.write("q")
+    terminal.write("\x11")
     assert terminal.exit_code() == 0
+
+
+def crashes() -> int:
+    return [entry["kind"] for entry in journaled()].count("screen failure")
+
+
+# The second screen waits until the file "go" is there; the first one fails as "?" opens its dialog.
+FAILS_AND_WAITS = (
+    FAILS_WHEN_OPENED
+    + """
+import pathlib, time
+from archo_tui.app import ArchoApp
+made, before = [], ArchoApp.__init__
+def waiting(self, *args, **options):
+    made.append(self)
+    while len(made) > 1 and not pathlib.Path("go").exists():
+        pathlib.Path("waits").touch()
+        time.sleep(0.01)
+    before(self, *args, **options)
+ArchoApp.__init__ = waiting
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("key", "ended"), [("\x18", "STOP: confirmed"), ("\x03", "shelf 12 cancelled")]
+)
+def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
+    key: str, ended: str, terminals: list[Terminal], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    far = "-p", "route_length:=1000.0"
+    terminal = Terminal(*SLOW, *far, code=FAILS_AND_WAITS, fresh=True)
+    terminals.append(terminal)
+    terminal.until("max_speed")
+    terminal.write("g12\r")
+    terminal.until("m left of")
+    terminal.leave_field()
+    terminal.write("?")
+    terminal.until((tmp_path / "waits").exists)
+    terminal.write(f"r{key}\r")  # The others are not for the screen that follows.
+    (tmp_path / "go").touch()
+    terminal.until(lambda: any(ended in str(entry["text"]) for entry in journaled()))
+    terminal.until("The screen crashed: press the key again.")
+    assert not any("reset encoder" in str(entry["text"]) for entry in journaled())
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
 
 
 FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
@@ -443,7 +493,7 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Termin
     said = [entry.get("text", "") for entry in journaled()]
     assert any("keeps crashing: cancelling the goal to shelf 12" in text for text in said), said
     assert "cancel: accepted" in said
-    assert [e["kind"] for e in journaled()].count("screen failure") == 3
+    assert crashes() == 3
 
 
 FAILS_IN_A_MOVE = """
