@@ -264,7 +264,8 @@ class KeyedApp(TerminalApp):
             return True
         region, since = self._gone_notice
         is_there = isinstance(event, events.MouseDown) and region.contains(event.x, event.y)
-        self._pressed_gone = is_there and event.time - since < HELD
+        read = input_of(event)
+        self._pressed_gone = is_there and read is not None and read.at - since < HELD
         return self._pressed_gone
 
     def _record_input(self, event: events.Event) -> bool:
