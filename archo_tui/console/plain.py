@@ -329,8 +329,8 @@ class Plain:
         Nothing is printed if the robot has confirmed a later one.
         """
         results, self._stop_results = self._stop_results, []
-        unanswered = self._input.unanswered
-        while unanswered and unanswered[0] <= results[-1]["id"]:
+        unanswered, answered = self._input.unanswered, max(result["id"] for result in results)
+        while unanswered and unanswered[0] <= answered:
             unanswered.popleft()
         confirmed = [result["id"] for result in results if result["code"] == "done"]
         self._stopped_up_to = max(self._stopped_up_to, *confirmed, 0)

@@ -14,7 +14,7 @@ from archo_tui.robot.clients.requester import current_requester
 from archo_tui.robot.messages.types import INTEGERS, element_of
 from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.state.graph import NOT_REPORTED
-from archo_tui.robot.state.snapshot import Snapshot
+from archo_tui.robot.state.snapshot import Life, Snapshot
 from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 
@@ -23,6 +23,8 @@ YES = "--yes"  # Answers a verb's question.
 DISCOVERY_TIME = 2.0  # Seconds after the start by which every server on the graph is found.
 ROBOT_TIMEOUT = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
 _ANSWER_TIMEOUT = 5.0  # Seconds to wait for answers to earlier requests, which have deadlines.
+_HOSTED_TIMEOUT = 5.0  # Seconds to wait until a node that runs here is found on the graph.
+_STARTING_TIMEOUT = 15.0  # Seconds to wait for one whose constructor has not returned.
 _RETRY_PERIOD = 0.05  # Seconds between two tries.
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 # Returns if the answer is yes; raises ArchoError if it is not, or if nobody can be asked.
@@ -362,30 +364,34 @@ def is_settled(station: Station) -> bool:
     return bool(snapshot.nodes) and are_reported and not missing
 
 
-def _has_unseen(station: Station) -> bool:
-    """Return True while a node that runs in this process has not been found on the graph."""
+def _awaits_hosted(station: Station, waited: float) -> bool:
+    """Return True while a node that runs here is not on the graph, `waited` seconds being few."""
     seen = {node.name for node in station.robot.snapshot.nodes}
-    return any(node.life.is_running and node.name not in seen for node in station.host.states())
+    lives = [n.life for n in station.host.states() if n.life.is_running and n.name not in seen]
+    return bool(lives) and waited < (
+        _STARTING_TIMEOUT if Life.STARTING in lives else _HOSTED_TIMEOUT
+    )
 
 
 async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Values | Outcome:
     """Return the values for a verb's `question` and `run`, or why it is refused.
 
     What is refused is tried again until the robot is settled, for a missing name at least until
-    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT; at any time, a missing name is
-    waited for while a node that runs here is not on the graph yet. Raises what `prepare` raises,
-    and Void if a STOP was read meanwhile, unless the verb changes nothing or survives a STOP.
+    DISCOVERY_TIME, and for a missing `service` until ROBOT_TIMEOUT; at any time, both are waited
+    for while a node that runs here is not on the graph yet. Raises what `prepare` raises, and Void
+    if a STOP was read meanwhile, unless the verb changes nothing or survives a STOP.
     """
     acts, gate, requester = verb.acts_with(values), station.robot.stops.gate(), current_requester()
     if acts and station.robot.watching:
         return Outcome(Code.WATCHING, WATCHING)
     is_void = acts and not verb.survives_stop
-    patience = station.clock.monotonic() + _ANSWER_TIMEOUT
+    began = station.clock.monotonic()
     while True:
         if is_void:
             gate()
         is_last = station.age >= ROBOT_TIMEOUT or requester.has_left
-        is_due = verb.is_answered(station) or station.clock.monotonic() >= patience
+        waited = station.clock.monotonic() - began
+        is_due = verb.is_answered(station) or waited >= _ANSWER_TIMEOUT
         if requester.has_left or (is_due and (is_last or verb.is_found(station, values))):
             try:
                 if not (reason := verb.disabled_reason(station)):
@@ -395,9 +401,10 @@ async def prepare_when_found(station: Station, verb: Verb, values: Values) -> Va
                 fault = error
             # A node that the robot file does not name may be found after those that it names.
             is_name = isinstance(fault, NotOnGraphError)
-            may_come = is_name and station.age < DISCOVERY_TIME
-            may_come |= bool(verb.service) and verb.service not in station.robot.snapshot.offered
-            is_hosted = is_name and station.clock.monotonic() < patience and _has_unseen(station)
+            is_offered = not verb.service or verb.service in station.robot.snapshot.offered
+            may_come = not is_offered or (is_name and station.age < DISCOVERY_TIME)
+            is_hosted = (is_name or not is_offered) and not requester.has_left
+            is_hosted = is_hosted and _awaits_hosted(station, waited)
             if not is_hosted and (is_last or (is_settled(station) and not may_come)):
                 if isinstance(fault, NotPossible):
                     return Outcome(Code.REFUSED, str(fault))

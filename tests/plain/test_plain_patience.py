@@ -59,21 +59,28 @@ async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
         assert seconds() - began < 0.5
 
 
+@pytest.mark.parametrize(
+    ("life", "line", "said", "patience"),
+    [
+        (Life.UP, "get coming gain", "get: no node /coming is on the graph", 4.9),
+        (Life.STARTING, "reset", "reset: reset_encoder is not offered by any node", 14.9),
+    ],
+)
 async def test_a_name_is_waited_for_while_a_program_that_runs_here_comes_up(
-    monkeypatch: pytest.MonkeyPatch,
+    life: Life, line: str, said: str, patience: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with operated(Alone) as person:
         host, began = person._plain._station.host, seconds()
         await until(lambda: seconds() > began + 6.0)
-        coming = (*host.states(), Hosted("/coming", Life.STARTING))
+        coming = (*host.states(), Hosted("/coming", life))
         monkeypatch.setattr(host, "states", lambda: coming)
         began = seconds()
-        person.type("get coming gain\n")
-        await person.until("failed: get: no node /coming is on the graph")
-        assert seconds() - began >= 4.9
+        person.type(f"{line}\n")
+        await person.until(f"failed: {said}")
+        assert seconds() - began >= patience
         monkeypatch.undo()  # It has ended.
         began = seconds()
-        person.type("get coming gain\nnodes\n")
+        person.type(f"{line}\nnodes\n")
         await person.until("alone up")
         assert seconds() - began < 2.0
 

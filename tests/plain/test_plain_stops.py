@@ -303,6 +303,15 @@ async def test_a_stop_does_not_wait_for_the_answer_to_the_one_before_it() -> Non
         assert await person.end() == 1
 
 
+async def test_the_answer_to_a_later_stop_may_come_first() -> None:
+    async with operated() as person:
+        plain = person._plain
+        plain._input.unanswered.extend([1, 2])
+        for number in (2, 1):
+            plain.reply({"id": number, "code": "timeout", "text": "no answer in 2 s"})
+        assert await person.end() == 1
+
+
 async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -> None:
     made: list[Peer] = []
     nodes = [*_robots_nodes(False).values(), making(made, Peer)]
