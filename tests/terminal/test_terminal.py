@@ -304,6 +304,29 @@ def test_what_is_typed_between_a_screen_that_failed_and_the_next_counts(
     assert terminal.is_as_before()
 
 
+FAILS_AT_STOP = """
+from archo_tui.app import ArchoApp
+before = ArchoApp.close_questions
+def failing(self):
+    ArchoApp.close_questions = before
+    raise ZeroDivisionError("of the dialogs")
+ArchoApp.close_questions = failing
+"""
+
+
+def test_a_stop_whose_key_crashes_the_screen_is_sent(terminals: list[Terminal]) -> None:
+    terminal = Terminal(code=FAILS_AT_STOP)
+    terminals.append(terminal)
+    terminal.until("max_speed")
+    terminal.write("\x18")
+    terminal.until("The screen crashed and was restarted; the nodes kept running.")
+    terminal.until(lambda: any("STOP: confirmed" in str(entry["text"]) for entry in journaled()))
+    sent = "STOP was read while the screen crashed: sent now"
+    assert sent in [entry["text"] for entry in journaled()]
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+
+
 FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
 
 
