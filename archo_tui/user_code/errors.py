@@ -7,6 +7,7 @@ import re
 import sys
 import sysconfig
 import traceback
+from functools import cache
 from pathlib import Path
 from traceback import StackSummary, TracebackException
 from types import CodeType, ModuleType
@@ -39,12 +40,20 @@ class NodeFileError(UserFileError):
     """The error for a user's file that cannot be found or run."""
 
 
+@cache  # A start asks about all imported modules, and each question takes a look at the disk.
+def _resolved(filename: str) -> tuple[Path, bool]:
+    """Return where a file of code is, and True if it belongs to Python or to what is installed."""
+    path = Path(filename).resolve()
+    is_installed = "site-packages" in path.parts
+    return path, is_installed or not {_PYTHON, _CONSOLE}.isdisjoint(path.parents)
+
+
 class OwnCode:
     """The code of a file and of its folder."""
 
     def __init__(self, given: str, path: Path) -> None:
         self._given, self.path = given, path
-        self._known: dict[str, bool] = {}  # As each question takes a look at the disk.
+        self._known: dict[str, bool] = {}
 
     def __str__(self) -> str:
         return self._given
@@ -57,11 +66,8 @@ class OwnCode:
         if not filename:  # Built-in code has none.
             return False
         if filename not in self._known:
-            path = Path(filename).resolve()
-            is_installed = "site-packages" in path.parts or not {_PYTHON, _CONSOLE}.isdisjoint(
-                path.parents
-            )
-            is_beside = self.path.parent in path.parents and not is_installed
+            path, is_installed = _resolved(filename)
+            is_beside = not is_installed and self.path.parent in path.parents
             self._known[filename] = path == self.path or is_beside
         return self._known[filename]
 

@@ -213,7 +213,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     terminal.until("m left of")  # the goal ran on
     terminal.write("\x03")
     terminal.until("CANCELLED")
-    terminal.write("q")
+    terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
     assert "the screen crashed: ZeroDivisionError: of the screen" in [

@@ -99,11 +99,26 @@ class CheckRunner:
             found = [
                 CheckedNode(hosted.file, **node)
                 for hosted in self._host.programs
-                for node in hosted.ask({"ask": "nodes"}).get("nodes", ())
+                for node in self._ask_nodes(hosted)
             ]
             if not self._crashed():
                 return found
         return []
+
+    def _ask_nodes(self, program: HostedProgram) -> list[dict[str, Any]]:
+        """Return what the program's nodes have; ask again while one is just made, ANSWER seconds.
+
+        A program that has ended has none.
+        """
+        answer: dict[str, Any] = {}
+
+        def is_answered() -> bool:
+            answer.update(program.ask({"ask": "nodes"}))
+            return "nodes" in answer or program.is_over
+
+        self.spin_until(is_answered, ANSWER)
+        found: list[dict[str, Any]] = answer.get("nodes", [])
+        return found
 
     def programs_of(self, nodes: Sequence[CheckedNode]) -> list[HostedProgram]:
         """Return the programs of some nodes, as they run now."""
